@@ -1,0 +1,84 @@
+//! Charts of y over x: series, and what helps to read them.
+
+use crate::axis::Axis;
+use crate::panel::Panel;
+use crate::series::Series;
+
+/// A shaded interval of x: a mode, a regime.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Band {
+    /// Both ends.
+    pub x: (f64, f64),
+    /// Index into the palette; the band has a pale tint of it.
+    pub color: usize,
+    /// What the legend says; bands alike in label and colour have one entry.
+    pub label: String,
+}
+
+/// A dashed grey line of known slope, to compare series with.
+///
+/// The slope is that of the drawn coordinates: on two logarithmic axes the exponent p of `y ∝ xᵖ`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Guide {
+    /// The slope p.
+    pub slope: f64,
+    /// A point the line passes through.
+    pub through: (f64, f64),
+    /// The part of x to be drawn; all of it without.
+    pub span: Option<(f64, f64)>,
+    /// Written at the line's right end.
+    pub label: String,
+}
+
+/// A horizontal reference line; a y axis without a range includes it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Level {
+    /// Its height.
+    pub y: f64,
+    /// Written above its right end.
+    pub label: String,
+}
+
+/// A text at a point of the chart.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Note {
+    /// The point, at the text's lower left; the text moves left where it would leave the chart.
+    pub at: (f64, f64),
+    /// What it says.
+    pub text: String,
+}
+
+/// A chart of y over x.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LineChart {
+    /// Written above the panel.
+    pub title: String,
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// The data, later series above earlier ones.
+    pub series: Vec<Series>,
+    /// Shaded intervals of x.
+    pub bands: Vec<Band>,
+    /// Thin vertical lines: times of events.
+    pub marks: Vec<f64>,
+    /// Short ticks inside the upper border, for events too many to draw as lines.
+    pub ticks: Vec<f64>,
+    /// What the legend says of `ticks`.
+    pub ticks_label: String,
+    /// Lines of known slope.
+    pub guides: Vec<Guide>,
+    /// Horizontal reference lines.
+    pub levels: Vec<Level>,
+    /// Texts.
+    pub notes: Vec<Note>,
+    /// One unit of x is as long as one of y, in a square plot area.
+    pub equal_aspect: bool,
+}
+
+impl From<LineChart> for Panel {
+    fn from(chart: LineChart) -> Self {
+        Panel::Line(chart)
+    }
+}

@@ -1,0 +1,150 @@
+//! A series of points with one look.
+
+use std::collections::HashSet;
+
+use crate::canvas::Canvas;
+use crate::geometry::{Point, clip, dash, thin};
+use crate::legend::{Entry, Sample};
+use crate::marker::Marker;
+use crate::style::{DASH, Rgb, STROKE, palette};
+use crate::view::View;
+
+/// How a series' line is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stroke {
+    /// Without interruption.
+    #[default]
+    Solid,
+    /// In dashes.
+    Dashed,
+    /// Not at all: only markers.
+    None,
+}
+
+impl Stroke {
+    pub(crate) fn draw(self, path: &[Point], color: Rgb, canvas: &mut Canvas) {
+        match self {
+            Self::Solid => canvas.stroke(path.to_vec(), STROKE, color),
+            Self::Dashed => {
+                dash(path, DASH)
+                    .into_iter()
+                    .for_each(|part| canvas.stroke(part, STROKE, color));
+            }
+            Self::None => {}
+        }
+    }
+}
+
+/// Points in the order in which they are joined.
+///
+/// A point that is not finite, or not positive on a logarithmic axis, is left out and interrupts the line.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series {
+    /// What the legend says; empty for no entry.
+    pub label: String,
+    /// Index into the palette of [`PALETTE_LEN`](crate::PALETTE_LEN) colours.
+    pub color: usize,
+    /// How the line is drawn.
+    pub stroke: Stroke,
+    /// The sign at each point.
+    pub marker: Marker,
+    /// Only the outline of each marker; a cross and a dot look the same either way.
+    pub hollow: bool,
+    /// x and y.
+    pub points: Vec<(f64, f64)>,
+}
+
+impl Series {
+    /// A solid line without markers.
+    pub fn line(label: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
+        Self {
+            label: label.into(),
+            color,
+            points,
+            ..Self::default()
+        }
+    }
+
+    /// A solid line with filled markers.
+    pub fn filled(
+        label: impl Into<String>,
+        color: usize,
+        marker: Marker,
+        points: Vec<(f64, f64)>,
+    ) -> Self {
+        Self {
+            marker,
+            ..Self::line(label, color, points)
+        }
+    }
+
+    /// A dashed line with hollow markers: the other variant of a filled series.
+    pub fn hollow(
+        label: impl Into<String>,
+        color: usize,
+        marker: Marker,
+        points: Vec<(f64, f64)>,
+    ) -> Self {
+        Self {
+            stroke: Stroke::Dashed,
+            hollow: true,
+            ..Self::filled(label, color, marker, points)
+        }
+    }
+
+    /// Markers without a line.
+    pub fn scatter(
+        label: impl Into<String>,
+        color: usize,
+        marker: Marker,
+        points: Vec<(f64, f64)>,
+    ) -> Self {
+        Self {
+            stroke: Stroke::None,
+            ..Self::filled(label, color, marker, points)
+        }
+    }
+
+    pub(crate) fn entry(&self) -> Entry {
+        let sample = Sample::Series {
+            color: palette(self.color),
+            stroke: self.stroke,
+            marker: self.marker,
+            hollow: self.hollow,
+        };
+        Entry {
+            label: self.label.clone(),
+            sample,
+        }
+    }
+
+    pub(crate) fn draw(&self, view: &View, canvas: &mut Canvas) {
+        let placed: Vec<Option<Point>> =
+            self.points.iter().map(|&point| view.place(point)).collect();
+        if self.stroke != Stroke::None {
+            for run in placed.split(Option::is_none) {
+                let run: Vec<Point> = run.iter().copied().flatten().collect();
+                for part in clip(&thin(&run), &view.plot) {
+                    self.stroke.draw(&part, palette(self.color), canvas);
+                }
+            }
+        }
+        // Of signs that fall on the same half pixel, or of dots on the same pixel, one is enough.
+        let fine = if self.marker == Marker::Dot { 1.0 } else { 2.0 };
+        let mut taken = HashSet::new();
+        for point in placed
+            .into_iter()
+            .flatten()
+            .filter(|&point| view.plot.contains(point))
+        {
+            let cell = (
+                (fine * point.0).round() as i64,
+                (fine * point.1).round() as i64,
+            );
+            if self.marker != Marker::None && taken.insert(cell) {
+                self.marker
+                    .draw(point, palette(self.color), self.hollow, canvas);
+            }
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! A plot area with the spans of its axes: where values are drawn.
+
+use crate::axis::Span;
+use crate::geometry::{Point, Rect, clip};
+use crate::line::Guide;
+
+/// Maps values to places.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct View {
+    pub(crate) plot: Rect,
+    pub(crate) x: Span,
+    pub(crate) y: Span,
+}
+
+impl View {
+    /// Where a point lies, in the plot area or outside, if it can be shown.
+    pub(crate) fn place(&self, (x, y): Point) -> Option<Point> {
+        Some(self.plot.at((self.x.fraction(x)?, self.y.fraction(y)?)))
+    }
+
+    /// Where a value of x lies, if inside.
+    pub(crate) fn across(&self, x: f64) -> Option<f64> {
+        let at = self.x.fraction(x).filter(|at| (0.0..=1.0).contains(at))?;
+        Some(self.plot.at((at, 0.0)).0)
+    }
+
+    /// Where a value of y lies, if inside.
+    pub(crate) fn up(&self, y: f64) -> Option<f64> {
+        let at = self.y.fraction(y).filter(|at| (0.0..=1.0).contains(at))?;
+        Some(self.plot.at((0.0, at)).1)
+    }
+
+    /// The visible part of an interval of x.
+    pub(crate) fn band(&self, (from, to): (f64, f64)) -> Option<Rect> {
+        let (a, b) = (self.x.fraction(from)?, self.x.fraction(to)?);
+        let (left, right) = (a.min(b).max(0.0), a.max(b).min(1.0));
+        let at = |part: f64| self.plot.at((part, 0.0)).0;
+        (left < right).then(|| Rect {
+            left: at(left),
+            right: at(right),
+            ..self.plot
+        })
+    }
+
+    /// Where vertical lines stand, at most one each half pixel.
+    pub(crate) fn columns(&self, values: &[f64]) -> Vec<f64> {
+        let mut places: Vec<f64> = values.iter().filter_map(|&x| self.across(x)).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup_by(|b, a| *b - *a < 0.5);
+        places
+    }
+
+    /// Both ends of the visible part of a guide, from left to right.
+    pub(crate) fn guide(&self, guide: &Guide) -> Option<[Point; 2]> {
+        let (x, y) = (self.x, self.y);
+        let (x0, y0) = (
+            x.scale.coordinate(guide.through.0)?,
+            y.scale.coordinate(guide.through.1)?,
+        );
+        let end = |value: f64, otherwise: f64| x.scale.coordinate(value).unwrap_or(otherwise);
+        let (from, to) = guide
+            .span
+            .map_or((x.lo, x.hi), |(from, to)| (end(from, x.lo), end(to, x.hi)));
+        let at = |c: f64| {
+            let height = y0 + guide.slope * (c - x0);
+            self.plot
+                .at(((c - x.lo) / (x.hi - x.lo), (height - y.lo) / (y.hi - y.lo)))
+        };
+        let part = clip(&[at(from.min(to)), at(from.max(to))], &self.plot).pop()?;
+        part.try_into().ok()
+    }
+}
