@@ -1,0 +1,56 @@
+//! Interpolants over one step.
+
+use crate::system::Vector;
+
+/// Cubic Hermite interpolation at `θ` between two ends, each a state and its slope.
+///
+/// ```text
+/// y = (1 − θ) y₀ + θ y₁ + θ (θ − 1) [(1 − 2θ)(y₁ − y₀) + (θ − 1) h ẏ₀ + θ h ẏ₁]
+/// ```
+///
+/// E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, (II.6.7).
+pub fn hermite<Y: Vector<f64>>(
+    theta: f64,
+    h: f64,
+    (y0, slope0): (&Y, &Y),
+    (y1, slope1): (&Y, &Y),
+    y: &mut Y,
+) {
+    let ends = y0.as_ref().iter().zip(y1.as_ref());
+    let slopes = slope0.as_ref().iter().zip(slope1.as_ref());
+    for ((y, (y0, y1)), (slope0, slope1)) in y.as_mut().iter_mut().zip(ends).zip(slopes) {
+        let cubic =
+            (1.0 - 2.0 * theta) * (y1 - y0) + (theta - 1.0) * h * slope0 + theta * h * slope1;
+        *y = y0 + theta * (y1 - y0) + theta * (theta - 1.0) * cubic;
+    }
+}
+
+/// `y = y₀ + h Σ_i k_i (p_i0 θ + p_i1 θ² + …)`.
+pub fn stages<Y: Vector<f64>, const S: usize>(
+    theta: f64,
+    h: f64,
+    y0: &Y,
+    k: &[Y; S],
+    p: &[&[f64]; S],
+    y: &mut Y,
+) {
+    let weights = std::array::from_fn::<f64, S, _>(|i| {
+        theta * p[i].iter().rev().fold(0.0, |sum, p| sum * theta + p)
+    });
+    combine(y0, h, &weights, k, y);
+}
+
+/// `y = y₀ + h Σ_i w_i k_i` over the leading stages that have a weight.
+#[inline]
+pub fn combine<Y: Vector<f64>>(y0: &Y, h: f64, w: &[f64], k: &[Y], y: &mut Y) {
+    let y = y.as_mut();
+    y.fill(0.0);
+    for (w, k) in w.iter().zip(k) {
+        for (y, k) in y.iter_mut().zip(k.as_ref()) {
+            *y += w * k;
+        }
+    }
+    for (y, y0) in y.iter_mut().zip(y0.as_ref()) {
+        *y = y0 + h * *y;
+    }
+}

@@ -1,0 +1,130 @@
+//! A [`System`] in one mode, as `diffsol` wants its equations.
+
+use std::cell::Cell;
+
+use diffsol::{
+    ConstantOp, Matrix as _, NalgebraContext, NalgebraMat, NalgebraVec, NonLinearOp,
+    NonLinearOpJacobian, OdeEquations, OdeEquationsRef, Op, UnitCallable, Vector as _,
+    VectorCommon,
+};
+
+use crate::system::{System, Vector};
+
+pub(crate) type M = NalgebraMat<f64>;
+pub(crate) type V = NalgebraVec<f64>;
+
+/// `ẏ = f_mode(t, y)` from `y0`.
+pub(crate) struct Equations<'p, P: System> {
+    pub(crate) problem: &'p P,
+    pub(crate) mode: P::Mode,
+    pub(crate) y0: P::State<f64>,
+    pub(crate) n_rhs: Cell<u64>,
+    pub(crate) n_jac: Cell<u64>,
+    context: NalgebraContext,
+}
+
+impl<'p, P: System> Equations<'p, P> {
+    pub(crate) fn new(problem: &'p P, mode: P::Mode, y0: P::State<f64>) -> Self {
+        let (n_rhs, n_jac) = (Cell::new(0), Cell::new(0));
+        Self {
+            problem,
+            mode,
+            y0,
+            n_rhs,
+            n_jac,
+            context: NalgebraContext::default(),
+        }
+    }
+}
+
+/// The state in `x`.
+pub(crate) fn state<P: System>(problem: &P, x: &V) -> P::State<f64> {
+    let x = x.inner();
+    P::State::from_fn(problem.dim(), |i| x[i])
+}
+
+impl<P: System> Op for Equations<'_, P> {
+    type T = f64;
+    type V = V;
+    type M = M;
+    type C = NalgebraContext;
+
+    fn context(&self) -> &Self::C {
+        &self.context
+    }
+
+    fn nstates(&self) -> usize {
+        self.problem.dim()
+    }
+
+    fn nout(&self) -> usize {
+        self.problem.dim()
+    }
+
+    fn nparams(&self) -> usize {
+        0
+    }
+}
+
+impl<'a, P: System> OdeEquationsRef<'a> for Equations<'_, P> {
+    type Mass = UnitCallable<M>;
+    type Rhs = &'a Self;
+    type Root = UnitCallable<M>;
+    type Init = &'a Self;
+    type Out = UnitCallable<M>;
+    type Reset = UnitCallable<M>;
+}
+
+impl<P: System> OdeEquations for Equations<'_, P> {
+    fn rhs(&self) -> &Self {
+        self
+    }
+
+    fn mass(&self) -> Option<UnitCallable<M>> {
+        None
+    }
+
+    fn init(&self) -> &Self {
+        self
+    }
+
+    fn set_params(&mut self, _p: &V) {}
+
+    fn get_params(&self, _p: &mut V) {}
+}
+
+impl<P: System> ConstantOp for &Equations<'_, P> {
+    fn call_inplace(&self, _t: f64, y: &mut V) {
+        y.inner_mut()
+            .as_mut_slice()
+            .copy_from_slice(self.y0.as_ref());
+    }
+}
+
+impl<P: System> NonLinearOp for &Equations<'_, P> {
+    fn call_inplace(&self, x: &V, t: f64, y: &mut V) {
+        self.n_rhs.set(self.n_rhs.get() + 1);
+        let mut dydt = self.y0.clone();
+        self.problem
+            .rhs(self.mode, t, &state(self.problem, x), &mut dydt);
+        y.inner_mut().as_mut_slice().copy_from_slice(dydt.as_ref());
+    }
+}
+
+impl<P: System> NonLinearOpJacobian for &Equations<'_, P> {
+    fn jac_mul_inplace(&self, x: &V, t: f64, v: &V, y: &mut V) {
+        let (v, y) = (v.inner(), y.inner_mut());
+        y.fill(0.0);
+        let x = state(self.problem, x);
+        self.problem
+            .jacobian(self.mode, t, &x, |i, j, entry| y[i] += entry * v[j]);
+    }
+
+    fn jacobian_inplace(&self, x: &V, t: f64, jac: &mut M) {
+        self.n_jac.set(self.n_jac.get() + 1);
+        let jac = jac.inner_mut();
+        let x = state(self.problem, x);
+        self.problem
+            .jacobian(self.mode, t, &x, |i, j, entry| jac[(i, j)] = entry);
+    }
+}

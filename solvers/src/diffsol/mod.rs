@@ -1,0 +1,219 @@
+//! The implicit multistep method of the library `diffsol`, one smooth phase at a time.
+//!
+//! A solver is made for each phase, so its history, Jacobian and failure counts start anew at
+//! every event. Guards are ours: they are looked at after each of its steps and located on its
+//! interpolant, so an event time is as good as that interpolant and no better.
+
+mod equations;
+
+use diffsol::{
+    BdfState, DiffsolError, NalgebraLU, OdeBuilder, OdeSolverMethod, OdeSolverState,
+    OdeSolverStopReason, VectorCommon,
+};
+
+use crate::error::Error;
+use crate::event::GuardWatch;
+use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
+use crate::record::{Accepted, Record};
+use crate::stats::Stats;
+use crate::step::Step;
+use crate::system::System;
+use crate::tolerance::Tolerance;
+use equations::{Equations, M, state};
+
+/// Depth at which a dip of a guard inside a step is believed, as a fraction of its height: the
+/// interpolant cannot be checked by retaking the step.
+const NOISE: f64 = 1e-3;
+/// Shortest step as a fraction of the time left.
+const LEAST_STEP: f64 = 1e-16;
+
+/// Variable-order BDF (NDF, orders 1 to 5) of `diffsol`, as a phase solver.
+///
+/// L. F. Shampine, M. W. Reichelt, "The MATLAB ODE suite", SIAM J. Sci. Comput. 18(1), 1–22 (1997).
+pub struct DiffsolSolver<P: System> {
+    tolerance: Tolerance,
+    watch: GuardWatch<P>,
+}
+
+impl<P: System> DiffsolSolver<P> {
+    /// BDF on `problem` to `tolerance`.
+    pub fn new(problem: &P, tolerance: Tolerance) -> Self {
+        Self {
+            tolerance,
+            watch: GuardWatch::new(problem),
+        }
+    }
+
+    /// Steps `solver` to `t_end` or the first violated guard.
+    fn advance<'a, 'p: 'a, S: OdeSolverMethod<'a, Equations<'p, P>>>(
+        &mut self,
+        solver: &mut S,
+        point: &mut Point<P>,
+        t_end: f64,
+        stats: &mut Stats,
+        record: &mut dyn Record<P>,
+    ) -> Result<PhaseEnd, Error>
+    where
+        P: 'p,
+    {
+        let equations = &solver.problem().eqn;
+        let problem = equations.problem;
+        let mode = point.mode;
+        let before = *stats;
+        solver
+            .set_stop_time(t_end)
+            .map_err(|error| failure(point, &error))?;
+        let mut slope0 = state(problem, solver.state().dy);
+        self.watch.begin(problem, mode, point.t, &point.y, &slope0);
+        loop {
+            let reason = solver.step().map_err(|error| failure(point, &error));
+            *stats = before;
+            count(solver, equations, stats);
+            let reason = reason?;
+            let (y1, slope1) = {
+                let now = solver.state();
+                (state(problem, now.y), state(problem, now.dy))
+            };
+            check_finite(point, &y1)?;
+            let interpolant = |t: f64, y: &mut P::State<f64>| match solver.interpolate(t) {
+                Ok(found) => y.as_mut().copy_from_slice(found.inner().as_slice()),
+                Err(_) => y.as_mut().fill(f64::NAN),
+            };
+            let (t0, t1, y0) = (point.t, solver.state().t, &point.y);
+            let mut step = SolverStep {
+                interpolant,
+                t0,
+                t1,
+                y0,
+                y1,
+                slope0,
+                slope1,
+            };
+            let mut landed_on = None;
+            if let Some(fall) = self.watch.first_to_fall(problem, mode, &step, 0.0, NOISE)? {
+                let mut y = step.y1.clone();
+                step.interpolate(fall.t, &mut y);
+                (step.t1, step.y1) = (fall.t, y);
+                landed_on = Some(fall.guard);
+            }
+            let go_on = record.step(&Accepted {
+                mode,
+                step: &step,
+                landed_on,
+                stats,
+            });
+            let SolverStep { t1, y1, slope1, .. } = step;
+            (point.t, point.y, slope0) = (t1, y1, slope1);
+            match landed_on {
+                _ if go_on.is_break() => return Ok(PhaseEnd::Interrupted),
+                Some(guard) => return Ok(PhaseEnd::Guard(guard)),
+                None if reason == OdeSolverStopReason::TstopReached => {
+                    return Ok(PhaseEnd::EndOfTime);
+                }
+                None => {}
+            }
+        }
+    }
+}
+
+impl<P: System> PhaseSolver<P> for DiffsolSolver<P> {
+    fn solve_phase(
+        &mut self,
+        problem: &P,
+        point: &mut Point<P>,
+        t_end: f64,
+        stats: &mut Stats,
+        record: &mut dyn Record<P>,
+    ) -> Result<PhaseEnd, Error> {
+        if point.t == t_end {
+            return Ok(PhaseEnd::EndOfTime);
+        }
+        let span = t_end - point.t;
+        let equations = Equations::new(problem, point.mode, point.y.clone());
+        let mut built = OdeBuilder::<M>::new()
+            .t0(point.t)
+            .rtol(self.tolerance.rtol)
+            .atol(self.tolerance.atol.iter().copied())
+            .build_from_eqn(equations)
+            .map_err(|error| failure(point, &error))?;
+        built.ode_options.max_nonlinear_solver_failures = usize::MAX;
+        built.ode_options.min_timestep = LEAST_STEP * span.abs();
+        let mut start =
+            BdfState::new_without_initialise(&built).map_err(|error| failure(point, &error))?;
+        check_finite(point, &state(problem, start.as_ref().dy))?;
+        let sign = 1_f64.copysign(span);
+        start
+            .as_mut()
+            .set_step_size(sign, &built.atol, built.rtol, &built.eqn, 1);
+        let mut solver = built
+            .bdf_solver::<NalgebraLU<f64>>(start)
+            .map_err(|error| failure(point, &error))?;
+        self.advance(&mut solver, point, t_end, stats, record)
+    }
+}
+
+/// Adds what `solver` has done to `stats`.
+fn count<'a, 'p: 'a, P: System + 'p, S: OdeSolverMethod<'a, Equations<'p, P>>>(
+    solver: &S,
+    equations: &Equations<'p, P>,
+    stats: &mut Stats,
+) {
+    let done = solver.get_statistics();
+    let rejected = done.number_of_error_test_failures + done.number_of_nonlinear_solver_fails;
+    stats.n_rhs += equations.n_rhs.get();
+    stats.n_accepted += done.number_of_steps as u64;
+    stats.n_rejected += rejected as u64;
+    stats.n_jac += equations.n_jac.get();
+    stats.n_lin_solves += done.number_of_nonlinear_solver_iterations as u64;
+}
+
+fn failure<P: System>(point: &Point<P>, error: &DiffsolError) -> Error {
+    let mode = format!("{:?}", point.mode);
+    Error::Diffsol {
+        t: point.t,
+        mode,
+        message: error.to_string(),
+    }
+}
+
+/// The last step of a `diffsol` solver.
+struct SolverStep<'s, F, Y> {
+    /// Writes the solver's interpolant at a time to a state.
+    interpolant: F,
+    t0: f64,
+    t1: f64,
+    y0: &'s Y,
+    y1: Y,
+    slope0: Y,
+    slope1: Y,
+}
+
+impl<F: Fn(f64, &mut Y), Y> Step<Y> for SolverStep<'_, F, Y> {
+    fn t0(&self) -> f64 {
+        self.t0
+    }
+
+    fn t1(&self) -> f64 {
+        self.t1
+    }
+
+    fn y0(&self) -> &Y {
+        self.y0
+    }
+
+    fn y1(&self) -> &Y {
+        &self.y1
+    }
+
+    fn slope0(&self) -> &Y {
+        &self.slope0
+    }
+
+    fn slope1(&self) -> &Y {
+        &self.slope1
+    }
+
+    fn interpolate(&self, t: f64, y: &mut Y) {
+        (self.interpolant)(t, y);
+    }
+}

@@ -1,0 +1,122 @@
+//! Errors and outcomes.
+
+/// How an integration ended that did not fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// It reached the end of its time.
+    Finished,
+    /// A terminal event ended it.
+    Stopped,
+    /// The recorder broke it off.
+    Interrupted,
+}
+
+/// Why an integration cannot go on; what was reached before stays valid.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The error estimate asks for steps below the resolution of time.
+    #[error(
+        "step fell to {h:e} at t = {t} in mode {mode}; the tolerance is beyond f64 here: raise rtol or atol"
+    )]
+    StepUnderflow {
+        /// Time of the last accepted step.
+        t: f64,
+        /// Step size that was asked for.
+        h: f64,
+        /// Mode.
+        mode: String,
+    },
+    /// A state or slope is infinite or not a number.
+    #[error(
+        "state {component} is not finite at t = {t} in mode {mode}; take a smaller step, or check the right-hand side there"
+    )]
+    NonFinite {
+        /// Time of the last accepted step.
+        t: f64,
+        /// Mode.
+        mode: String,
+        /// Index of the state.
+        component: usize,
+    },
+    /// A guard is not a number.
+    #[error("guard {guard} is not a number at t = {t} in mode {mode}; check its definition there")]
+    NonFiniteGuard {
+        /// Time.
+        t: f64,
+        /// Mode.
+        mode: String,
+        /// Index of the guard.
+        guard: usize,
+    },
+    /// Transitions at one instant do not come to rest in any mode.
+    #[error(
+        "{n} transitions at t = {t} without rest, the last one from mode {mode} by guard {guard}: two modes hand over to each other; give the model the sliding or sticking mode between them"
+    )]
+    Chatter {
+        /// Time.
+        t: f64,
+        /// Number of transitions.
+        n: usize,
+        /// Mode before the last transition.
+        mode: String,
+        /// Guard of the last transition.
+        guard: usize,
+    },
+    /// Events accumulate.
+    #[error(
+        "{n} events within {span:e} before t = {t} in mode {mode}: they accumulate; give the model the mode that they tend to, or tighten the tolerance if they are spurious"
+    )]
+    EventStorm {
+        /// Time of the last event.
+        t: f64,
+        /// Number of events.
+        n: usize,
+        /// Time between the first and the last of them.
+        span: f64,
+        /// Mode.
+        mode: String,
+    },
+    /// A tolerance is not usable.
+    #[error(
+        "rtol = {rtol:e} and atol = {atol:?} for {n} states: they must be finite and above zero, one atol a state"
+    )]
+    BadTolerance {
+        /// Relative tolerance.
+        rtol: f64,
+        /// Absolute tolerances.
+        atol: Vec<f64>,
+        /// Number of states.
+        n: usize,
+    },
+    /// A step size or an end of time is not usable.
+    #[error("{name} = {value} is not usable: {allowed}")]
+    BadArgument {
+        /// Name of the argument.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A method that needs a tolerance was given a fixed step, or the other way round.
+    #[error("{method} needs {needs}")]
+    BadControl {
+        /// The method.
+        method: &'static str,
+        /// What it needs.
+        needs: &'static str,
+    },
+    /// A solver of the library `diffsol` gave up.
+    #[error(
+        "diffsol stopped at t = {t} in mode {mode}: {message}; raise rtol, or use an explicit method"
+    )]
+    Diffsol {
+        /// Time of the last accepted step.
+        t: f64,
+        /// Mode.
+        mode: String,
+        /// What the library said.
+        message: String,
+    },
+}

@@ -1,0 +1,156 @@
+//! The driver: phase after phase, a transition between each.
+
+use std::collections::VecDeque;
+
+use crate::error::{Error, Outcome};
+use crate::event::GuardWatch;
+use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
+use crate::record::{Event, Record};
+use crate::stats::Stats;
+use crate::system::{Next, System};
+
+/// Transitions at one instant beyond which two modes are held to chatter.
+const CHATTER: usize = 16;
+/// That many events in a row …
+const STORM: usize = 100;
+/// … within this fraction of the run's time are held to accumulate.
+const STORM_SPAN: f64 = 1e-9;
+
+/// An integration of one system: where it stands and what it has cost.
+///
+/// After an error both stay valid up to the last accepted step.
+pub struct Integration<'a, P: System> {
+    problem: &'a P,
+    /// Time, state and mode.
+    pub point: Point<P>,
+    /// Work so far.
+    pub stats: Stats,
+    watch: GuardWatch<P>,
+    last_events: VecDeque<f64>,
+}
+
+impl<'a, P: System> Integration<'a, P> {
+    /// An integration that starts at `(t, y)` in the mode that the system gives it.
+    pub fn new(problem: &'a P, t: f64, y: P::State<f64>) -> Self {
+        let mode = problem.initial_mode(t, &y);
+        Self {
+            problem,
+            point: Point { t, y, mode },
+            stats: Stats::default(),
+            watch: GuardWatch::new(problem),
+            last_events: VecDeque::with_capacity(STORM),
+        }
+    }
+
+    /// Integrates to `t_end` (before the present time: backward) with `solver`, and shows every
+    /// accepted step and every event to `record`.
+    ///
+    /// # Errors
+    /// [`Error::BadArgument`] for a `t_end` that is not finite, [`Error::NonFinite`] for such a
+    /// start, [`Error::Chatter`] and [`Error::EventStorm`] for events without rest, and any error
+    /// of a step.
+    pub fn run(
+        &mut self,
+        t_end: f64,
+        solver: &mut dyn PhaseSolver<P>,
+        record: &mut dyn Record<P>,
+    ) -> Result<Outcome, Error> {
+        if !t_end.is_finite() {
+            let allowed = "the end of a run must be finite";
+            return Err(Error::BadArgument {
+                name: "t_end",
+                value: t_end,
+                allowed,
+            });
+        }
+        check_finite(&self.point, &self.point.y)?;
+        let storm_span = STORM_SPAN * (t_end - self.point.t).abs();
+        let mut guard = self.violated()?;
+        loop {
+            if let Some(guard) = guard
+                && let Some(outcome) = self.switch(guard, storm_span, record)?
+            {
+                return Ok(outcome);
+            }
+            let point = &mut self.point;
+            match solver.solve_phase(self.problem, point, t_end, &mut self.stats, record)? {
+                PhaseEnd::EndOfTime => return Ok(Outcome::Finished),
+                PhaseEnd::Interrupted => return Ok(Outcome::Interrupted),
+                PhaseEnd::Guard(violated) => guard = Some(violated),
+            }
+        }
+    }
+
+    fn violated(&mut self) -> Result<Option<usize>, Error> {
+        let Point { t, y, mode } = &self.point;
+        self.watch.violated(self.problem, *mode, *t, y)
+    }
+
+    /// Makes the transition of `guard`, and those of all guards that are then violated at the
+    /// same instant, one after the other.
+    fn switch(
+        &mut self,
+        mut guard: usize,
+        storm_span: f64,
+        record: &mut dyn Record<P>,
+    ) -> Result<Option<Outcome>, Error> {
+        for _ in 0..CHATTER {
+            let before = self.point.mode;
+            let Point { t, y, mode } = &mut self.point;
+            let after = self.problem.transition(before, guard, *t, y);
+            self.stats.n_events += 1;
+            if let Next::Mode(next) = after {
+                *mode = next;
+            }
+            let event = Event {
+                t: *t,
+                guard,
+                before,
+                after,
+                y,
+            };
+            let go_on = record.event(&event);
+            check_finite(&self.point, &self.point.y)?;
+            self.check_storm(storm_span)?;
+            if after == Next::Stop {
+                return Ok(Some(Outcome::Stopped));
+            }
+            if go_on.is_break() {
+                return Ok(Some(Outcome::Interrupted));
+            }
+            match self.violated()? {
+                None => return Ok(None),
+                Some(next) => guard = next,
+            }
+        }
+        let mode = format!("{:?}", self.point.mode);
+        Err(Error::Chatter {
+            t: self.point.t,
+            n: CHATTER,
+            mode,
+            guard,
+        })
+    }
+
+    fn check_storm(&mut self, storm_span: f64) -> Result<(), Error> {
+        let t = self.point.t;
+        self.last_events.push_back(t);
+        if self.last_events.len() < STORM {
+            return Ok(());
+        }
+        let span = self
+            .last_events
+            .pop_front()
+            .map_or(f64::INFINITY, |first| (t - first).abs());
+        if span <= storm_span {
+            let mode = format!("{:?}", self.point.mode);
+            return Err(Error::EventStorm {
+                t,
+                n: STORM,
+                span,
+                mode,
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,278 @@
+//! One-step methods, and the phase they share: step, judge, land on the first violated guard.
+
+use crate::control::{Control, StepController, Verdict};
+use crate::error::Error;
+use crate::event::{Fall, GuardWatch};
+use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
+use crate::record::{Accepted, Record};
+use crate::root::Bracket;
+use crate::stats::Stats;
+use crate::step::Step;
+use crate::system::{System, Vector};
+
+/// A last step is stretched by up to this factor rather than followed by a sliver. DOPRI5.
+const STRETCH_ADAPTIVE: f64 = 1.01;
+/// The same for fixed steps: rounding of the sum of steps only.
+const STRETCH_FIXED: f64 = 1.0 + 1e-9;
+/// Fraction of a step to which dense output predicts an event, before retaken steps close on it.
+const PREDICTION: f64 = 1e-9;
+/// Retakes by Newton's iteration before bisection takes every other one.
+const NEWTON_RETAKES: usize = 8;
+
+/// A method that knows nothing but the start of its step: explicit, Rosenbrock, Radau or Taylor.
+///
+/// It never chooses a step size and has not heard of events.
+pub trait OneStep<P: System> {
+    /// What it hands on.
+    type Step: Step<P::State<f64>>;
+
+    /// Order of the embedded solution, where the method estimates its error.
+    fn embedded_order(&self) -> Option<usize>;
+
+    /// Starts anew at `(t, y)` in `mode`; whatever was kept of earlier steps is forgotten.
+    fn restart(&mut self, problem: &P, mode: P::Mode, t: f64, y: &P::State<f64>, stats: &mut Stats);
+
+    /// Takes a step of size `h` to `t1 = t0 + h`, as often as wished from the same start.
+    fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats);
+
+    /// Makes the slope at the end and the dense output of the last attempt valid.
+    fn complete(&mut self, problem: &P, mode: P::Mode, stats: &mut Stats);
+
+    /// Makes the end of the completed step the start of the next.
+    fn advance(&mut self);
+
+    /// The last attempt.
+    fn step(&self) -> &Self::Step;
+
+    /// Estimate of its local error, where the method has one.
+    fn error(&self) -> &P::State<f64>;
+}
+
+/// A one-step method with a step controller.
+pub struct OneStepSolver<P: System, M> {
+    method: M,
+    controller: StepController,
+    watch: GuardWatch<P>,
+    /// Error order of the method, for the first step.
+    error_order: usize,
+    /// Step size that the last phase proposed.
+    h: Option<f64>,
+}
+
+impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
+    /// `method` on `problem`, its steps chosen by `control`.
+    pub fn new(problem: &P, method: M, control: Control) -> Self {
+        let embedded_order = method.embedded_order().unwrap_or(0);
+        Self {
+            method,
+            h: match control {
+                Control::Fixed(h) => Some(h),
+                Control::Adaptive(_) => None,
+            },
+            controller: StepController::new(control, embedded_order),
+            watch: GuardWatch::new(problem),
+            error_order: embedded_order + 1,
+        }
+    }
+
+    /// A first step size: one that changes the slope by about one per cent of the tolerated error.
+    ///
+    /// E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.4.
+    fn first_step(&self, problem: &P, point: &Point<P>, t_end: f64, stats: &mut Stats) -> f64 {
+        let tolerance = match self.controller.control() {
+            Control::Fixed(h) => return h.copysign(t_end - point.t),
+            Control::Adaptive(tolerance) => tolerance,
+        };
+        let (y, slope) = (point.y.as_ref(), self.method.step().slope0().as_ref());
+        let span = t_end - point.t;
+        let (d0, d1) = (tolerance.norm(y, y, y), tolerance.norm(slope, y, y));
+        let tiny = 1e-6 * span.abs();
+        let h0 = if d0 < 1e-5 || d1 < 1e-5 {
+            tiny
+        } else {
+            0.01 * d0 / d1
+        };
+        let h0 = h0.min(span.abs()).copysign(span);
+        let ahead = P::State::from_fn(y.len(), |i| y[i] + h0 * slope[i]);
+        let mut slope_ahead = ahead.clone();
+        problem.rhs(point.mode, point.t + h0, &ahead, &mut slope_ahead);
+        stats.n_rhs += 1;
+        let change: P::State<f64> =
+            Vector::from_fn(y.len(), |i| (slope_ahead.as_ref()[i] - slope[i]) / h0);
+        let d2 = tolerance.norm(change.as_ref(), y, y);
+        let steepest = d1.max(d2);
+        let h1 = if steepest <= 1e-15 {
+            tiny.max(1e-3 * h0.abs())
+        } else {
+            libm::pow(0.01 / steepest, 1.0 / self.error_order as f64)
+        };
+        h1.min(100.0 * h0.abs()).copysign(span)
+    }
+
+    /// Retakes the step so that it ends just past the surface of the guard that falls first; that
+    /// guard. None where a dip of the dense output is none of the method: the step is then whole
+    /// again.
+    ///
+    /// Newton's iteration on `g(y(t₀ + h))`, with `dg/dh` from the slope at the end, inside a
+    /// bracket. It ends where the guard is at or below zero and within its rounding bound, or
+    /// where the bracket holds no further number.
+    fn land(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        fall: Fall,
+        stats: &mut Stats,
+    ) -> Result<Option<usize>, Error> {
+        let (t0, t1) = (self.method.step().t0(), self.method.step().t1());
+        let mut bracket = Bracket {
+            above: 0.0,
+            below: fall.violated_at - t0,
+        };
+        if fall.violated_at != t1
+            && self
+                .retake(problem, mode, t0 + bracket.below, bracket.below, stats)?
+                .is_none()
+        {
+            self.retake(problem, mode, t1, t1 - t0, stats)?;
+            let (y1, slope1) = (self.method.step().y1(), self.method.step().slope1());
+            self.watch.rates(problem, mode, t1, y1, slope1);
+            self.watch.keep();
+            return Ok(None);
+        }
+        let (mut guard, mut h) = (fall.guard, fall.t - t0);
+        for n in 1.. {
+            h = bracket.inside(h);
+            let closed = bracket.is_closed();
+            if closed {
+                h = bracket.below;
+            }
+            let violated = self.retake(problem, mode, t0 + h, h, stats)?;
+            if closed || (violated.is_none() && self.watch.is_past(guard)) {
+                return Ok(violated.or(Some(guard)));
+            }
+            bracket.narrow(h, if violated.is_some() { -1.0 } else { 1.0 });
+            (guard, h) = self.newton(problem, mode, guard, h);
+            if n > NEWTON_RETAKES && n % 2 == 0 {
+                h = bracket.middle();
+            }
+        }
+        Ok(Some(guard))
+    }
+
+    /// Takes the step again, with another size; the first guard violated at its end.
+    fn retake(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        t1: f64,
+        h: f64,
+        stats: &mut Stats,
+    ) -> Result<Option<usize>, Error> {
+        self.method.attempt(problem, mode, t1, h, stats);
+        self.method.complete(problem, mode, stats);
+        stats.n_retaken += 1;
+        self.watch
+            .violated(problem, mode, t1, self.method.step().y1())
+    }
+
+    /// Among the guards violated at the end of the last attempt (or `guard` if none is), the one
+    /// that Newton's iteration has fall first, and the step size that lands there.
+    fn newton(&mut self, problem: &P, mode: P::Mode, guard: usize, h: f64) -> (usize, f64) {
+        let (t1, y1) = (self.method.step().t1(), self.method.step().y1());
+        let slope1 = self.method.step().slope1();
+        self.watch.rates(problem, mode, t1, y1, slope1);
+        let estimate = |i: usize| h - self.watch.clearance(i) / self.watch.rate(i);
+        (0..problem.n_guards())
+            .filter(|&i| self.watch.is_violated(i))
+            .map(|i| (i, estimate(i)))
+            .min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+            .unwrap_or_else(|| (guard, estimate(guard)))
+    }
+}
+
+impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
+    fn solve_phase(
+        &mut self,
+        problem: &P,
+        point: &mut Point<P>,
+        t_end: f64,
+        stats: &mut Stats,
+        record: &mut dyn Record<P>,
+    ) -> Result<PhaseEnd, Error> {
+        let mode = point.mode;
+        let stretch = match self.controller.control() {
+            Control::Fixed(_) => STRETCH_FIXED,
+            Control::Adaptive(_) => STRETCH_ADAPTIVE,
+        };
+        self.method.restart(problem, mode, point.t, &point.y, stats);
+        check_finite(point, self.method.step().slope0())?;
+        self.watch.begin(
+            problem,
+            mode,
+            point.t,
+            &point.y,
+            self.method.step().slope0(),
+        );
+        let mut h = match self.h {
+            Some(h) => h.copysign(t_end - point.t),
+            None => self.first_step(problem, point, t_end, stats),
+        };
+        while point.t != t_end {
+            let last = (t_end - point.t).abs() <= stretch * h.abs();
+            let t1 = if last { t_end } else { point.t + h };
+            // The step that time really takes, so that t and y do not drift apart.
+            let h_taken = t1 - point.t;
+            self.method.attempt(problem, mode, t1, h_taken, stats);
+            let (y0, y1) = (self.method.step().y0(), self.method.step().y1());
+            let error = self.method.error();
+            match self
+                .controller
+                .judge(h_taken, error.as_ref(), y0.as_ref(), y1.as_ref())
+            {
+                Verdict::Reject(smaller) => {
+                    stats.n_rejected += 1;
+                    h = smaller;
+                    if point.t + 0.1 * h == point.t {
+                        check_finite(point, y1)?;
+                        let mode = format!("{mode:?}");
+                        return Err(Error::StepUnderflow {
+                            t: point.t,
+                            h,
+                            mode,
+                        });
+                    }
+                    continue;
+                }
+                Verdict::Accept(next) => h = next,
+            }
+            check_finite(point, y1)?;
+            self.method.complete(problem, mode, stats);
+            check_finite(point, self.method.step().slope1())?;
+            let step = self.method.step();
+            let fall = self
+                .watch
+                .first_to_fall(problem, mode, step, PREDICTION, 0.0)?;
+            let landed_on = match fall {
+                None => None,
+                Some(fall) => self.land(problem, mode, fall, stats)?,
+            };
+            stats.n_accepted += 1;
+            point.t = self.method.step().t1();
+            point.y.clone_from(self.method.step().y1());
+            let step = self.method.step();
+            let go_on = record.step(&Accepted {
+                mode,
+                step,
+                landed_on,
+                stats,
+            });
+            self.h = Some(h);
+            match landed_on {
+                _ if go_on.is_break() => return Ok(PhaseEnd::Interrupted),
+                Some(guard) => return Ok(PhaseEnd::Guard(guard)),
+                None => self.method.advance(),
+            }
+        }
+        Ok(PhaseEnd::EndOfTime)
+    }
+}

@@ -1,0 +1,57 @@
+//! The contract of a method: one smooth phase, from a point to its first event.
+
+use crate::error::Error;
+use crate::record::Record;
+use crate::stats::Stats;
+use crate::system::System;
+
+/// Where an integration stands.
+#[derive(Clone, Debug)]
+pub struct Point<P: System> {
+    /// Time.
+    pub t: f64,
+    /// State.
+    pub y: P::State<f64>,
+    /// Mode.
+    pub mode: P::Mode,
+}
+
+/// How a phase ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PhaseEnd {
+    /// At the end of the run's time.
+    EndOfTime,
+    /// Just past the surface of this guard.
+    Guard(usize),
+    /// By the recorder's wish.
+    Interrupted,
+}
+
+/// A method at work on one system.
+pub trait PhaseSolver<P: System> {
+    /// Advances `point` in its mode to `t_end`, or to just past the first violated guard, and
+    /// shows every accepted step to `record`.
+    ///
+    /// # Errors
+    /// Any [`Error`] of a step; `point` is then the end of the last accepted one.
+    fn solve_phase(
+        &mut self,
+        problem: &P,
+        point: &mut Point<P>,
+        t_end: f64,
+        stats: &mut Stats,
+        record: &mut dyn Record<P>,
+    ) -> Result<PhaseEnd, Error>;
+}
+
+/// [`Error::NonFinite`] if a state of `y` is infinite or not a number.
+pub(crate) fn check_finite<P: System>(point: &Point<P>, y: &P::State<f64>) -> Result<(), Error> {
+    match y.as_ref().iter().position(|y| !y.is_finite()) {
+        None => Ok(()),
+        Some(component) => Err(Error::NonFinite {
+            t: point.t,
+            mode: format!("{:?}", point.mode),
+            component,
+        }),
+    }
+}

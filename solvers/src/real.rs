@@ -1,0 +1,148 @@
+//! The scalar that a right-hand side and its guards are written over.
+//!
+//! A model is written once, generic over [`Real`]: plain `f64` integrates it, a dual number
+//! differentiates it, an extended-precision number refines it, Taylor coefficients expand it.
+
+use std::fmt::Debug;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use num_dual::Dual64;
+
+/// A real number, or something that computes like one.
+///
+/// Elementary functions of `f64` come from `libm`, not from the platform, so that the same input
+/// gives the same bits on every machine.
+pub trait Real:
+    Copy
+    + Debug
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
+{
+    /// The constant `x`.
+    fn cst(x: f64) -> Self;
+
+    /// The nearest `f64`: what a decision (a sign, a branch) is taken on.
+    fn value(self) -> f64;
+
+    /// Square root; NaN below zero.
+    fn sqrt(self) -> Self;
+
+    /// Sine and cosine of an angle in radians.
+    fn sin_cos(self) -> (Self, Self);
+
+    /// Exponential.
+    fn exp(self) -> Self;
+
+    /// Natural logarithm; NaN below zero.
+    fn ln(self) -> Self;
+
+    /// `selfᵃ` for a base of at least zero.
+    fn powf(self, a: f64) -> Self;
+}
+
+impl Real for f64 {
+    fn cst(x: f64) -> Self {
+        x
+    }
+
+    fn value(self) -> f64 {
+        self
+    }
+
+    fn sqrt(self) -> Self {
+        self.sqrt()
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        libm::sincos(self)
+    }
+
+    fn exp(self) -> Self {
+        libm::exp(self)
+    }
+
+    fn ln(self) -> Self {
+        libm::log(self)
+    }
+
+    fn powf(self, a: f64) -> Self {
+        libm::pow(self, a)
+    }
+}
+
+/// A value and its derivative along one direction (forward-mode differentiation).
+impl Real for Dual64 {
+    fn cst(x: f64) -> Self {
+        Self::from_re(x)
+    }
+
+    fn value(self) -> f64 {
+        self.re
+    }
+
+    fn sqrt(self) -> Self {
+        let root = self.re.sqrt();
+        Self::new(root, self.eps / (2.0 * root))
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        let (sin, cos) = libm::sincos(self.re);
+        (
+            Self::new(sin, cos * self.eps),
+            Self::new(cos, -sin * self.eps),
+        )
+    }
+
+    fn exp(self) -> Self {
+        let e = libm::exp(self.re);
+        Self::new(e, e * self.eps)
+    }
+
+    fn ln(self) -> Self {
+        Self::new(libm::log(self.re), self.eps / self.re)
+    }
+
+    fn powf(self, a: f64) -> Self {
+        Self::new(
+            libm::pow(self.re, a),
+            a * libm::pow(self.re, a - 1.0) * self.eps,
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dual_derivatives_agree_with_closed_forms() {
+        let x = 0.7;
+        let d = Dual64::new(x, 1.0);
+        let (sin, cos) = d.sin_cos();
+        let pairs = [
+            (Real::sqrt(d).eps, 0.5 / x.sqrt()),
+            (sin.eps, x.cos()),
+            (cos.eps, -x.sin()),
+            (Real::exp(d).eps, x.exp()),
+            (Real::ln(d).eps, 1.0 / x),
+            (Real::powf(d, 1.5).eps, 1.5 * x.sqrt()),
+            (
+                (d * d / (d + 1.0)).eps,
+                (x * x + 2.0 * x) / (x + 1.0).powi(2),
+            ),
+        ];
+        for (found, expected) in pairs {
+            assert!(
+                (found - expected).abs() < 1e-15,
+                "{found} against {expected}"
+            );
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! What watches an integration.
+
+use std::ops::ControlFlow;
+
+use crate::stats::Stats;
+use crate::step::Step;
+use crate::system::{Next, System};
+
+/// An accepted step, as a recorder sees it.
+pub struct Accepted<'a, P: System> {
+    /// The mode it was taken in.
+    pub mode: P::Mode,
+    /// Both ends and dense output.
+    pub step: &'a dyn Step<P::State<f64>>,
+    /// The guard it landed on, if any.
+    pub landed_on: Option<usize>,
+    /// The work done so far.
+    pub stats: &'a Stats,
+}
+
+/// A located event, after its transition.
+pub struct Event<'a, P: System> {
+    /// When.
+    pub t: f64,
+    /// Which guard of the mode before was violated.
+    pub guard: usize,
+    /// The mode before.
+    pub before: P::Mode,
+    /// What follows.
+    pub after: Next<P::Mode>,
+    /// The state after the transition.
+    pub y: &'a P::State<f64>,
+}
+
+/// Sees every accepted step and every event once, in order. [`ControlFlow::Break`] ends the run
+/// as [`Interrupted`](crate::Outcome::Interrupted).
+pub trait Record<P: System> {
+    /// A step was accepted.
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()>;
+
+    /// An event was located and its transition made. Events at one time come in their order.
+    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()>;
+}
+
+/// Records nothing.
+impl<P: System> Record<P> for () {
+    fn step(&mut self, _: &Accepted<'_, P>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+/// Two recorders see the same run; either may end it.
+impl<P: System, A: Record<P>, B: Record<P>> Record<P> for (A, B) {
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
+        let first = self.0.step(accepted);
+        let second = self.1.step(accepted);
+        if first.is_break() { first } else { second }
+    }
+
+    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
+        let first = self.0.event(event);
+        let second = self.1.event(event);
+        if first.is_break() { first } else { second }
+    }
+}
+
+impl<P: System, R: Record<P> + ?Sized> Record<P> for &mut R {
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
+        (**self).step(accepted)
+    }
+
+    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
+        (**self).event(event)
+    }
+}

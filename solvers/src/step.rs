@@ -1,0 +1,110 @@
+//! What a method hands on: one step, its two ends and what lies between them.
+
+use std::fmt::Debug;
+
+use crate::dense;
+use crate::system::Vector;
+use crate::tableau::Dense;
+
+/// A step of one smooth phase.
+pub trait Step<Y> {
+    /// Time at the start.
+    fn t0(&self) -> f64;
+    /// Time at the end.
+    fn t1(&self) -> f64;
+    /// State at the start.
+    fn y0(&self) -> &Y;
+    /// State at the end.
+    fn y1(&self) -> &Y;
+    /// Slope at the start.
+    fn slope0(&self) -> &Y;
+    /// Slope at the end.
+    fn slope1(&self) -> &Y;
+    /// Writes the dense output at `t`, between both ends, to `y`; equal to the ends there.
+    fn interpolate(&self, t: f64, y: &mut Y);
+}
+
+/// A step of an explicit tableau method with `S` stages.
+#[derive(Debug)]
+pub struct TableauStep<Y, const S: usize> {
+    /// Time at the start.
+    pub t0: f64,
+    /// Time at the end.
+    pub t1: f64,
+    /// Step size: `t1 − t0`, with more digits where `t0` is large.
+    pub h: f64,
+    /// State at the start.
+    pub y0: Y,
+    /// State at the end.
+    pub y1: Y,
+    /// Slopes of the stages, the first one at the start.
+    pub k: [Y; S],
+    /// Slope at the end.
+    pub slope1: Y,
+    /// Estimate of the local error; NaN-free only where the method has one.
+    pub error: Y,
+    /// How to interpolate.
+    pub dense: &'static Dense<S>,
+}
+
+impl<Y: Vector<f64>, const S: usize> TableauStep<Y, S> {
+    /// A step of no length over `n` states, the memory of all that follow.
+    pub fn new(n: usize, dense: &'static Dense<S>) -> Self {
+        let zero = || Y::from_fn(n, |_| 0.0);
+        Self {
+            t0: 0.0,
+            t1: 0.0,
+            h: 0.0,
+            y0: zero(),
+            y1: zero(),
+            k: std::array::from_fn(|_| zero()),
+            slope1: zero(),
+            error: zero(),
+            dense,
+        }
+    }
+}
+
+impl<Y: Vector<f64>, const S: usize> Step<Y> for TableauStep<Y, S> {
+    fn t0(&self) -> f64 {
+        self.t0
+    }
+
+    fn t1(&self) -> f64 {
+        self.t1
+    }
+
+    fn y0(&self) -> &Y {
+        &self.y0
+    }
+
+    fn y1(&self) -> &Y {
+        &self.y1
+    }
+
+    fn slope0(&self) -> &Y {
+        &self.k[0]
+    }
+
+    fn slope1(&self) -> &Y {
+        &self.slope1
+    }
+
+    fn interpolate(&self, t: f64, y: &mut Y) {
+        if t == self.t1 {
+            y.clone_from(&self.y1);
+            return;
+        }
+        let theta = (t - self.t0) / self.h;
+        match self.dense {
+            Dense::Hermite => dense::hermite(
+                theta,
+                self.h,
+                (&self.y0, &self.k[0]),
+                (&self.y1, &self.slope1),
+                y,
+            ),
+            Dense::Stages { p, .. } => dense::stages(theta, self.h, &self.y0, &self.k, p, y),
+        }
+    }
+}

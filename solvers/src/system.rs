@@ -1,0 +1,131 @@
+//! The hybrid system: what a model tells the integrators, and nothing about how they ask.
+
+use std::fmt::Debug;
+
+use num_dual::Dual64;
+
+use crate::real::Real;
+
+/// A vector of scalars of one length: `[S; N]` where it is small and known, `Vec<S>` otherwise.
+pub trait Vector<S>: Clone + Debug + AsRef<[S]> + AsMut<[S]> {
+    /// The vector of length `n` with the entries `entry(0) … entry(n − 1)`.
+    ///
+    /// # Panics
+    /// Where the length is part of the type and `n` is another.
+    fn from_fn(n: usize, entry: impl FnMut(usize) -> S) -> Self;
+}
+
+impl<S: Clone + Debug, const N: usize> Vector<S> for [S; N] {
+    fn from_fn(n: usize, entry: impl FnMut(usize) -> S) -> Self {
+        assert_eq!(n, N, "a vector of {N} entries was asked to hold {n}");
+        std::array::from_fn(entry)
+    }
+}
+
+impl<S: Clone + Debug> Vector<S> for Vec<S> {
+    fn from_fn(n: usize, entry: impl FnMut(usize) -> S) -> Self {
+        (0..n).map(entry).collect()
+    }
+}
+
+/// What follows an event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Next<M> {
+    /// The system goes on in this mode (the same one after a reset of the state).
+    Mode(M),
+    /// The event is terminal: the run ends here.
+    Stop,
+}
+
+/// A hybrid system: smooth dynamics in each of several modes, and surfaces between them.
+///
+/// ```text
+/// ẏ = f_mode(t, y)    while every guard g_i(t, y) ≥ 0;
+/// where g_i falls below zero:  (mode, y) ← transition(mode, i, t, y).
+/// ```
+///
+/// The model answers questions and owns no loop: time, step size and the location of events are
+/// the driver's. `rhs` and `guards` must be smooth functions *of their mode*, defined a little
+/// past its surfaces too: a step is taken whole in one mode and then cut.
+pub trait System {
+    /// The discrete state. It may carry data, such as the speed of the last impact.
+    type Mode: Copy + PartialEq + Debug;
+    /// The continuous state, [`dim`](Self::dim) long.
+    type State<S: Real>: Vector<S>;
+    /// The values of the guards, [`n_guards`](Self::n_guards) long.
+    type Guards<S: Real>: Vector<S>;
+
+    /// Number of continuous states.
+    fn dim(&self) -> usize;
+
+    /// Number of guards, the same in all modes; one that a mode does not use is a positive
+    /// constant there.
+    fn n_guards(&self) -> usize;
+
+    /// The mode of a run that starts at `(t, y)`.
+    fn initial_mode(&self, t: f64, y: &Self::State<f64>) -> Self::Mode;
+
+    /// Writes `f_mode(t, y)` to `dydt`.
+    fn rhs<S: Real>(&self, mode: Self::Mode, t: S, y: &Self::State<S>, dydt: &mut Self::State<S>);
+
+    /// Writes the guards of `mode` to `g`: positive inside the mode.
+    fn guards<S: Real>(&self, mode: Self::Mode, t: S, y: &Self::State<S>, g: &mut Self::Guards<S>);
+
+    /// Writes bounds of the rounding errors of [`guards`](Self::guards) to `bounds`, in the
+    /// guards' units and above zero: a guard is *violated* when it is below minus its bound.
+    fn guard_bounds(
+        &self,
+        mode: Self::Mode,
+        t: f64,
+        y: &Self::State<f64>,
+        bounds: &mut Self::Guards<f64>,
+    );
+
+    /// What happens when guard number `guard` of `mode` fell below zero at `(t, y)`: the next
+    /// mode, with `y` changed where the event resets it.
+    ///
+    /// Every guard of the new mode must be at or above zero at the new state, up to rounding:
+    /// what the event *means* is projected (a height of zero after a bounce, a velocity of zero
+    /// when sticking begins).
+    fn transition<S: Real>(
+        &self,
+        mode: Self::Mode,
+        guard: usize,
+        t: S,
+        y: &mut Self::State<S>,
+    ) -> Next<Self::Mode>;
+
+    /// Calls `entry(i, j, ∂f_i/∂y_j)` for every entry of the Jacobian that is not zero in all
+    /// modes; entries that vanish in this mode alone are given as zero.
+    ///
+    /// The default differentiates [`rhs`](Self::rhs) with dual numbers, one column a call: exact
+    /// to rounding, and `dim` evaluations in cost.
+    fn jacobian(
+        &self,
+        mode: Self::Mode,
+        t: f64,
+        y: &Self::State<f64>,
+        mut entry: impl FnMut(usize, usize, f64),
+    ) where
+        Self: Sized,
+    {
+        let n = self.dim();
+        let y = y.as_ref();
+        let mut dydt = Self::State::<Dual64>::from_fn(n, |_| Dual64::from_re(0.0));
+        for j in 0..n {
+            let seeded = Self::State::<Dual64>::from_fn(n, |i| {
+                Dual64::new(y[i], if i == j { 1.0 } else { 0.0 })
+            });
+            self.rhs(mode, Dual64::from_re(t), &seeded, &mut dydt);
+            for (i, d) in dydt.as_ref().iter().enumerate() {
+                entry(i, j, d.eps);
+            }
+        }
+    }
+}
+
+/// A [`System`] whose mode can be read off its state, as an event-blind integration needs it.
+pub trait ModeOfState: System {
+    /// The mode that the signs of `(t, y)` name.
+    fn mode_of_state<S: Real>(&self, t: S, y: &Self::State<S>) -> Self::Mode;
+}

@@ -1,0 +1,45 @@
+//! Tolerances and the norm that errors are weighed in.
+
+use crate::error::Error;
+
+/// How accurate each step is asked to be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tolerance {
+    /// Relative tolerance.
+    pub rtol: f64,
+    /// Absolute tolerance of each state, in its unit.
+    pub atol: Vec<f64>,
+}
+
+impl Tolerance {
+    /// Checks that it serves a system of `n` states.
+    ///
+    /// # Errors
+    /// [`Error::BadTolerance`] unless `rtol` is finite and above zero and `atol` has `n` such
+    /// entries.
+    pub fn check(&self, n: usize) -> Result<(), Error> {
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        if positive(self.rtol) && self.atol.len() == n && self.atol.iter().all(|&a| positive(a)) {
+            Ok(())
+        } else {
+            Err(Error::BadTolerance {
+                rtol: self.rtol,
+                atol: self.atol.clone(),
+                n,
+            })
+        }
+    }
+
+    /// Root mean square of `error_i / (atol_i + rtol · max(|y0_i|, |y1_i|))`: at most one for an
+    /// error that is tolerated; NaN where an error is.
+    ///
+    /// E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, (II.4.11).
+    pub fn norm(&self, error: &[f64], y0: &[f64], y1: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for (((e, atol), y0), y1) in error.iter().zip(&self.atol).zip(y0).zip(y1) {
+            let ratio = e / (atol + self.rtol * y0.abs().max(y1.abs()));
+            sum += ratio * ratio;
+        }
+        (sum / error.len() as f64).sqrt()
+    }
+}

@@ -1,0 +1,131 @@
+//! The usual recorder: a run as plain values.
+
+use std::ops::ControlFlow;
+
+use crate::record::{Accepted, Event, Record};
+use crate::system::{Next, System, Vector};
+
+/// At which times a trajectory is kept.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Grid {
+    /// At the end of every accepted step.
+    Steps,
+    /// At these times, in the order in which the run passes them.
+    Times(Vec<f64>),
+}
+
+impl Grid {
+    /// `t = spacing · k` for `k = 1 … ⌊t_end/spacing + 1e-9⌋`; every accepted step if `spacing`
+    /// is zero.
+    pub fn uniform(spacing: f64, t_end: f64) -> Self {
+        if spacing == 0.0 {
+            return Self::Steps;
+        }
+        let n = (t_end / spacing + 1e-9).floor() as u64;
+        Self::Times((1..=n).map(|k| (spacing * k as f64).min(t_end)).collect())
+    }
+}
+
+/// A kept state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample<Y, M> {
+    /// Time.
+    pub t: f64,
+    /// Mode; on an event the one after it.
+    pub mode: M,
+    /// State; on an event the one after it.
+    pub y: Y,
+}
+
+/// A kept event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Switch<M> {
+    /// Time.
+    pub t: f64,
+    /// The guard that was violated.
+    pub guard: usize,
+    /// Mode before.
+    pub before: M,
+    /// What followed.
+    pub after: Next<M>,
+}
+
+/// Samples and events of a run.
+#[derive(Clone, Debug)]
+pub struct Trajectory<Y, M> {
+    /// Samples, in the order of the run.
+    pub samples: Vec<Sample<Y, M>>,
+    /// Events, in the order of the run.
+    pub events: Vec<Switch<M>>,
+    grid: Grid,
+    next: usize,
+}
+
+impl<Y, M> Trajectory<Y, M> {
+    /// An empty trajectory that keeps samples on `grid`.
+    pub fn on(grid: Grid) -> Self {
+        let capacity = match &grid {
+            Grid::Steps => 0,
+            Grid::Times(times) => times.len(),
+        };
+        Self {
+            samples: Vec::with_capacity(capacity),
+            events: Vec::new(),
+            grid,
+            next: 0,
+        }
+    }
+}
+
+impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
+        let (step, mode) = (accepted.step, accepted.mode);
+        match &self.grid {
+            Grid::Steps => self.samples.push(Sample {
+                t: step.t1(),
+                mode,
+                y: step.y1().clone(),
+            }),
+            Grid::Times(times) => {
+                let forward = step.t1() >= step.t0();
+                let passed = |t: f64| {
+                    if forward {
+                        t <= step.t1()
+                    } else {
+                        t >= step.t1()
+                    }
+                };
+                while let Some(&t) = times.get(self.next).filter(|&&t| passed(t)) {
+                    let mut y = P::State::from_fn(step.y1().as_ref().len(), |_| 0.0);
+                    step.interpolate(t, &mut y);
+                    self.samples.push(Sample { t, mode, y });
+                    self.next += 1;
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
+        let Event {
+            t,
+            guard,
+            before,
+            after,
+            ..
+        } = *event;
+        self.events.push(Switch {
+            t,
+            guard,
+            before,
+            after,
+        });
+        if let (Next::Mode(mode), Some(last)) = (after, self.samples.last_mut())
+            && last.t == t
+        {
+            last.mode = mode;
+            last.y.clone_from(event.y);
+        }
+        ControlFlow::Continue(())
+    }
+}
