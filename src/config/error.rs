@@ -1,0 +1,180 @@
+//! What can be wrong with a configuration, in words that lead out.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// Where a value was given.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// A line of a file, counted from 1.
+    Line {
+        /// The file, as it was named by the user.
+        file: Box<str>,
+        /// The line.
+        line: usize,
+    },
+    /// An argument of `--set`.
+    Set(Box<str>),
+    /// A configuration in JSON, as in `run.json`.
+    Json,
+    /// The table of defaults in this program.
+    Default,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Line { file, line } => write!(f, "{file}:{line}"),
+            Self::Set(argument) => write!(f, "--set {argument}"),
+            Self::Json => f.write_str("configuration in JSON"),
+            Self::Default => f.write_str("default configuration"),
+        }
+    }
+}
+
+/// Why a configuration is refused; the message is one line.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConfigError {
+    /// The file cannot be read.
+    #[error("{}: cannot read the configuration: {reason}", path.display())]
+    Unreadable {
+        /// The file, as it was named by the user.
+        path: PathBuf,
+        /// What the operating system says.
+        reason: Box<str>,
+    },
+    /// Not TOML, or not UTF-8.
+    #[error("{place}: {message}")]
+    Syntax {
+        /// Where.
+        place: Place,
+        /// The parser's message.
+        message: Box<str>,
+    },
+    /// An argument of `--set` that is no assignment.
+    #[error("--set {argument}: expected key=value, such as contact.stiffness=1e9")]
+    NoAssignment {
+        /// The argument.
+        argument: Box<str>,
+    },
+    /// A key that does not exist.
+    #[error("{place}: unknown key \"{key}\"; {}", way_out(nearest.as_deref()))]
+    UnknownKey {
+        /// Where.
+        place: Place,
+        /// The key, from the root.
+        key: Box<str>,
+        /// The most similar key, if one is similar.
+        nearest: Option<Box<str>>,
+    },
+    /// A key that exists, but not for one joint.
+    #[error(
+        "{place}: {key} cannot differ for one joint; only the keys of [joint], [contact] and [friction] can"
+    )]
+    NotPerJoint {
+        /// Where.
+        place: Place,
+        /// The key, from the root.
+        key: Box<str>,
+    },
+    /// A value of the wrong type.
+    #[error("{place}: {key} = {value} is {found}: expected {expected}")]
+    WrongType {
+        /// Where.
+        place: Place,
+        /// The key, from the root.
+        key: Box<str>,
+        /// The value as given, shortened.
+        value: Box<str>,
+        /// Its type, with article.
+        found: &'static str,
+        /// What the key takes.
+        expected: Box<str>,
+    },
+    /// A number outside its range; NaN and ±∞ are outside every range.
+    #[error("{place}: {key} = {value} is out of range: {allowed}")]
+    OutOfRange {
+        /// Where.
+        place: Place,
+        /// The key, from the root.
+        key: Box<str>,
+        /// The value as given, shortened.
+        value: Box<str>,
+        /// Unit and range.
+        allowed: Box<str>,
+    },
+    /// A word that the key does not know.
+    #[error("{place}: {key} = {value} is unknown: {allowed}{}", did_you_mean(nearest.as_deref()))]
+    UnknownWord {
+        /// Where.
+        place: Place,
+        /// The key, from the root.
+        key: Box<str>,
+        /// The value as given, shortened.
+        value: Box<str>,
+        /// The words that it knows.
+        allowed: Box<str>,
+        /// The most similar word, if one is similar.
+        nearest: Option<&'static str>,
+    },
+    /// A list that is too short or too long.
+    #[error("{place}: {key} = {value} has {found} entries: expected {expected}")]
+    WrongLength {
+        /// Where.
+        place: Place,
+        /// The key, from the root.
+        key: Box<str>,
+        /// The value as given, shortened.
+        value: Box<str>,
+        /// Number of its entries.
+        found: usize,
+        /// What the key takes.
+        expected: Box<str>,
+    },
+    /// A chain of several bays.
+    #[error("{place}: bays = {bays}: more than one bay is not built yet; use bays = 1")]
+    SeveralBays {
+        /// Where.
+        place: Place,
+        /// The number asked for.
+        bays: u32,
+    },
+    /// An output grid that no disk would hold.
+    #[error(
+        "{place}: run.sample = {sample:e} s up to run.t_end = {t_end:e} s makes {:.1e} samples, \
+         at most {most:e}; raise run.sample",
+        t_end / sample
+    )]
+    TooManySamples {
+        /// Where the offending one of the two was given.
+        place: Place,
+        /// Distance of two samples \[s\].
+        sample: f64,
+        /// End of the run \[s\].
+        t_end: f64,
+        /// Largest number of samples.
+        most: f64,
+    },
+    /// The table of keys and the types do not agree: a mistake in this program, excluded by a test.
+    #[error("mistake in the table of keys, at {part}: {message}")]
+    Table {
+        /// Key or table.
+        part: Box<str>,
+        /// What does not fit.
+        message: Box<str>,
+    },
+}
+
+/// The end of the message on an unknown key.
+fn way_out(nearest: Option<&str>) -> String {
+    match nearest {
+        Some(key) => format!("did you mean \"{key}\"?"),
+        None => "`deltazero config` lists every key".to_owned(),
+    }
+}
+
+/// The end of the message on an unknown word.
+fn did_you_mean(nearest: Option<&str>) -> String {
+    nearest.map_or_else(String::new, |word| format!("; did you mean \"{word}\"?"))
+}

@@ -1,0 +1,368 @@
+//! The table of keys: everything the configuration knows of them is here, once.
+//!
+//! The default file, the JSON Schema, the check of what is given and the suggestions for what is
+//! misspelt all follow from [`KEYS`].
+
+use super::kind::Kind;
+use super::range::Range;
+use super::words::{ContactLaw, Events, FrictionLaw, METHODS, ReadingName};
+
+/// One key.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Key {
+    /// Path from the root: `contact.stiffness`.
+    pub path: &'static str,
+    /// The values it takes.
+    pub kind: Kind,
+    /// The default.
+    pub default: DefaultValue,
+    /// Unit; empty for what has none.
+    pub unit: &'static str,
+    /// What it is, in one line.
+    pub doc: &'static str,
+    /// Where the default is from. Tables and equations are those of "Dynamic Analysis of
+    /// Deployable Strut-Mechanism with Clearance Root-Joints for Spacial Flexible Solar Array".
+    pub source: &'static str,
+}
+
+/// The default of a key, as TOML.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DefaultValue {
+    /// This value.
+    Toml(&'static str),
+    /// Absent, which means something of its own; with a value as an example.
+    Absent(&'static str),
+}
+
+/// The tables whose keys may differ for one joint.
+pub const JOINT_TABLES: [&str; 3] = ["joint", "contact", "friction"];
+
+/// The tables that hold what differs for joint 1 and joint 2.
+pub const JOINTS: [&str; 2] = ["joint1", "joint2"];
+
+impl Key {
+    /// The table it is in; none for a key at the root.
+    pub fn table(&self) -> Option<&'static str> {
+        self.path.split_once('.').map(|(table, _)| table)
+    }
+
+    /// Its name in that table.
+    pub fn name(&self) -> &'static str {
+        self.path
+            .split_once('.')
+            .map_or(self.path, |(_, name)| name)
+    }
+
+    /// Whether it may differ for one joint.
+    pub fn per_joint(&self) -> bool {
+        self.table()
+            .is_some_and(|table| JOINT_TABLES.contains(&table))
+    }
+}
+
+const POSITIVE: Kind = Kind::Number(Range::POSITIVE);
+const NOT_NEGATIVE: Kind = Kind::Number(Range::NOT_NEGATIVE);
+const FINITE: Kind = Kind::Number(Range::FINITE);
+const RTOL: Kind = Kind::Number(Range::closed(1e-14, 1e-1));
+
+use DefaultValue::{Absent, Toml};
+
+/// Every key, in the order of the default file: first those of the root, then table by table.
+pub const KEYS: &[Key] = &[
+    Key {
+        path: "reading",
+        kind: Kind::Word(ReadingName::WORDS),
+        default: Toml("\"pin\""),
+        unit: "",
+        doc: "Reading of the paper: where the contact force enters and how friction acts",
+        source: "the consistent one with friction as in Eq. (9)",
+    },
+    Key {
+        path: "bays",
+        kind: Kind::Integer(1, 1_000_000),
+        default: Toml("1"),
+        unit: "",
+        doc: "Side frames in the chain; more than one is not built yet",
+        source: "the paper's case",
+    },
+    Key {
+        path: "strut.length",
+        kind: POSITIVE,
+        default: Toml("2.5"),
+        unit: "m",
+        doc: "Length l of each of the six equal struts",
+        source: "Table 1, l_i",
+    },
+    Key {
+        path: "strut.density",
+        kind: POSITIVE,
+        default: Toml("7800.0"),
+        unit: "kg/m³",
+        doc: "Density ρ of the struts",
+        source: "Table 1, ρ_i (printed in kg/m²)",
+    },
+    Key {
+        path: "strut.radius",
+        kind: POSITIVE,
+        default: Toml("0.005"),
+        unit: "m",
+        doc: "Radius r' of the solid round struts: mass m = ρ π r'² l",
+        source: "Table 1, r'_i",
+    },
+    Key {
+        path: "strut.inertia",
+        kind: Kind::OneOf(&[Kind::Word(&["axial", "transverse"]), POSITIVE]),
+        default: Toml("\"axial\""),
+        unit: "kg m²",
+        doc: "Inertia J about the centroid: axial m r'²/2, transverse m l²/12, or a number",
+        source: "Table 1, J_i, which is the axial one rounded",
+    },
+    Key {
+        path: "drive.m1",
+        kind: FINITE,
+        default: Toml("1.0"),
+        unit: "N m",
+        doc: "Torque M1 on θ1 of every bay",
+        source: "Table 1, M_1",
+    },
+    Key {
+        path: "drive.m4",
+        kind: FINITE,
+        default: Toml("0.3"),
+        unit: "N m",
+        doc: "Torque M4 on θ2",
+        source: "Table 1, M_4",
+    },
+    Key {
+        path: "joint.clearance",
+        kind: NOT_NEGATIVE,
+        default: Toml("1e-4"),
+        unit: "m",
+        doc: "Clearance c: bush radius minus pin radius; 0 is the ideal joint, its pin fixed",
+        source: "Table 1, r_1 − r_2 and r_3 − r_4",
+    },
+    Key {
+        path: "joint.pin_radius",
+        kind: POSITIVE,
+        default: Toml("4.9e-3"),
+        unit: "m",
+        doc: "Pin radius, the arm of friction; the bush radius is pin_radius + clearance",
+        source: "Table 1, r_2 and r_4",
+    },
+    Key {
+        path: "contact.law",
+        kind: Kind::Word(ContactLaw::WORDS),
+        default: Toml("\"power\""),
+        unit: "",
+        doc: "Normal force law; power: F_N = K δⁿ + D δ̇",
+        source: "Eqs. (3) and (5)",
+    },
+    Key {
+        path: "contact.stiffness",
+        kind: POSITIVE,
+        default: Toml("1e7"),
+        unit: "N/mⁿ",
+        doc: "Contact stiffness K",
+        source: "Table 1, K_1 and K_2 (printed in N.m)",
+    },
+    Key {
+        path: "contact.damping",
+        kind: NOT_NEGATIVE,
+        default: Toml("178.7"),
+        unit: "N s/m",
+        doc: "Contact damping D",
+        source: "Table 1, D_1 and D_2",
+    },
+    Key {
+        path: "contact.exponent",
+        kind: Kind::Number(Range::at_least(1.0)),
+        default: Toml("1.0"),
+        unit: "",
+        doc: "Exponent n of the penetration δ",
+        source: "Eq. (3), which is linear",
+    },
+    Key {
+        path: "contact.adhesion",
+        kind: Kind::Boolean,
+        default: Toml("true"),
+        unit: "",
+        doc: "Whether F_N may pull before separation; if not, contact ends at F_N = 0",
+        source: "Eq. (3), as printed",
+    },
+    Key {
+        path: "friction.law",
+        kind: Kind::Word(FrictionLaw::WORDS),
+        default: Toml("\"coulomb\""),
+        unit: "",
+        doc: "Friction law; coulomb: F_T = μ F_N against the sliding",
+        source: "Eq. (4)",
+    },
+    Key {
+        path: "friction.coefficient",
+        kind: NOT_NEGATIVE,
+        default: Toml("0.1"),
+        unit: "",
+        doc: "Friction coefficient μ",
+        source: "Table 1, μ_1 and μ_2",
+    },
+    Key {
+        path: "run.t_end",
+        kind: POSITIVE,
+        default: Toml("2.0"),
+        unit: "s",
+        doc: "End of the run, which starts at t = 0",
+        source: "the transient of the paper's figures, 0 to 2 s",
+    },
+    Key {
+        path: "run.sample",
+        kind: NOT_NEGATIVE,
+        default: Toml("0.01"),
+        unit: "s",
+        doc: "Distance of the samples; 0: every accepted step; beyond t_end: none",
+        source: "choice of this study",
+    },
+    Key {
+        path: "run.stop_at_90",
+        kind: Kind::Boolean,
+        default: Toml("true"),
+        unit: "",
+        doc: "Whether a joint's motion ends by itself where its strut reaches 90°",
+        source: "choice of this study: there the model's inertia nearly vanishes",
+    },
+    Key {
+        path: "solver.method",
+        kind: Kind::Word(METHODS),
+        default: Toml("\"rk45\""),
+        unit: "",
+        doc: "Method of integration",
+        source: "choice of this study; the paper has rk4",
+    },
+    Key {
+        path: "solver.rtol",
+        kind: RTOL,
+        default: Toml("1e-8"),
+        unit: "",
+        doc: "Relative tolerance",
+        source: "choice of this study",
+    },
+    Key {
+        path: "solver.atol",
+        kind: Kind::OneOf(&[POSITIVE, Kind::List(&POSITIVE, Some(6))]),
+        default: Absent("1e-12"),
+        unit: "",
+        doc: "Absolute tolerance in each state's unit (m, m, rad, m/s, m/s, rad/s), one for all or one each",
+        source: "absent: rtol times the model's scale of each state",
+    },
+    Key {
+        path: "solver.events",
+        kind: Kind::Word(Events::WORDS),
+        default: Toml("\"located\""),
+        unit: "",
+        doc: "located: modes frozen, steps end on events; blind: the baseline that branches on the state",
+        source: "choice of this study",
+    },
+    Key {
+        path: "solver.step",
+        kind: POSITIVE,
+        default: Toml("1e-5"),
+        unit: "s",
+        doc: "Step of fixed-step methods; the others choose their own",
+        source: "choice of this study",
+    },
+    Key {
+        path: "study.methods",
+        kind: Kind::List(&Kind::Word(METHODS), None),
+        default: Toml("[\"rk4\", \"rk45\", \"bdf\"]"),
+        unit: "",
+        doc: "Methods compared",
+        source: "choice of this study",
+    },
+    Key {
+        path: "study.events",
+        kind: Kind::List(&Kind::Word(Events::WORDS), None),
+        default: Toml("[\"located\", \"blind\"]"),
+        unit: "",
+        doc: "Treatments of events compared",
+        source: "choice of this study",
+    },
+    Key {
+        path: "study.rtol",
+        kind: Kind::List(&RTOL, None),
+        default: Toml("[1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12]"),
+        unit: "",
+        doc: "Relative tolerances of the methods that choose their step",
+        source: "choice of this study",
+    },
+    Key {
+        path: "study.steps",
+        kind: Kind::List(&POSITIVE, None),
+        default: Toml("[1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6]"),
+        unit: "s",
+        doc: "Steps of the fixed-step methods",
+        source: "choice of this study",
+    },
+    Key {
+        path: "study.repeats",
+        kind: Kind::Integer(1, 1000),
+        default: Toml("3"),
+        unit: "",
+        doc: "Repetitions of each run; its time is their minimum and their median",
+        source: "choice of this study",
+    },
+    Key {
+        path: "study.threads",
+        kind: Kind::Integer(1, 1024),
+        default: Toml("1"),
+        unit: "",
+        doc: "Runs at the same time; more than one disturbs the timings",
+        source: "choice of this study",
+    },
+    Key {
+        path: "study.max_rhs",
+        kind: Kind::Integer(1, 1_000_000_000_000_000),
+        default: Toml("50_000_000"),
+        unit: "",
+        doc: "Evaluations of the right-hand side beyond which a run is cut",
+        source: "choice of this study",
+    },
+];
+
+/// The key at `path`, which may be one for a single joint: `joint2.contact.stiffness`.
+pub fn find(path: &str) -> Option<&'static Key> {
+    let key = |path: &str| KEYS.iter().find(|key| key.path == path);
+    match one_joint(path) {
+        Some((_, rest)) => key(rest).filter(|key| key.per_joint()),
+        None => key(path),
+    }
+}
+
+/// `joint2` and `contact.stiffness` of `joint2.contact.stiffness`; none for a path that is not of
+/// one joint.
+pub(super) fn one_joint(path: &str) -> Option<(&'static str, &str)> {
+    JOINTS.iter().find_map(|joint| {
+        let rest = path.strip_prefix(joint)?.strip_prefix('.')?;
+        Some((*joint, rest))
+    })
+}
+
+/// The tables, in the order of the default file.
+pub(super) fn tables() -> Vec<&'static str> {
+    let mut tables: Vec<_> = KEYS.iter().filter_map(Key::table).collect();
+    tables.dedup();
+    tables
+}
+
+/// The names one level below the table at `path`; none if there is no such table.
+pub(super) fn names_in(path: &str) -> Option<Vec<&'static str>> {
+    let table = match one_joint(path) {
+        Some((_, table)) => JOINT_TABLES.contains(&table).then_some(table)?,
+        None if JOINTS.contains(&path) => return Some(JOINT_TABLES.to_vec()),
+        None => path,
+    };
+    let names: Vec<_> = KEYS
+        .iter()
+        .filter(|key| key.table() == Some(table))
+        .map(Key::name)
+        .collect();
+    (!names.is_empty()).then_some(names)
+}

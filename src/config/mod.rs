@@ -1,0 +1,194 @@
+//! The configuration: every parameter with its unit and source, the paper's Table 1 as the default.
+//!
+//! ```
+//! use deltazero::config::{Config, ConfigError};
+//!
+//! let stiffer = Config::load(None, &["joint2.contact.stiffness=2e7".to_owned()])?;
+//! assert_eq!(stiffer.joints[0].contact.stiffness, 1e7);
+//! assert_eq!(stiffer.joints[1].contact.stiffness, 2e7);
+//!
+//! let wrong = Config::load(None, &["contact.stifness=2e7".to_owned()]);
+//! assert_eq!(
+//!     wrong.map_err(|error| error.to_string()),
+//!     Err("--set contact.stifness=2e7: unknown key \"contact.stifness\"; \
+//!          did you mean \"contact.stiffness\"?".to_owned()),
+//! );
+//! # Ok::<(), ConfigError>(())
+//! ```
+//!
+//! One table, [`KEYS`], is the home of every key: its default, range, unit and documentation. What
+//! a user gives passes through it key by key (`toml_source` → `settings` → [`Config`]), and the
+//! default file ([`default_toml`]) and the JSON Schema ([`json_schema`]) are printed from it.
+//!
+//! A value for one joint (`joint2.contact.stiffness`) stands before the common one
+//! (`contact.stiffness`), wherever each was given; of the same key the last one counts: first the
+//! file, then every `--set` in order.
+
+mod error;
+mod given;
+mod keys;
+mod kind;
+mod nearest;
+mod parts;
+mod print;
+mod range;
+mod schema;
+mod settings;
+mod toml_source;
+mod words;
+
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+pub use error::{ConfigError, Place};
+pub use keys::{DefaultValue, JOINT_TABLES, JOINTS, KEYS, Key, find};
+pub use kind::Kind;
+pub use parts::{
+    Atol, Contact, Drive, Friction, Inertia, Joint, JointConfig, Run, Solver, Strut, Study,
+};
+pub use print::default_toml;
+pub use range::{End, Range};
+pub use schema::json_schema;
+pub use words::{ContactLaw, Events, FrictionLaw, METHODS, ReadingName};
+
+use given::Given;
+use settings::Settings;
+
+/// A complete configuration, checked.
+///
+/// Serialised it is [`Config::to_json`], and it is read back through [`Config::from_json`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Value", into = "Value")]
+pub struct Config {
+    /// Reading of the paper.
+    pub reading: ReadingName,
+    /// Side frames in the chain; 1 today.
+    pub bays: u32,
+    /// The struts.
+    pub strut: Strut,
+    /// The driving torques.
+    pub drive: Drive,
+    /// Root joints 1 (AB) and 2 (AF), what is common to both already entered in each.
+    pub joints: [JointConfig; 2],
+    /// Extent and output of a run.
+    pub run: Run,
+    /// Method and accuracy of a run.
+    pub solver: Solver,
+    /// What a study runs.
+    pub study: Study,
+}
+
+impl Config {
+    /// The default configuration: the paper's Table 1, 0–2 s.
+    ///
+    /// # Errors
+    /// A mistake in the table of keys; a test excludes it.
+    pub fn table1() -> Result<Self, ConfigError> {
+        Settings::defaults()?.config()
+    }
+
+    /// The defaults, then the TOML file, then every `key=value` of `sets` in order.
+    ///
+    /// # Errors
+    /// The first complaint: an unreadable file, its syntax, an unknown key, a wrong type, a value
+    /// out of range or an unknown word, values that do not go together.
+    pub fn load(file: Option<&Path>, sets: &[String]) -> Result<Self, ConfigError> {
+        let mut settings = Settings::defaults()?;
+        if let Some(path) = file {
+            let text = toml_source::read(path)?;
+            let given = toml_source::document(&path.display().to_string(), &text)?;
+            settings.apply("", &given)?;
+        }
+        for argument in sets {
+            let (key, given) = toml_source::assignment(argument)?;
+            settings.apply(&key, &given)?;
+        }
+        settings.config()
+    }
+
+    /// All of it, in the structure of the TOML file, keys in alphabetical order.
+    ///
+    /// The form is canonical: equal configurations give equal texts. The tables `joint`, `contact`
+    /// and `friction` are those of joint 1; `joint2` holds what differs there, and is absent if
+    /// nothing does.
+    pub fn to_json(&self) -> Value {
+        let joints = self.joints.each_ref().map(json);
+        let mut all = Map::new();
+        for table in JOINT_TABLES {
+            all.insert(table.to_owned(), joints[0][table].clone());
+        }
+        let difference = difference(&joints[0], &joints[1]);
+        if !difference.is_empty() {
+            all.insert(JOINTS[1].to_owned(), Value::Object(difference));
+        }
+        let parts = [
+            ("reading", json(&self.reading)),
+            ("bays", json(&self.bays)),
+            ("strut", json(&self.strut)),
+            ("drive", json(&self.drive)),
+            ("run", json(&self.run)),
+            ("solver", json(&self.solver)),
+            ("study", json(&self.study)),
+        ];
+        all.extend(parts.map(|(name, part)| (name.to_owned(), part)));
+        let mut all = Value::Object(all);
+        all.sort_all_objects();
+        all
+    }
+
+    /// The configuration that [`to_json`](Self::to_json) wrote; what is absent has its default.
+    ///
+    /// A text of it must be parsed with serde_json's feature `float_roundtrip`, or numbers come back
+    /// one bit off.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn from_json(value: &Value) -> Result<Self, ConfigError> {
+        let mut settings = Settings::defaults()?;
+        settings.apply("", &Given::from_json(value))?;
+        settings.config()
+    }
+}
+
+impl TryFrom<Value> for Config {
+    type Error = ConfigError;
+
+    fn try_from(value: Value) -> Result<Self, ConfigError> {
+        Self::from_json(&value)
+    }
+}
+
+impl From<Config> for Value {
+    fn from(config: Config) -> Self {
+        config.to_json()
+    }
+}
+
+/// A part as JSON. Numbers, words and lists of them have no way to fail; if they did, the null
+/// would not read back.
+fn json<T: Serialize>(part: &T) -> Value {
+    serde_json::to_value(part).unwrap_or(Value::Null)
+}
+
+/// What is different in `two`, table by table.
+fn difference(one: &Value, two: &Value) -> Map<String, Value> {
+    let mut out = Map::new();
+    for table in JOINT_TABLES {
+        let Some(entries) = two[table].as_object() else {
+            continue;
+        };
+        let differing = entries
+            .iter()
+            .filter(|(name, value)| one[table].get(name) != Some(value));
+        let differing: Map<_, _> = differing.map(|(k, v)| (k.clone(), v.clone())).collect();
+        if !differing.is_empty() {
+            out.insert(table.to_owned(), Value::Object(differing));
+        }
+    }
+    out
+}

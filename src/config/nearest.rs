@@ -1,0 +1,58 @@
+//! The nearest key or word to a misspelt one.
+
+use strsim::normalized_damerau_levenshtein as similarity;
+
+use super::keys::{JOINT_TABLES, JOINTS, KEYS, one_joint, tables};
+
+/// Similarity below which a suggestion would only confuse.
+const SIMILAR: f64 = 0.5;
+
+/// Weight of a likeness of the last segments alone: `stiffness` for `contact.stiffness`.
+const LAST_SEGMENT: f64 = 0.95;
+
+/// The key most like `path`, or the table if `table`.
+pub(super) fn nearest_key(path: &str, table: bool) -> Option<String> {
+    let candidates: Vec<String> = match (one_joint(path), table) {
+        (Some((joint, _)), true) => JOINT_TABLES.map(|name| format!("{joint}.{name}")).to_vec(),
+        (Some((joint, _)), false) => {
+            let keys = KEYS.iter().filter(|key| key.per_joint());
+            keys.map(|key| format!("{joint}.{}", key.path)).collect()
+        }
+        (None, true) => tables()
+            .into_iter()
+            .chain(JOINTS)
+            .map(str::to_owned)
+            .collect(),
+        (None, false) => KEYS.iter().map(|key| key.path.to_owned()).collect(),
+    };
+    let given = path.to_lowercase();
+    let score = |candidate: &String| {
+        let last = similarity(last_segment(&given), last_segment(candidate));
+        similarity(&given, candidate).max(LAST_SEGMENT * last)
+    };
+    nearest(candidates, score)
+}
+
+/// The word most like `word`.
+pub(super) fn nearest_word(word: &str, words: &[&'static str]) -> Option<&'static str> {
+    let given = word.to_lowercase();
+    nearest(words.to_vec(), |candidate| similarity(&given, candidate))
+}
+
+/// The first of the best.
+fn nearest<T>(candidates: Vec<T>, score: impl Fn(&T) -> f64) -> Option<T> {
+    let mut best = None;
+    let mut best_score = 0.0;
+    for candidate in candidates {
+        let score = score(&candidate);
+        if score >= SIMILAR && score > best_score {
+            best_score = score;
+            best = Some(candidate);
+        }
+    }
+    best
+}
+
+fn last_segment(path: &str) -> &str {
+    path.rsplit_once('.').map_or(path, |(_, last)| last)
+}

@@ -1,0 +1,169 @@
+//! The tables of the configuration as types.
+
+use serde::{Deserialize, Serialize};
+
+use super::words::{ContactLaw, Events, FrictionLaw};
+
+/// Six equal, solid, round struts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Strut {
+    /// Length l \[m\].
+    pub length: f64,
+    /// Density ρ \[kg/m³\].
+    pub density: f64,
+    /// Radius r' \[m\]; the mass is m = ρ π r'² l \[kg\].
+    pub radius: f64,
+    /// Inertia J about the centroid.
+    pub inertia: Inertia,
+}
+
+/// Inertia of a strut about its centroid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Inertia {
+    /// About its own axis, m r'²/2: the paper's, though its struts do not turn about it.
+    Axial,
+    /// About an axis across it, m l²/12.
+    Transverse,
+    /// This one \[kg m²\].
+    #[serde(untagged)]
+    Value(f64),
+}
+
+/// Driving torques.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drive {
+    /// M1, on θ1 of every bay \[N m\].
+    pub m1: f64,
+    /// M4, on θ2 \[N m\].
+    pub m4: f64,
+}
+
+/// All that may differ between the two root joints.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointConfig {
+    /// Geometry.
+    pub joint: Joint,
+    /// Normal force.
+    pub contact: Contact,
+    /// Tangential force.
+    pub friction: Friction,
+}
+
+/// Geometry of a joint.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Joint {
+    /// Clearance c: bush radius minus pin radius \[m\]; 0 is the ideal joint, its pin fixed.
+    pub clearance: f64,
+    /// Pin radius, the arm of friction \[m\].
+    pub pin_radius: f64,
+}
+
+/// Normal force of a contact.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Contact {
+    /// Force law.
+    pub law: ContactLaw,
+    /// Stiffness K \[N/mⁿ\].
+    pub stiffness: f64,
+    /// Damping D \[N s/m\].
+    pub damping: f64,
+    /// Exponent n ≥ 1 of the penetration.
+    pub exponent: f64,
+    /// Whether F_N may be negative before separation; if not, contact ends at F_N = 0.
+    pub adhesion: bool,
+}
+
+/// Tangential force of a contact.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Friction {
+    /// Friction law.
+    pub law: FrictionLaw,
+    /// Coefficient μ.
+    pub coefficient: f64,
+}
+
+/// Extent and output of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Run {
+    /// End \[s\]; the start is t = 0.
+    pub t_end: f64,
+    /// Distance of the samples \[s\]; 0 is every accepted step.
+    pub sample: f64,
+    /// Whether a block ends by itself at θ = π/2.
+    pub stop_at_90: bool,
+}
+
+impl Run {
+    /// Number of samples, ⌊t_end/sample + 1e-9⌋; none if every accepted step is one.
+    ///
+    /// Sample k = 1 … n is at t = sample·k. A `sample` beyond `t_end` leaves no sample.
+    pub fn n_samples(&self) -> Option<usize> {
+        (self.sample > 0.0).then(|| (self.t_end / self.sample + 1e-9) as usize)
+    }
+}
+
+/// Method and accuracy of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Solver {
+    /// Name of the method, one of [`METHODS`](super::METHODS).
+    pub method: String,
+    /// Relative tolerance, 1e-14 … 1e-1.
+    pub rtol: f64,
+    /// Absolute tolerance; absent: `rtol` times the model's scale of each state.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub atol: Option<Atol>,
+    /// What is done with events.
+    pub events: Events,
+    /// Step of fixed-step methods \[s\].
+    pub step: f64,
+}
+
+/// Absolute tolerance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Atol {
+    /// The same number for every state, in that state's unit.
+    Same(f64),
+    /// One for each state of a block: two pin displacements \[m\], angle \[rad\], and their rates
+    /// \[m/s, m/s, rad/s\].
+    Each([f64; 6]),
+}
+
+impl Atol {
+    /// One tolerance for each state of a block.
+    pub fn each(self) -> [f64; 6] {
+        match self {
+            Self::Same(atol) => [atol; 6],
+            Self::Each(atol) => atol,
+        }
+    }
+}
+
+/// What a study runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Study {
+    /// Names of the methods compared, of [`METHODS`](super::METHODS).
+    pub methods: Vec<String>,
+    /// Treatments of events compared.
+    pub events: Vec<Events>,
+    /// Relative tolerances of the methods that choose their step.
+    pub rtol: Vec<f64>,
+    /// Steps of the fixed-step methods \[s\].
+    pub steps: Vec<f64>,
+    /// Repetitions of each run, whose minimum and median are its time.
+    pub repeats: u32,
+    /// Runs at the same time; more than one disturbs the timings.
+    pub threads: usize,
+    /// Evaluations of the right-hand side beyond which a run is cut.
+    pub max_rhs: u64,
+}

@@ -1,0 +1,190 @@
+//! The values of all keys, layer upon layer: defaults, file, `--set` in order.
+
+use std::collections::BTreeMap;
+
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+
+use super::error::{ConfigError, Place};
+use super::given::{Datum, Given, excerpt};
+use super::keys::{DefaultValue, JOINT_TABLES, JOINTS, KEYS, Key, find, names_in, one_joint};
+use super::nearest::nearest_key;
+use super::toml_source;
+use super::{Config, JointConfig};
+
+/// Largest number of samples of a run: at some 150 bytes a row and two joints, 30 GB of output.
+const MOST_SAMPLES: f64 = 1e8;
+
+/// Checked values by path, each with the place it came from.
+pub(super) struct Settings {
+    values: BTreeMap<String, (Value, Place)>,
+}
+
+impl Settings {
+    /// The defaults of the table of keys.
+    ///
+    /// # Errors
+    /// A default that is not TOML or not of its key's kind; a test excludes it.
+    pub(super) fn defaults() -> Result<Self, ConfigError> {
+        let mut settings = Self {
+            values: BTreeMap::new(),
+        };
+        for key in KEYS {
+            if let DefaultValue::Toml(text) = key.default {
+                settings.apply(key.path, &toml_source::value(text, Place::Default)?)?;
+            }
+        }
+        Ok(settings)
+    }
+
+    /// Sets one key, or all keys of a table; the path of the whole is empty.
+    ///
+    /// # Errors
+    /// The first complaint in the order of the lines.
+    pub(super) fn apply(&mut self, path: &str, given: &Given) -> Result<(), ConfigError> {
+        let mut first = None;
+        self.walk(path, given, &mut first);
+        first.map_or(Ok(()), |(_, complaint)| Err(complaint))
+    }
+
+    /// As `apply`; `first` is the first complaint so far, with its line.
+    fn walk(&mut self, path: &str, given: &Given, first: &mut Option<(usize, ConfigError)>) {
+        let line = line(&given.place);
+        if first.as_ref().is_some_and(|(first, _)| *first <= line) {
+            return;
+        }
+        match (find(path), &given.datum) {
+            (Some(key), _) => match key.kind.check(path, key.unit, given) {
+                Ok(value) => {
+                    self.values
+                        .insert(path.to_owned(), (value, given.place.clone()));
+                }
+                Err(complaint) => *first = Some((line, complaint)),
+            },
+            (None, Datum::Table(entries)) if path.is_empty() => {
+                for (name, entry) in entries {
+                    self.walk(name, entry, first);
+                }
+            }
+            (None, Datum::Table(entries)) if names_in(path).is_some() => {
+                for (name, entry) in entries {
+                    self.walk(&format!("{path}.{name}"), entry, first);
+                }
+            }
+            _ => *first = Some((line, not_a_key(path, given))),
+        }
+    }
+
+    /// The typed configuration.
+    ///
+    /// # Errors
+    /// Values that do not go together.
+    pub(super) fn config(&self) -> Result<Config, ConfigError> {
+        let config = Config {
+            reading: self.part("reading")?,
+            bays: self.part("bays")?,
+            strut: self.part("strut")?,
+            drive: self.part("drive")?,
+            joints: [self.joint(JOINTS[0])?, self.joint(JOINTS[1])?],
+            run: self.part("run")?,
+            solver: self.part("solver")?,
+            study: self.part("study")?,
+        };
+        self.cross_check(&config)?;
+        Ok(config)
+    }
+
+    /// What no key alone can tell.
+    fn cross_check(&self, config: &Config) -> Result<(), ConfigError> {
+        if config.bays > 1 {
+            return Err(ConfigError::SeveralBays {
+                place: self.place("bays"),
+                bays: config.bays,
+            });
+        }
+        let (t_end, sample) = (config.run.t_end, config.run.sample);
+        if sample > 0.0 && t_end / sample > MOST_SAMPLES {
+            let place = match self.place("run.sample") {
+                Place::Default => self.place("run.t_end"),
+                place => place,
+            };
+            return Err(ConfigError::TooManySamples {
+                place,
+                sample,
+                t_end,
+                most: MOST_SAMPLES,
+            });
+        }
+        Ok(())
+    }
+
+    fn place(&self, path: &str) -> Place {
+        self.values
+            .get(path)
+            .map_or(Place::Default, |(_, place)| place.clone())
+    }
+
+    /// A table, or a key of the root, as its type.
+    fn part<T: DeserializeOwned>(&self, part: &str) -> Result<T, ConfigError> {
+        let value = match self.values.get(part) {
+            Some((value, _)) => value.clone(),
+            None => self.table(part, None),
+        };
+        typed(part, value)
+    }
+
+    /// The three tables of one joint, each key its own value or else the common one.
+    fn joint(&self, joint: &str) -> Result<JointConfig, ConfigError> {
+        let tables = JOINT_TABLES.map(|table| (table.to_owned(), self.table(table, Some(joint))));
+        typed(joint, Value::Object(Map::from_iter(tables)))
+    }
+
+    fn table(&self, table: &str, joint: Option<&str>) -> Value {
+        let value = |key: &Key| {
+            let own = joint.and_then(|joint| self.values.get(&format!("{joint}.{}", key.path)));
+            let (value, _) = own.or_else(|| self.values.get(key.path))?;
+            Some((key.name().to_owned(), value.clone()))
+        };
+        let keys = KEYS.iter().filter(|key| key.table() == Some(table));
+        Value::Object(keys.filter_map(value).collect())
+    }
+}
+
+fn typed<T: DeserializeOwned>(part: &str, value: Value) -> Result<T, ConfigError> {
+    serde_json::from_value(value).map_err(|error| ConfigError::Table {
+        part: part.into(),
+        message: error.to_string().into(),
+    })
+}
+
+/// The complaint about a path that is no key, or about a table that is none.
+fn not_a_key(path: &str, given: &Given) -> ConfigError {
+    if path.is_empty() {
+        return given.wrong_type("the configuration", "a table of keys");
+    }
+    if let Some(names) = names_in(path) {
+        return given.wrong_type(path, &format!("a table with any of {}", names.join(", ")));
+    }
+    let (place, key) = (given.place.clone(), excerpt(path));
+    let exists = |path| find(path).is_some() || names_in(path).is_some();
+    if one_joint(path).is_some_and(|(_, rest)| exists(rest)) {
+        return ConfigError::NotPerJoint {
+            place,
+            key: key.into(),
+        };
+    }
+    let nearest = nearest_key(&key, matches!(given.datum, Datum::Table(_)));
+    ConfigError::UnknownKey {
+        place,
+        key: key.into(),
+        nearest: nearest.map(Into::into),
+    }
+}
+
+/// The line of a place; 0 where there are no lines.
+fn line(place: &Place) -> usize {
+    match place {
+        Place::Line { line, .. } => *line,
+        _ => 0,
+    }
+}

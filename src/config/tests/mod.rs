@@ -1,0 +1,32 @@
+//! Tests of the configuration, by what a user sees.
+
+mod defaults;
+mod files;
+mod joints;
+mod json;
+mod messages;
+mod numbers;
+
+use super::settings::Settings;
+use super::{Config, ConfigError, toml_source};
+
+/// The configuration of a TOML text, called `bad.toml`, and `--set` arguments.
+fn load(text: &str, sets: &[&str]) -> Result<Config, ConfigError> {
+    let mut settings = Settings::defaults()?;
+    settings.apply("", &toml_source::document("bad.toml", text)?)?;
+    for set in sets {
+        let (key, given) = toml_source::assignment(set)?;
+        settings.apply(&key, &given)?;
+    }
+    settings.config()
+}
+
+/// The message with which a TOML text is refused.
+fn refusal(text: &str) -> String {
+    load(text, &[]).expect_err(text).to_string()
+}
+
+/// The message with which one `--set` argument is refused.
+fn set_refusal(set: &str) -> String {
+    load("", &[set]).expect_err(set).to_string()
+}

@@ -1,0 +1,87 @@
+//! The words that the configuration knows, each list in one place.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// The methods that `solver.method` and `study.methods` accept.
+///
+/// A new method is one line here; it joins the study by default with one word in the default of
+/// `study.methods`.
+pub const METHODS: &[&str] = &["rk4", "rk45", "bdf"];
+
+/// An enum whose variants are words of the configuration, with their list.
+macro_rules! words {
+    (
+        $(#[$meta:meta])*
+        $name:ident { $($(#[$variant_meta:meta])* $variant:ident = $word:literal,)+ }
+    ) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        pub enum $name {
+            $($(#[$variant_meta])* #[serde(rename = $word)] $variant,)+
+        }
+
+        impl $name {
+            /// Every value.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+            /// The words for them, in the same order.
+            pub const WORDS: &'static [&'static str] = &[$($word),+];
+
+            /// The word that the configuration uses for it.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $word,)+
+                }
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.pad(self.name())
+            }
+        }
+    };
+}
+
+words! {
+    /// Reading of the paper: where the contact force enters and how friction acts.
+    ReadingName {
+        /// Contact force at the pin, friction as a torque only.
+        Pin = "pin",
+        /// Contact force at the pin, friction as a torque and a tangential force on the pin.
+        Full = "full",
+        /// Contact force at the strut's centroid with derived signs, friction as a torque only.
+        Centroid = "centroid",
+        /// Eqs. (12), (14) and (17) of the paper verbatim, friction as a torque only.
+        Printed = "printed",
+        /// As `Centroid` without the sin θ terms, friction as a torque and a force.
+        Cosine = "cosine",
+    }
+}
+
+words! {
+    /// Normal force law of a contact.
+    ContactLaw {
+        /// F_N = K δⁿ + D δ̇, Eqs. (3) and (5) of the paper with n = 1.
+        Power = "power",
+    }
+}
+
+words! {
+    /// Friction law of a contact.
+    FrictionLaw {
+        /// F_T = −σ μ F_N with σ the sign of the tangential velocity, Eq. (4) of the paper.
+        Coulomb = "coulomb",
+    }
+}
+
+words! {
+    /// What a method does with events.
+    Events {
+        /// The mode is frozen within a step, and a step ends on every event.
+        Located = "located",
+        /// The baseline: every evaluation reads its mode off the state.
+        Blind = "blind",
+    }
+}
