@@ -1,0 +1,247 @@
+//! The analytic Jacobian of a block.
+
+use super::block::{Block, ContactForces, State};
+use super::contact::PinPose;
+use super::mode::Mode;
+
+/// A gradient with respect to the six states.
+type Gradient = [f64; 6];
+
+fn gradient(entry: impl FnMut(usize) -> f64) -> Gradient {
+    std::array::from_fn(entry)
+}
+
+/// Gradients of a pin's polar form; see [`PinPose`].
+struct PoseGradient {
+    n: [Gradient; 2],
+    delta: Gradient,
+    delta_dot: Gradient,
+    w: Gradient,
+}
+
+impl PoseGradient {
+    /// With `t = (n_Y, −n_X)`: `∂n/∂d = t tᵀ/ρ`, `∂t/∂d = −n tᵀ/ρ`, and so
+    ///
+    /// ```text
+    /// ∂δ/∂d = n,   ∂δ̇/∂d = (w/ρ) t,   ∂δ̇/∂v = n,   ∂w/∂d = −(δ̇/ρ) t,   ∂w/∂v = t
+    /// ```
+    fn new(pose: &PinPose<f64>) -> Self {
+        let PinPose {
+            n,
+            rho,
+            delta_dot,
+            w,
+            ..
+        } = *pose;
+        let t = [n[1], -n[0]];
+        let turned = |i: usize, scale: f64| [t[0] * t[i] / rho * scale, t[1] * t[i] / rho * scale];
+        let on = |d: [f64; 2], v: [f64; 2]| [d[0], d[1], 0.0, v[0], v[1], 0.0];
+        let nothing = [0.0, 0.0];
+        Self {
+            n: [on(turned(0, 1.0), nothing), on(turned(1, 1.0), nothing)],
+            delta: on(n, nothing),
+            delta_dot: on([t[0] * w / rho, t[1] * w / rho], n),
+            w: on([-t[0] * delta_dot / rho, -t[1] * delta_dot / rho], t),
+        }
+    }
+}
+
+impl Block {
+    /// `∂(ẏ_i)/∂(y_j)` in `mode`, row by row.
+    pub(super) fn jacobian_rows(&self, mode: Mode, y: &State<f64>) -> [[f64; 6]; 6] {
+        let unit = |i: usize| gradient(|j| if i == j { 1.0 } else { 0.0 });
+        let [a_x, a_y, a_theta] = match mode {
+            Mode::Pinned => {
+                let nothing = [0.0; 6];
+                return [
+                    nothing,
+                    nothing,
+                    unit(5),
+                    nothing,
+                    nothing,
+                    self.pinned_gradient(y),
+                ];
+            }
+            Mode::Apart | Mode::Relaxing => {
+                let none = ContactForces {
+                    normal: 0.0,
+                    tangential: 0.0,
+                };
+                // Without force any direction serves; the pin may be at the centre.
+                let pose = PinPose::new([0.0, -self.clearance], [0.0, 0.0], self.clearance);
+                let still = PoseGradient::new(&pose);
+                self.gradients(y, &pose, &still, none, [[0.0; 6]; 2])
+            }
+            Mode::SlipPlus | Mode::SlipMinus | Mode::Stick => self.contact_gradients(mode, y),
+        };
+        [unit(3), unit(4), unit(5), a_x, a_y, a_theta]
+    }
+
+    /// `∇θ̈` with the pin held: `θ̈ = (M + I_c sin θ cos θ θ̇²)/(I_0 + I_c cos²θ)`.
+    fn pinned_gradient(&self, y: &State<f64>) -> Gradient {
+        let (sin, cos) = libm::sincos(y[2]);
+        let i_c = self.inertia.about_pin(0.0, 1.0) - self.inertia.about_pin(1.0, 0.0);
+        let about_pin = self.inertia.about_pin(sin, cos);
+        let theta_dd = (self.torque + i_c * sin * cos * y[5] * y[5]) / about_pin;
+        let by_theta =
+            i_c * (cos * cos - sin * sin) * y[5] * y[5] + 2.0 * i_c * sin * cos * theta_dd;
+        [
+            0.0,
+            0.0,
+            by_theta / about_pin,
+            0.0,
+            0.0,
+            2.0 * i_c * sin * cos * y[5] / about_pin,
+        ]
+    }
+
+    fn contact_gradients(&self, mode: Mode, y: &State<f64>) -> [Gradient; 3] {
+        let pose = self.pose(y);
+        let d = PoseGradient::new(&pose);
+        let forces = self.forces(mode, y, &pose);
+        let slope = self.normal.slope(pose.delta);
+        let normal = gradient(|j| slope * d.delta[j] + self.normal.damping * d.delta_dot[j]);
+        if let Some(sigma) = mode.sigma() {
+            let tangential = gradient(|j| -sigma * self.mu * normal[j]);
+            return self.gradients(y, &pose, &d, forces, [normal, tangential]);
+        }
+        // Stick: F_T follows from v̇_T = 0, so ∇F_T = −∇v̇_T|F_T / (∂v̇_T/∂F_T).
+        let frozen = self.gradients(y, &pose, &d, forces, [normal, [0.0; 6]]);
+        let a = self.accelerations(y, &pose, forces);
+        let (by_force, response) = self.friction_response(y, &pose);
+        let v_t_dot = gradient(|j| {
+            let along_t = pose.n[1] * frozen[0][j] - pose.n[0] * frozen[1][j];
+            let turning = d.n[1][j] * a[0] - d.n[0][j] * a[1];
+            let curving = (d.w[j] * pose.delta_dot + pose.w * d.delta_dot[j]
+                - pose.w * pose.delta_dot / pose.rho * d.delta[j])
+                / pose.rho;
+            along_t + turning - curving + self.pin_radius * frozen[2][j]
+        });
+        std::array::from_fn(|i| gradient(|j| frozen[i][j] - response[i] * v_t_dot[j] / by_force))
+    }
+
+    /// `∇(Ẍ, Ÿ, θ̈)` given those of pose, F_N and F_T: the closed-form solution of
+    /// [`BlockInertia::accelerations`](super::inertia::BlockInertia::accelerations),
+    /// differentiated term by term.
+    fn gradients(
+        &self,
+        y: &State<f64>,
+        pose: &PinPose<f64>,
+        d: &PoseGradient,
+        forces: ContactForces<f64>,
+        [normal, tangential]: [Gradient; 2],
+    ) -> [Gradient; 3] {
+        let (inertia, reading) = (&self.inertia, &self.reading);
+        let (sin, cos) = libm::sincos(y[2]);
+        let (omega, omega_sq) = (y[5], y[5] * y[5]);
+        let q = self.loads(y, (sin, cos), pose, forces);
+        let [_, _, theta_dd] = inertia.accelerations((sin, cos), omega_sq, q);
+        let schur = inertia.schur(cos);
+
+        let phi = reading.tangential_force;
+        let half = 0.5 * self.strut_length;
+        let [along_cos, along_sin] = reading.normal_moment;
+        let arm = half * (along_cos * cos * pose.n[0] + along_sin * sin * pose.n[1]);
+        let printed = inertia.m_x * inertia.p * (reading.centrifugal - 1.0);
+
+        let columns: [[f64; 3]; 6] = std::array::from_fn(|j| {
+            let d_sin = if j == 2 { cos } else { 0.0 };
+            let d_cos = if j == 2 { -sin } else { 0.0 };
+            let d_omega_sq = if j == 5 { 2.0 * omega } else { 0.0 };
+            let [d_nx, d_ny] = [d.n[0][j], d.n[1][j]];
+            let d_q_x = phi * (tangential[j] * pose.n[1] + forces.tangential * d_ny)
+                - normal[j] * pose.n[0]
+                - forces.normal * d_nx
+                + printed * (d_sin * omega_sq + sin * d_omega_sq);
+            let d_q_y = -normal[j] * pose.n[1]
+                - forces.normal * d_ny
+                - phi * (tangential[j] * pose.n[0] + forces.tangential * d_nx);
+            let d_arm = half
+                * (along_cos * (d_cos * pose.n[0] + cos * d_nx)
+                    + along_sin * (d_sin * pose.n[1] + sin * d_ny));
+            let d_q_theta =
+                d_arm * forces.normal + arm * normal[j] + tangential[j] * self.pin_radius;
+            let d_moment = d_q_theta
+                + inertia.j_c * ((d_sin * cos + sin * d_cos) * omega_sq + sin * cos * d_omega_sq)
+                - inertia.p * (d_cos * q[0] + cos * d_q_x)
+                + inertia.q * (d_sin * q[1] + sin * d_q_y);
+            let d_theta = (d_moment - theta_dd * 2.0 * inertia.j_c * cos * d_cos) / schur;
+            let d_x = inertia.p
+                * (d_sin * omega_sq + sin * d_omega_sq - d_cos * theta_dd - cos * d_theta);
+            let d_y = inertia.q
+                * (d_cos * omega_sq + cos * d_omega_sq + d_sin * theta_dd + sin * d_theta);
+            [
+                d_x + d_q_x / inertia.m_x,
+                d_y + d_q_y / inertia.m_y,
+                d_theta,
+            ]
+        });
+        std::array::from_fn(|i| gradient(|j| columns[j][i]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use deltazero_solvers::System;
+    use num_dual::Dual64;
+
+    use super::*;
+    use crate::config::{Config, ReadingName};
+    use crate::model::Mechanism;
+
+    const MODES: [Mode; 5] = [
+        Mode::Pinned,
+        Mode::Apart,
+        Mode::SlipPlus,
+        Mode::SlipMinus,
+        Mode::Stick,
+    ];
+
+    /// The column of dual numbers, from the generic right-hand side.
+    fn dual_column(block: &Block, mode: Mode, y: &State<f64>, j: usize) -> [f64; 6] {
+        let seeded = std::array::from_fn(|i| Dual64::new(y[i], if i == j { 1.0 } else { 0.0 }));
+        let mut dydt = [Dual64::from_re(0.0); 6];
+        block.rhs(mode, Dual64::from_re(0.0), &seeded, &mut dydt);
+        dydt.map(|d| d.eps)
+    }
+
+    #[test]
+    fn the_analytic_jacobian_is_that_of_dual_numbers_in_every_mode_and_reading() {
+        let mut config = Config::table1().unwrap();
+        let states = [
+            [2e-5, -9.9e-5, 0.01, 2e-3, 1e-3, 0.02],
+            [-9e-5, -5e-5, 0.7, -1e-3, 3e-3, 0.3],
+            [6e-5, 8.1e-5, 1.5, 1e-3, -2e-3, -0.4],
+        ];
+        for &reading in ReadingName::ALL {
+            for exponent in [1.0, 1.5] {
+                config.reading = reading;
+                for joint in &mut config.joints {
+                    joint.contact.exponent = exponent;
+                }
+                for block in &Mechanism::new(&config).blocks {
+                    for (mode, y) in MODES
+                        .iter()
+                        .flat_map(|m| states.iter().map(move |y| (*m, y)))
+                    {
+                        let rows = block.jacobian_rows(mode, y);
+                        for j in 0..6 {
+                            let column = dual_column(block, mode, y, j);
+                            for i in 0..6 {
+                                let size = rows[i].iter().fold(1e-9, |m: f64, x| m.max(x.abs()));
+                                let difference = (rows[i][j] - column[i]).abs() / size;
+                                // Measured: at most 3.1e-13.
+                                assert!(
+                                    difference < 1e-12,
+                                    "{reading} {mode} ({i}, {j}): {} against {}",
+                                    rows[i][j],
+                                    column[i]
+                                );
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

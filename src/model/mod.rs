@@ -1,0 +1,56 @@
+//! The deployable strut mechanism with clearance in its two root joints: the paper's equations.
+//!
+//! The two joints share no term. Each is a [`Block`] of its own: pin displacement (X, Y) in the
+//! bush, strut angle θ, and their rates, a hybrid system with the modes of [`Mode`].
+
+pub mod block;
+pub mod contact;
+pub mod energy;
+pub mod inertia;
+mod jacobian;
+pub mod mode;
+pub mod reading;
+mod scale;
+
+pub use block::{Block, State};
+pub use mode::Mode;
+pub use reading::Reading;
+
+use crate::config::Config;
+use contact::NormalLaw;
+use inertia::BlockInertia;
+
+/// The mechanism: its independent blocks, joint 1 (AB) and joint 2 (AF).
+#[derive(Clone, Debug)]
+pub struct Mechanism {
+    /// The blocks in the order of the joints.
+    pub blocks: [Block; 2],
+}
+
+impl Mechanism {
+    /// The mechanism of a configuration.
+    pub fn new(config: &Config) -> Self {
+        let strut = &config.strut;
+        let block = |joint: usize, inertia: BlockInertia, torque: f64| {
+            let own = &config.joints[joint - 1];
+            Block {
+                joint,
+                inertia,
+                strut_length: strut.length,
+                torque,
+                clearance: own.joint.clearance,
+                pin_radius: own.joint.pin_radius,
+                normal: NormalLaw::new(&own.contact),
+                mu: own.friction.coefficient,
+                reading: Reading::of(config.reading, joint - 1),
+                stop_at_90: config.run.stop_at_90,
+            }
+        };
+        Self {
+            blocks: [
+                block(1, BlockInertia::joint_1(strut), config.drive.m1),
+                block(2, BlockInertia::joint_2(strut), config.drive.m4),
+            ],
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! One run: a mechanism, block by block, by one method at one setting.
+
+use std::time::{Duration, Instant};
+
+use deltazero_solvers::{
+    Blind, Control, Error, Grid, Integration, Method, ModeOfState, Next, Outcome, Record, Stats,
+    Switch, System, Tolerance, Trajectory, Unblind,
+};
+
+use crate::config::{Atol, Config, Events};
+use crate::model::{Block, Mechanism, Mode, State};
+
+/// How accurate a method is asked to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Accuracy {
+    /// Relative tolerance, and absolute tolerances if not `rtol` times the scale of each state.
+    Rtol(f64, Option<Atol>),
+    /// Fixed step [s].
+    Step(f64),
+}
+
+/// A method with all that is chosen about it.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting {
+    /// The method.
+    pub method: &'static Method,
+    /// What it does with events.
+    pub events: Events,
+    /// Its tolerance or step.
+    pub accuracy: Accuracy,
+}
+
+impl Setting {
+    /// The `[solver]` table of a configuration; none if its method does not exist.
+    pub fn of(config: &Config) -> Option<Self> {
+        let solver = &config.solver;
+        let method = Method::named(&solver.method)?;
+        let accuracy = if method.is_fixed_step() {
+            Accuracy::Step(solver.step)
+        } else {
+            Accuracy::Rtol(solver.rtol, solver.atol)
+        };
+        Some(Self {
+            method,
+            events: solver.events,
+            accuracy,
+        })
+    }
+
+    /// The relative tolerance, where it has one.
+    pub fn rtol(&self) -> Option<f64> {
+        match self.accuracy {
+            Accuracy::Rtol(rtol, _) => Some(rtol),
+            Accuracy::Step(_) => None,
+        }
+    }
+
+    /// The fixed step [s], where it has one.
+    pub fn step(&self) -> Option<f64> {
+        match self.accuracy {
+            Accuracy::Rtol(..) => None,
+            Accuracy::Step(step) => Some(step),
+        }
+    }
+
+    fn control(&self, block: &Block) -> Control {
+        match self.accuracy {
+            Accuracy::Step(step) => Control::Fixed(step),
+            Accuracy::Rtol(rtol, atol) => {
+                let atol = match atol {
+                    None => block.scale().map(|scale| rtol * scale).to_vec(),
+                    Some(atol) => block.in_paper_order(&atol.each()).to_vec(),
+                };
+                Control::Adaptive(Tolerance { rtol, atol })
+            }
+        }
+    }
+}
+
+/// What became of one block.
+#[derive(Clone, Debug)]
+pub struct BlockRun {
+    /// Number of the joint, 1 or 2.
+    pub joint: usize,
+    /// How it ended.
+    pub outcome: Result<Outcome, Error>,
+    /// Time of the last accepted step [s].
+    pub t: f64,
+    /// State there.
+    pub y: State<f64>,
+    /// Mode there.
+    pub mode: Mode,
+    /// Work.
+    pub stats: Stats,
+    /// Time that the integration took.
+    pub wall: Duration,
+}
+
+impl BlockRun {
+    /// When θ reached 90° [s], if it did.
+    pub fn reached_90(&self) -> Option<f64> {
+        (self.outcome == Ok(Outcome::Stopped)).then_some(self.t)
+    }
+}
+
+/// Integrates `block` from `y0` at t = 0 to `t_end`, shown to `record`.
+///
+/// The one stopwatch is here: [`BlockRun::wall`] is the time of the integration with its recorder.
+pub fn integrate(
+    block: &Block,
+    setting: &Setting,
+    y0: State<f64>,
+    t_end: f64,
+    record: &mut dyn Record<Block>,
+) -> BlockRun {
+    let start = Instant::now();
+    match setting.events {
+        Events::Located => {
+            let mut run = Integration::new(block, 0.0, y0);
+            let outcome = solve(block, block, &mut run, setting, t_end, record);
+            finished(block, &run, run.point.mode, outcome, start)
+        }
+        Events::Blind => {
+            let blind = Blind(block);
+            let mut run = Integration::new(&blind, 0.0, y0);
+            let mut record = Unblind::new(block, 0.0, &y0, record);
+            let outcome = solve(block, &blind, &mut run, setting, t_end, &mut record);
+            let mode = block.mode_of_state(run.point.t, &run.point.y);
+            finished(block, &run, mode, outcome, start)
+        }
+    }
+}
+
+fn solve<P: System>(
+    block: &Block,
+    problem: &P,
+    run: &mut Integration<'_, P>,
+    setting: &Setting,
+    t_end: f64,
+    record: &mut dyn Record<P>,
+) -> Result<Outcome, Error> {
+    let mut solver = setting.method.solver(problem, setting.control(block))?;
+    run.run(t_end, &mut *solver, record)
+}
+
+fn finished<P: System<State<f64> = State<f64>>>(
+    block: &Block,
+    run: &Integration<'_, P>,
+    mode: Mode,
+    outcome: Result<Outcome, Error>,
+    start: Instant,
+) -> BlockRun {
+    BlockRun {
+        joint: block.joint,
+        outcome,
+        t: run.point.t,
+        y: run.point.y,
+        mode,
+        stats: run.stats,
+        wall: start.elapsed(),
+    }
+}
+
+/// Samples and events of a block.
+pub type BlockTrajectory = Trajectory<State<f64>, Mode>;
+
+/// A run of both blocks with its trajectories.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// What became of each block.
+    pub blocks: Vec<BlockRun>,
+    /// Samples and events of each block.
+    pub trajectories: Vec<BlockTrajectory>,
+}
+
+impl Run {
+    /// Runs both blocks of `mechanism` from the paper's start to `t_end`, keeping samples on `grid`.
+    pub fn new(mechanism: &Mechanism, setting: &Setting, t_end: f64, grid: &Grid) -> Self {
+        let (blocks, trajectories) = mechanism
+            .blocks
+            .iter()
+            .map(|block| {
+                let mut trajectory = Trajectory::on(grid.clone());
+                let y0 = block.initial_state();
+                (
+                    integrate(block, setting, y0, t_end, &mut trajectory),
+                    trajectory,
+                )
+            })
+            .unzip();
+        Self {
+            blocks,
+            trajectories,
+        }
+    }
+
+    /// Work of both blocks together.
+    pub fn stats(&self) -> Stats {
+        let mut sum = Stats::default();
+        for block in &self.blocks {
+            sum += block.stats;
+        }
+        sum
+    }
+
+    /// Time that the integration of both blocks took.
+    pub fn wall(&self) -> Duration {
+        self.blocks.iter().map(|block| block.wall).sum()
+    }
+
+    /// The first failure, if any.
+    pub fn error(&self) -> Option<&Error> {
+        self.blocks
+            .iter()
+            .find_map(|block| block.outcome.as_ref().err())
+    }
+}
+
+/// Whether a switch is a row of the events file: one that changes the mode as the files write it.
+pub fn mode_change(switch: &Switch<Mode>) -> Option<(i8, i8)> {
+    match switch.after {
+        Next::Mode(after) if after.code() != switch.before.code() => {
+            Some((switch.before.code(), after.code()))
+        }
+        _ => None,
+    }
+}
