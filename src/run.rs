@@ -1,10 +1,12 @@
 //! One run: a mechanism, block by block, by one method at one setting.
 
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use deltazero_solvers::{
-    Blind, Control, Error, Grid, Integration, Method, ModeOfState, Next, Outcome, Record, Stats,
-    Switch, System, Tolerance, Trajectory, Unblind,
+    Accepted, Blind, Control, Error, Event, Grid, Integration, Method, ModeOfState, Next, Outcome,
+    Record, Stats, Switch, System, Tolerance, Trajectory, Unblind,
 };
 
 use crate::config::{Atol, Config, Events};
@@ -164,6 +166,29 @@ fn finished<P: System<State<f64> = State<f64>>>(
 /// Samples and events of a block.
 pub type BlockTrajectory = Trajectory<State<f64>, Mode>;
 
+/// What breaks a run off, as a recorder.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits<'a> {
+    /// Evaluations of the right-hand side beyond which it is cut.
+    pub max_rhs: u64,
+    /// Set from outside to interrupt it.
+    pub stop: &'a AtomicBool,
+}
+
+impl Record<Block> for Limits<'_> {
+    fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
+        if accepted.stats.n_rhs > self.max_rhs || self.stop.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+
+    fn event(&mut self, _: &Event<'_, Block>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
 /// A run of both blocks with its trajectories.
 #[derive(Clone, Debug)]
 pub struct Run {
@@ -174,20 +199,23 @@ pub struct Run {
 }
 
 impl Run {
-    /// Runs both blocks of `mechanism` from the paper's start to `t_end`, keeping samples on `grid`.
-    pub fn new(mechanism: &Mechanism, setting: &Setting, t_end: f64, grid: &Grid) -> Self {
-        let (blocks, trajectories) = mechanism
-            .blocks
-            .iter()
-            .map(|block| {
-                let mut trajectory = Trajectory::on(grid.clone());
-                let y0 = block.initial_state();
-                (
-                    integrate(block, setting, y0, t_end, &mut trajectory),
-                    trajectory,
-                )
-            })
-            .unzip();
+    /// Runs both blocks of `mechanism` from the paper's start to `t_end`, keeping samples on
+    /// `grid`, within `limits`.
+    pub fn new(
+        mechanism: &Mechanism,
+        setting: &Setting,
+        t_end: f64,
+        grid: &Grid,
+        limits: Limits<'_>,
+    ) -> Self {
+        let mut left = limits;
+        let run = mechanism.blocks.iter().map(|block| {
+            let mut record = (Trajectory::on(grid.clone()), left);
+            let run = integrate(block, setting, block.initial_state(), t_end, &mut record);
+            left.max_rhs = left.max_rhs.saturating_sub(run.stats.n_rhs);
+            (run, record.0)
+        });
+        let (blocks, trajectories) = run.unzip();
         Self {
             blocks,
             trajectories,
@@ -208,6 +236,13 @@ impl Run {
         self.blocks.iter().map(|block| block.wall).sum()
     }
 
+    /// Whether a limit broke it off.
+    pub fn is_broken_off(&self) -> bool {
+        self.blocks
+            .iter()
+            .any(|block| block.outcome == Ok(Outcome::Interrupted))
+    }
+
     /// The first failure, if any.
     pub fn error(&self) -> Option<&Error> {
         self.blocks
@@ -216,12 +251,26 @@ impl Run {
     }
 }
 
-/// Whether a switch is a row of the events file: one that changes the mode as the files write it.
-pub fn mode_change(switch: &Switch<Mode>) -> Option<(i8, i8)> {
-    match switch.after {
-        Next::Mode(after) if after.code() != switch.before.code() => {
-            Some((switch.before.code(), after.code()))
-        }
+/// A row of the events file: a switch of the mode as the files write it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModeChange {
+    /// Time [s].
+    pub t: f64,
+    /// Code of the mode before.
+    pub before: i8,
+    /// Code of the mode after.
+    pub after: i8,
+}
+
+/// The mode changes among the events of a block; free apart and free relaxing are one mode.
+pub fn mode_changes(trajectory: &BlockTrajectory) -> Vec<ModeChange> {
+    let change = |switch: &Switch<Mode>| match switch.after {
+        Next::Mode(after) if after.code() != switch.before.code() => Some(ModeChange {
+            t: switch.t,
+            before: switch.before.code(),
+            after: after.code(),
+        }),
         _ => None,
-    }
+    };
+    trajectory.events.iter().filter_map(change).collect()
 }

@@ -1,0 +1,102 @@
+//! The directory of results: one configuration's, each file whole or not at all.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+
+use super::Failure;
+
+/// Files that carry the hash of what they are results of.
+const OWNERS: [&str; 2] = ["study.json", "run.json"];
+
+/// A directory for the results of one configuration.
+pub(super) struct Output {
+    dir: PathBuf,
+    /// The hash of command and configuration.
+    pub(super) hash: String,
+}
+
+/// SHA-256 of a command and its configuration, in hexadecimal.
+pub(super) fn hash(command: &str, config: &Value) -> String {
+    let digest = Sha256::digest(format!("{command} {config}"));
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+impl Output {
+    /// Opens `dir` for the results that `hash` names, and makes it if there is none.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] if it is no directory, cannot be written, or (without `force`) holds
+    /// other results.
+    pub(super) fn open(dir: &Path, hash: String, force: bool) -> Result<Self, Failure> {
+        let refuse = |why: String| Failure::Usage(format!("{}: {why}", dir.display()));
+        if dir.exists() && !dir.is_dir() {
+            return Err(refuse(
+                "is a file, not a directory; name another with --out".into(),
+            ));
+        }
+        fs::create_dir_all(dir)
+            .map_err(|error| refuse(format!("cannot make the directory: {error}")))?;
+        let output = Self {
+            dir: dir.to_owned(),
+            hash,
+        };
+        if !force {
+            for owner in OWNERS {
+                let known = output.read(owner);
+                if dir.join(owner).exists()
+                    && known.as_ref().and_then(hash_of) != Some(&output.hash)
+                {
+                    return Err(refuse(
+                        "holds results of another configuration; name another directory with \
+                         --out, or overwrite them with --force"
+                            .into(),
+                    ));
+                }
+            }
+        }
+        let probe = output.dir.join(".deltazero-probe");
+        fs::write(&probe, b"")
+            .and_then(|()| fs::remove_file(&probe))
+            .map_err(|error| refuse(format!("cannot write there: {error}")))?;
+        Ok(output)
+    }
+
+    /// A JSON file of an earlier run of the same configuration.
+    pub(super) fn own(&self, name: &str) -> Option<Value> {
+        self.read(name)
+            .filter(|value| hash_of(value) == Some(&self.hash))
+    }
+
+    fn read(&self, name: &str) -> Option<Value> {
+        serde_json::from_slice(&fs::read(self.dir.join(name)).ok()?).ok()
+    }
+
+    /// Writes a file: under another name first, then renamed.
+    pub(super) fn write(&self, name: &str, content: &[u8]) -> Result<(), Failure> {
+        let path = self.dir.join(name);
+        let fail = |error: std::io::Error| {
+            Failure::Run(format!("cannot write {}: {error}", path.display()))
+        };
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent).map_err(fail)?;
+        }
+        let mut partial = path.clone().into_os_string();
+        partial.push(".partial");
+        fs::write(&partial, content)
+            .and_then(|()| fs::rename(&partial, &path))
+            .inspect_err(|_| drop(fs::remove_file(&partial)))
+            .map_err(fail)
+    }
+
+    /// Where it is.
+    pub(super) fn path(&self) -> std::path::Display<'_> {
+        self.dir.display()
+    }
+}
+
+fn hash_of(value: &Value) -> Option<&str> {
+    value.get("hash")?.as_str()
+}

@@ -1,0 +1,159 @@
+//! `deltazero study`.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Args;
+use deltazero::config::Config;
+use deltazero::figures::{self, Drawing};
+use deltazero::report;
+use deltazero::run::Limits;
+use deltazero::study::motion::motion;
+use deltazero::study::step_size::step_histories;
+use deltazero::study::work_precision::{Row, Status, WorkPrecision, work_precision};
+use serde_json::{Value, json};
+
+use super::output::{Output, hash};
+use super::progress::Bar;
+use super::{Failure, RunArgs, print, say};
+
+#[derive(Args)]
+pub(super) struct StudyArgs {
+    #[command(flatten)]
+    run: RunArgs,
+    /// Runs at the same time, instead of study.threads; more than one disturbs the timings
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let mut config = args.run.load()?;
+    let dir = args
+        .run
+        .out
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("deltazero-out"));
+    let hash = hash("study", &json_without_threads(&config));
+    let output = Output::open(&dir, hash, args.run.force)?;
+    if let Some(threads) = args.threads {
+        config.study.threads = usize::from(threads);
+    }
+    let bar = Bar::new(args.run.quiet);
+    let known = unfinished_rows(&output);
+    let table = match work_precision(&config, &known, stop, &|progress| bar.show(progress)) {
+        Ok(table) => table,
+        Err(_) if stop.load(Ordering::Relaxed) => return Err(Failure::Interrupted),
+        Err(error) => return Err(Failure::Run(error.to_string())),
+    };
+    write_tables(&output, &config, &table)?;
+    if stop.load(Ordering::Relaxed) {
+        return Err(Failure::Interrupted);
+    }
+    bar.say("figures");
+    let drawings = write_figures(&output, &config, &table, stop)?;
+    let markdown = report::study_markdown(config.reading.name(), &table, &drawings);
+    output.write("study.md", markdown.as_bytes())?;
+    drop(bar);
+
+    if args.run.json {
+        print(&format!("{:#}\n", json!(table)))?;
+    } else {
+        print(&report::answer(&table))?;
+    }
+    if !args.run.quiet {
+        summarise(&output, &table);
+    }
+    if table.rows.iter().any(|row| row.status == Status::Ok) {
+        Ok(())
+    } else {
+        Err(Failure::Run(
+            "no run reached its end; study.csv says why".into(),
+        ))
+    }
+}
+
+/// The configuration as results are named by: threads change nothing but the time.
+fn json_without_threads(config: &Config) -> Value {
+    let mut config = config.clone();
+    config.study.threads = 1;
+    config.to_json()
+}
+
+/// The rows of an earlier study of the same configuration that was interrupted.
+fn unfinished_rows(output: &Output) -> Vec<Row> {
+    let rows = output.own("study.json").and_then(|mut study| {
+        serde_json::from_value::<Vec<Row>>(study.get_mut("rows")?.take()).ok()
+    });
+    rows.filter(|rows| rows.iter().any(|row| row.status == Status::Interrupted))
+        .unwrap_or_default()
+}
+
+fn write_tables(output: &Output, config: &Config, table: &WorkPrecision) -> Result<(), Failure> {
+    let study = json!({
+        "hash": output.hash,
+        "version": env!("CARGO_PKG_VERSION"),
+        "config": config.to_json(),
+        "reference": table.reference,
+        "rows": table.rows,
+    });
+    output.write("study.csv", report::study_csv(table).as_bytes())?;
+    output.write("study.json", format!("{study:#}\n").as_bytes())
+}
+
+fn write_figures(
+    output: &Output,
+    config: &Config,
+    table: &WorkPrecision,
+    stop: &AtomicBool,
+) -> Result<Vec<Drawing>, Failure> {
+    let limits = Limits {
+        max_rhs: config.study.max_rhs,
+        stop,
+    };
+    let histories = step_histories(config, limits);
+    let motion = motion(config, limits);
+    if stop.load(Ordering::Relaxed) {
+        return Err(Failure::Interrupted);
+    }
+    output.write("steps.csv", report::steps_csv(&histories).as_bytes())?;
+    if let Some(motion) = &motion {
+        output.write("motion.csv", report::motion_csv(motion).as_bytes())?;
+    }
+    let drawings = figures::of_study(table, &histories, motion.as_ref());
+    for drawing in &drawings {
+        let fail = |error| Failure::Run(format!("cannot draw {}: {error}", drawing.name));
+        let (svg, png) = (
+            drawing.figure.svg().map_err(fail)?,
+            drawing.figure.png().map_err(fail)?,
+        );
+        output.write(&format!("figures/{}.svg", drawing.name), svg.as_bytes())?;
+        output.write(&format!("figures/{}.png", drawing.name), &png)?;
+    }
+    Ok(drawings)
+}
+
+fn summarise(output: &Output, table: &WorkPrecision) {
+    let count = |status| table.rows.iter().filter(|row| row.status == status).count();
+    let (ok, failed, cut) = (count(Status::Ok), count(Status::Failed), count(Status::Cut));
+    say(&format!(
+        "{} runs: {ok} ok, {failed} failed, {cut} cut; reference agrees with its check to e = {:.1e}",
+        table.rows.len(),
+        table.reference.agreement
+    ));
+    for row in table.rows.iter().filter(|row| row.status != Status::Ok) {
+        let why = row
+            .error
+            .as_deref()
+            .unwrap_or("more than study.max_rhs right-hand sides");
+        say(&format!(
+            "  {} {}, {}: {why}",
+            row.method,
+            row.events,
+            row.setting()
+        ));
+    }
+    say(&format!(
+        "written to {}: study.md, study.csv, study.json, figures/",
+        output.path()
+    ));
+}

@@ -1,0 +1,139 @@
+//! What does the pin do: its gap, its forces, its orbit in the bush.
+
+use deltazero_solvers::{Grid, Method, Sample, Trajectory};
+use serde::{Deserialize, Serialize};
+
+use crate::config::{Config, Events};
+use crate::model::{Block, Mechanism, Mode, State};
+use crate::reference::counted;
+use crate::run::{Accuracy, BlockTrajectory, Limits, Setting, integrate, mode_changes};
+
+/// Tolerance of the run that is shown: beyond what a picture can tell.
+const RTOL: f64 = 1e-10;
+/// Points over the whole run, and over the zoom.
+const POINTS: u32 = 4000;
+const ZOOM_POINTS: u32 = 1000;
+/// Time shown before and after the flight that is zoomed in on, in flights.
+const MARGIN: f64 = 0.6;
+/// Zoom of a run without a flight, as a fraction of it.
+const FIRST_PART: f64 = 0.02;
+
+/// A joint at one time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MotionRow {
+    /// Joint, 1 or 2.
+    pub joint: usize,
+    /// Time [s].
+    pub t_s: f64,
+    /// Mode: 0 free, ±1 slip, 2 stick.
+    pub mode: i8,
+    /// Pin displacement, x01 or y02 [m].
+    pub d1_m: f64,
+    /// Pin displacement, y01 or z02 [m].
+    pub d2_m: f64,
+    /// Penetration δ; below zero the gap [m].
+    pub delta_m: f64,
+    /// Normal force F_N [N].
+    pub f_n_n: f64,
+    /// Friction force F_T [N].
+    pub f_t_n: f64,
+}
+
+/// The motion of a mechanism.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// The whole run, joint by joint.
+    pub rows: Vec<MotionRow>,
+    /// One impact of joint 1: the end of a contact, a flight, and the contact after it.
+    pub zoom: Vec<MotionRow>,
+    /// Mode changes of joint 1 within the zoom: time [s], code of the mode after.
+    pub zoom_modes: Vec<(f64, i8)>,
+    /// Clearance of each joint [m].
+    pub clearance_m: Vec<f64>,
+    /// How it was computed.
+    pub method: String,
+}
+
+/// The motion of `config` by `rk45` located at rtol 1e-10, and a zoom on the first flight of
+/// joint 1 after its start (the first part of the run if there is none).
+pub fn motion(config: &Config, limits: Limits<'_>) -> Option<Motion> {
+    let method = Method::named("rk45")?;
+    let setting = Setting {
+        method,
+        events: Events::Located,
+        accuracy: Accuracy::Rtol(RTOL, None),
+    };
+    let mechanism = Mechanism::new(config);
+    let t_end = config.run.t_end;
+    let run = |block: &Block, times: Vec<f64>, t_end: f64| -> BlockTrajectory {
+        let mut record = (Trajectory::on(Grid::Times(times)), limits);
+        integrate(block, &setting, block.initial_state(), t_end, &mut record);
+        record.0
+    };
+    let mut rows = Vec::new();
+    for block in &mechanism.blocks {
+        let spacing = t_end / f64::from(POINTS);
+        let times = (1..=POINTS)
+            .map(|k| (spacing * f64::from(k)).min(t_end))
+            .collect();
+        let trajectory = run(block, times, t_end);
+        rows.extend(trajectory.samples.iter().map(|sample| row(block, sample)));
+    }
+    let joint_1 = &mechanism.blocks[0];
+    let events = mode_changes(&run(joint_1, Vec::new(), t_end));
+    let (from, to) = zoom_window(&counted(&events, joint_1), t_end);
+    let spacing = (to - from) / f64::from(ZOOM_POINTS);
+    let times = (0..=ZOOM_POINTS)
+        .map(|k| from + spacing * f64::from(k))
+        .collect();
+    let trajectory = run(joint_1, times, to);
+    let inside = events
+        .iter()
+        .filter(|event| from <= event.t && event.t <= to);
+    Some(Motion {
+        rows,
+        zoom: trajectory
+            .samples
+            .iter()
+            .map(|sample| row(joint_1, sample))
+            .collect(),
+        zoom_modes: inside.map(|event| (event.t, event.after)).collect(),
+        clearance_m: mechanism
+            .blocks
+            .iter()
+            .map(|block| block.clearance)
+            .collect(),
+        method: format!("rk45 located, rtol {RTOL:e}"),
+    })
+}
+
+/// From before the first flight to after it.
+fn zoom_window(events: &[crate::run::ModeChange], t_end: f64) -> (f64, f64) {
+    let flight = events
+        .windows(2)
+        .find(|pair| pair[0].after == 0 && pair[1].before == 0);
+    let Some([left, back]) = flight else {
+        return (0.0, FIRST_PART * t_end);
+    };
+    let margin = MARGIN * (back.t - left.t);
+    (
+        (left.t - margin).max(0.0),
+        (back.t + 2.0 * margin).min(t_end),
+    )
+}
+
+fn row(block: &Block, sample: &Sample<State<f64>, Mode>) -> MotionRow {
+    let [d1_m, d2_m, ..] = block.in_paper_order(&sample.y);
+    let pose = block.pose(&sample.y);
+    let forces = block.forces(sample.mode, &sample.y, &pose);
+    MotionRow {
+        joint: block.joint,
+        t_s: sample.t,
+        mode: sample.mode.code(),
+        d1_m,
+        d2_m,
+        delta_m: pose.delta,
+        f_n_n: forces.normal,
+        f_t_n: forces.tangential,
+    }
+}
