@@ -65,12 +65,7 @@ fn work_precision(methods: usize) -> Figure {
         };
         let marker = Marker::cycle(m);
         [
-            Series::filled(
-                format!("{}, aware", names[m]),
-                m,
-                marker,
-                points(orders[m], 1e-3),
-            ),
+            Series::filled(format!("{}, aware", names[m]), m, marker, points(orders[m], 1e-3)),
             Series::hollow(
                 format!("{}, blind", names[m]),
                 m,
@@ -84,51 +79,21 @@ fn work_precision(methods: usize) -> Figure {
         y: Axis::log("largest error of δ over all impacts [m]"),
         series: series.collect(),
         guides: vec![
-            Guide {
-                slope: -1.0,
-                through: (1e3, 1e-5),
-                span: None,
-                label: "order 1".into(),
-            },
-            Guide {
-                slope: -5.0,
-                through: (1e3, 1e-6),
-                span: None,
-                label: "order 5".into(),
-            },
+            Guide { slope: -1.0, through: (1e3, 1e-5), span: None, label: "order 1".into() },
+            Guide { slope: -5.0, through: (1e3, 1e-6), span: None, label: "order 5".into() },
         ],
-        levels: vec![Level {
-            y: 1e-12,
-            label: "rounding of the reference".into(),
-        }],
+        levels: vec![Level { y: 1e-12, label: "rounding of the reference".into() }],
         ..LineChart::default()
     };
-    let size = if methods > 2 {
-        Size::WIDE
-    } else {
-        Size::SINGLE
-    };
-    Figure {
-        size,
-        ..Figure::single("Work and precision through impacts", chart)
-    }
+    let size = if methods > 2 { Size::WIDE } else { Size::SINGLE };
+    Figure { size, ..Figure::single("Work and precision through impacts", chart) }
 }
 
 fn time_series() -> Figure {
     let times = || (0..20_000).map(|i| f64::from(i) * 1e-5);
     let gap = |t: f64| 2e-4 * (80.0 * t).sin() * (-3.0 * t).exp() + 2e-5 * (2000.0 * t).sin();
-    let points: Vec<_> = times()
-        .map(|t| {
-            (
-                t,
-                if (0.11..0.115).contains(&t) {
-                    f64::NAN
-                } else {
-                    gap(t)
-                },
-            )
-        })
-        .collect();
+    let points: Vec<_> =
+        times().map(|t| (t, if (0.11..0.115).contains(&t) { f64::NAN } else { gap(t) })).collect();
     let bands = [
         (0.0, 0.04, 0, "free"),
         (0.04, 0.08, 1, "slip"),
@@ -151,40 +116,19 @@ fn time_series() -> Figure {
             },
         ],
         bands: bands
-            .map(|(a, b, color, label)| Band {
-                x: (a, b),
-                color,
-                label: label.into(),
-            })
+            .map(|(a, b, color, label)| Band { x: (a, b), color, label: label.into() })
             .to_vec(),
         marks: vec![0.04, 0.08, 0.12],
-        levels: vec![Level {
-            y: 1.5e-4,
-            label: "clearance".into(),
-        }],
-        notes: vec![Note {
-            at: (0.11, 0.0),
-            text: "no value here".into(),
-        }],
+        levels: vec![Level { y: 1.5e-4, label: "clearance".into() }],
+        notes: vec![Note { at: (0.11, 0.0), text: "no value here".into() }],
         ..LineChart::default()
     };
-    Figure {
-        size: Size {
-            width: 900,
-            height: 420,
-        },
-        ..Figure::single("", chart)
-    }
+    Figure { size: Size { width: 900, height: 420 }, ..Figure::single("", chart) }
 }
 
 fn step_history() -> Figure {
-    let names = [
-        "Bogacki–Shampine 3(2)",
-        "Dormand–Prince 5(4)",
-        "Radau IIA 5",
-        "Taylor, order 12",
-        "BDF",
-    ];
+    let names =
+        ["Bogacki–Shampine 3(2)", "Dormand–Prince 5(4)", "Radau IIA 5", "Taylor, order 12", "BDF"];
     let panel = |(m, name): (usize, &&str)| -> Panel {
         let mut t = 0.0_f64;
         let steps = noise(m as u32).take(20_000).map(|r| {
@@ -198,67 +142,37 @@ fn step_history() -> Figure {
             title: (*name).into(),
             t: Axis::linear("t [s]"),
             h: Axis::log("h [s]"),
-            rejected: accepted
-                .iter()
-                .copied()
-                .step_by(997)
-                .map(|(t, h)| (t, 3.0 * h))
-                .collect(),
+            rejected: accepted.iter().copied().step_by(997).map(|(t, h)| (t, 3.0 * h)).collect(),
             accepted,
-            events: (0..60)
-                .map(|i| 0.2 * (f64::from(i) / 60.0).powi(2))
-                .collect(),
+            events: (0..60).map(|i| 0.2 * (f64::from(i) / 60.0).powi(2)).collect(),
             color: m,
             look: StepLook::Dots,
         }
         .into()
     };
-    Figure::stacked(
-        "Step sizes through 60 impacts",
-        names.iter().enumerate().map(panel).collect(),
-    )
+    Figure::stacked("Step sizes through 60 impacts", names.iter().enumerate().map(panel).collect())
 }
 
 fn orbit() -> Figure {
     let angles = (0..4000).map(|i| f64::from(i) * 0.005);
     let curve: Vec<_> = angles
-        .map(|a| {
-            (
-                1e-4 * (a.cos() * (1.0 - 0.01 * a) + 0.05 * (7.0 * a).cos()),
-                0.9e-4 * a.sin(),
-            )
-        })
+        .map(|a| (1e-4 * (a.cos() * (1.0 - 0.01 * a) + 0.05 * (7.0 * a).cos()), 0.9e-4 * a.sin()))
         .collect();
     let orbit = Orbit {
         title: "Pin centre in the bush".into(),
         x: Axis::linear("x [m]"),
         y: Axis::linear("y [m]"),
         curves: vec![Series::line("pin centre", 0, curve)],
-        circle: Some(Circle {
-            center: (0.0, 0.0),
-            radius: 1e-4,
-            label: "clearance".into(),
-        }),
+        circle: Some(Circle { center: (0.0, 0.0), radius: 1e-4, label: "clearance".into() }),
     };
-    Figure {
-        size: Size::SQUARE,
-        ..Figure::single("", orbit)
-    }
+    Figure { size: Size::SQUARE, ..Figure::single("", orbit) }
 }
 
 fn heatmaps() -> Figure {
     let columns: Vec<String> = (2..10).map(|k| format!("1e-{k}")).collect();
-    let rows: Vec<String> = ["BS3", "DP5", "Tsit5", "Radau", "Taylor"]
-        .map(String::from)
-        .to_vec();
+    let rows: Vec<String> = ["BS3", "DP5", "Tsit5", "Radau", "Taylor"].map(String::from).to_vec();
     let values: Vec<f64> = (0..40)
-        .map(|i| {
-            if i == 17 {
-                f64::NAN
-            } else {
-                10f64.powf(f64::from(i % 8) - f64::from(i / 8))
-            }
-        })
+        .map(|i| if i == 17 { f64::NAN } else { 10f64.powf(f64::from(i % 8) - f64::from(i / 8)) })
         .collect();
     let numbers = Heatmap {
         title: "Error against tolerance".into(),
@@ -268,17 +182,11 @@ fn heatmaps() -> Figure {
         rows: rows.clone(),
         texts: values.iter().map(|v| format!("{v:.0e}")).collect(),
         cells: Cells::Values {
-            bar: Axis {
-                label: "error [m]".into(),
-                scale: Scale::Log,
-                range: None,
-            },
+            bar: Axis { label: "error [m]".into(), scale: Scale::Log, range: None },
             values,
         },
     };
-    let names = ["reaches the end", "chatter", "step too small"]
-        .map(String::from)
-        .to_vec();
+    let names = ["reaches the end", "chatter", "step too small"].map(String::from).to_vec();
     let outcomes = Heatmap {
         title: "Outcome".into(),
         x_label: "rtol".into(),
@@ -293,10 +201,7 @@ fn heatmaps() -> Figure {
     Figure {
         cols: 2,
         panels: vec![numbers.into(), outcomes.into()],
-        size: Size {
-            width: 1100,
-            height: 420,
-        },
+        size: Size { width: 1100, height: 420 },
         ..Figure::default()
     }
 }
@@ -305,67 +210,36 @@ fn heatmaps() -> Figure {
 fn ranges() -> Figure {
     let line = |title: &str, x: Axis, y: Axis, points: Vec<(f64, f64)>| -> Panel {
         let series = vec![Series::filled("", 0, Marker::Circle, points)];
-        LineChart {
-            title: title.into(),
-            x,
-            y,
-            series,
-            ..LineChart::default()
-        }
-        .into()
+        LineChart { title: title.into(), x, y, series, ..LineChart::default() }.into()
     };
     let (lin, log) = (|| Axis::linear("x"), || Axis::log("y"));
     let panels = vec![
         line("nothing", lin(), log(), vec![]),
         line("one point", lin(), log(), vec![(0.0, 3e-9)]),
         line("all equal", lin(), Axis::linear("y"), vec![(-5.0, 1e6); 9]),
-        line(
-            "part of a decade",
-            lin(),
-            log(),
-            vec![(0.3, 4.2e-6), (0.6, 4.7e-6)],
-        ),
+        line("part of a decade", lin(), log(), vec![(0.3, 4.2e-6), (0.6, 4.7e-6)]),
         line("one decade", lin(), log(), vec![(-3.0, 2e-6), (4.0, 4e-5)]),
         line(
             "fifteen decades",
             log(),
             log(),
-            vec![
-                (1e-16, 1e-15),
-                (1.0, 1.0),
-                (f64::NAN, 1.0),
-                (0.0, 1.0),
-                (10.0, 9.0),
-            ],
+            vec![(1e-16, 1e-15), (1.0, 1.0), (f64::NAN, 1.0), (0.0, 1.0), (10.0, 9.0)],
         ),
-        line(
-            "300 decades",
-            log(),
-            log(),
-            vec![(1e-160, 1e-150), (1e140, 1e150)],
-        ),
+        line("300 decades", log(), log(), vec![(1e-160, 1e-150), (1e140, 1e150)]),
         line(
             "large offset",
             lin(),
             Axis::linear("y"),
             vec![(1000.0, 12345.001), (1000.1, 12345.002)],
         ),
-        line(
-            "large and negative",
-            lin(),
-            Axis::linear("y"),
-            vec![(-3e7, -2e-5), (5e7, 3e-5)],
-        ),
+        line("large and negative", lin(), Axis::linear("y"), vec![(-3e7, -2e-5), (5e7, 3e-5)]),
     ];
     Figure {
         title: "Ranges that are hard to label".into(),
         rows: 3,
         cols: 3,
         panels,
-        size: Size {
-            width: 1100,
-            height: 800,
-        },
+        size: Size { width: 1100, height: 800 },
         ..Figure::default()
     }
 }
@@ -386,13 +260,9 @@ fn long_labels() -> Figure {
                 )
             })
             .collect(),
-        levels: vec![Level {
-            y: 3.0,
-            label: "a level".into(),
-        }],
+        levels: vec![Level { y: 3.0, label: "a level".into() }],
         notes: vec![Note {
-            at: (0.95, 5.0),
-            text: "a note near the border ẋ ≤ √2·ω₀".into(),
+            at: (0.95, 5.0), text: "a note near the border ẋ ≤ √2·ω₀".into()
         }],
         ..LineChart::default()
     };

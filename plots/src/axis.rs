@@ -24,9 +24,7 @@ impl Scale {
     pub(crate) fn coordinate(self, value: f64) -> Option<f64> {
         match self {
             Scale::Linear => (value.abs() <= LARGEST).then_some(value),
-            Scale::Log => (1.0 / LARGEST..=LARGEST)
-                .contains(&value)
-                .then(|| libm::log10(value)),
+            Scale::Log => (1.0 / LARGEST..=LARGEST).contains(&value).then(|| libm::log10(value)),
         }
     }
 }
@@ -45,29 +43,18 @@ pub struct Axis {
 impl Axis {
     /// A linear axis that covers the data.
     pub fn linear(label: impl Into<String>) -> Self {
-        Self {
-            label: label.into(),
-            scale: Scale::Linear,
-            range: None,
-        }
+        Self { label: label.into(), scale: Scale::Linear, range: None }
     }
 
     /// A logarithmic axis that covers the data.
     pub fn log(label: impl Into<String>) -> Self {
-        Self {
-            label: label.into(),
-            scale: Scale::Log,
-            range: None,
-        }
+        Self { label: label.into(), scale: Scale::Log, range: None }
     }
 
     /// This axis from `lo` to `hi`; what lies outside is cut off.
     #[must_use]
     pub fn within(self, lo: f64, hi: f64) -> Self {
-        Self {
-            range: Some((lo, hi)),
-            ..self
-        }
+        Self { range: Some((lo, hi)), ..self }
     }
 
     /// The span to draw for data with these values, with `room` at both ends (a part of the span).
@@ -75,23 +62,15 @@ impl Axis {
         let scale = self.scale;
         if let Some((lo, hi)) = self.range {
             return match (scale.coordinate(lo), scale.coordinate(hi)) {
-                (Some(a), Some(b)) if b - a > NARROWEST * a.abs().max(b.abs()) => Ok(Span {
-                    scale,
-                    lo: a,
-                    hi: b,
-                }),
-                _ => Err(Error::Range {
-                    axis: self.label.clone(),
-                    lo,
-                    hi,
-                }),
+                (Some(a), Some(b)) if b - a > NARROWEST * a.abs().max(b.abs()) => {
+                    Ok(Span { scale, lo: a, hi: b })
+                }
+                _ => Err(Error::Range { axis: self.label.clone(), lo, hi }),
             };
         }
         let (lo, hi) = values
             .filter_map(|value| scale.coordinate(value))
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), c| {
-                (lo.min(c), hi.max(c))
-            });
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), c| (lo.min(c), hi.max(c)));
         Ok(Span { scale, lo, hi }.padded(room))
     }
 }
@@ -108,11 +87,7 @@ impl Span {
     /// Leaves room at both ends; widens what is too narrow to be labelled; 0 to 1 if there is nothing.
     fn padded(self, room: f64) -> Self {
         if self.lo > self.hi {
-            return Self {
-                lo: 0.0,
-                hi: 1.0,
-                ..self
-            };
+            return Self { lo: 0.0, hi: 1.0, ..self };
         }
         let magnitude = self.lo.abs().max(self.hi.abs());
         let room = if self.hi - self.lo > NARROWEST * magnitude {
@@ -124,18 +99,12 @@ impl Span {
                 Scale::Log => 0.5,
             }
         };
-        Self {
-            lo: self.lo - room,
-            hi: self.hi + room,
-            ..self
-        }
+        Self { lo: self.lo - room, hi: self.hi + room, ..self }
     }
 
     /// Where a value lies between the ends, from 0 to 1; outside of that for values beyond them.
     pub(crate) fn fraction(&self, value: f64) -> Option<f64> {
-        self.scale
-            .coordinate(value)
-            .map(|c| (c - self.lo) / (self.hi - self.lo))
+        self.scale.coordinate(value).map(|c| (c - self.lo) / (self.hi - self.lo))
     }
 
     /// The values at both ends.
@@ -148,21 +117,13 @@ impl Span {
 
     /// The span that covers both.
     pub(crate) fn union(self, other: Self) -> Self {
-        Self {
-            lo: self.lo.min(other.lo),
-            hi: self.hi.max(other.hi),
-            ..self
-        }
+        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi), ..self }
     }
 
     /// The same centre with another width.
     pub(crate) fn with_width(self, width: f64) -> Self {
         let center = (self.lo + self.hi) / 2.0;
-        Self {
-            lo: center - width / 2.0,
-            hi: center + width / 2.0,
-            ..self
-        }
+        Self { lo: center - width / 2.0, hi: center + width / 2.0, ..self }
     }
 }
 
@@ -188,16 +149,8 @@ mod tests {
     #[test]
     fn impossible_ranges_are_errors() {
         let none = std::iter::empty;
-        for (lo, hi) in [
-            (1.0, 1.0),
-            (2.0, 1.0),
-            (f64::NAN, 1.0),
-            (0.0, f64::INFINITY),
-        ] {
-            assert!(
-                Axis::linear("x").within(lo, hi).span(none(), ROOM).is_err(),
-                "{lo} {hi}"
-            );
+        for (lo, hi) in [(1.0, 1.0), (2.0, 1.0), (f64::NAN, 1.0), (0.0, f64::INFINITY)] {
+            assert!(Axis::linear("x").within(lo, hi).span(none(), ROOM).is_err(), "{lo} {hi}");
         }
         assert!(Axis::log("x").within(0.0, 1.0).span(none(), ROOM).is_err());
     }

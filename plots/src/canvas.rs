@@ -26,20 +26,9 @@ pub(crate) struct Text {
 /// What a drawing is made of.
 #[derive(Clone, Debug)]
 pub(crate) enum Shape {
-    Stroke {
-        path: Vec<Point>,
-        width: f64,
-        color: Rgb,
-    },
-    Fill {
-        path: Vec<Point>,
-        color: Rgb,
-    },
-    Disc {
-        center: Point,
-        radius: f64,
-        color: Rgb,
-    },
+    Stroke { path: Vec<Point>, width: f64, color: Rgb },
+    Fill { path: Vec<Point>, color: Rgb },
+    Disc { center: Point, radius: f64, color: Rgb },
     Text(Text),
 }
 
@@ -59,11 +48,7 @@ impl Canvas {
     }
 
     pub(crate) fn disc(&mut self, center: Point, radius: f64, color: Rgb) {
-        self.shapes.push(Shape::Disc {
-            center,
-            radius,
-            color,
-        });
+        self.shapes.push(Shape::Disc { center, radius, color });
     }
 
     pub(crate) fn rect(&mut self, rect: Rect, color: Rgb) {
@@ -78,11 +63,7 @@ impl Canvas {
     /// A thin line of upright and level parts, moved to the nearest pixels of a PNG, which keeps it crisp.
     pub(crate) fn rule(&mut self, path: Vec<Point>, color: Rgb) {
         let snap = |at: f64| (2.0 * at).round() / 2.0;
-        self.stroke(
-            path.into_iter().map(|(x, y)| (snap(x), snap(y))).collect(),
-            THIN,
-            color,
-        );
+        self.stroke(path.into_iter().map(|(x, y)| (snap(x), snap(y))).collect(), THIN, color);
     }
 
     pub(crate) fn text(&mut self, content: &str, at: Point, face: Face, color: Rgb, align: Align) {
@@ -111,14 +92,7 @@ impl Canvas {
     ) {
         if !content.is_empty() {
             let content = content.to_string();
-            self.shapes.push(Shape::Text(Text {
-                content,
-                at,
-                face,
-                color,
-                align,
-                vertical,
-            }));
+            self.shapes.push(Shape::Text(Text { content, at, face, color, align, vertical }));
         }
     }
 }

@@ -25,25 +25,13 @@ pub struct Size {
 
 impl Size {
     /// One chart with a short legend.
-    pub const SINGLE: Self = Self {
-        width: 760,
-        height: 480,
-    };
+    pub const SINGLE: Self = Self { width: 760, height: 480 };
     /// One chart with a long legend, or two beside each other.
-    pub const WIDE: Self = Self {
-        width: 1000,
-        height: 520,
-    };
+    pub const WIDE: Self = Self { width: 1000, height: 520 };
     /// One chart in a square.
-    pub const SQUARE: Self = Self {
-        width: 560,
-        height: 600,
-    };
+    pub const SQUARE: Self = Self { width: 560, height: 600 };
     /// Panels stacked on a whole page.
-    pub const PAGE: Self = Self {
-        width: 900,
-        height: 1100,
-    };
+    pub const PAGE: Self = Self { width: 900, height: 1100 };
 }
 
 /// Panels on a grid, drawn the same as SVG and as PNG.
@@ -86,11 +74,7 @@ impl Default for Figure {
 impl Figure {
     /// A figure of one panel.
     pub fn single(title: impl Into<String>, panel: impl Into<Panel>) -> Self {
-        Self {
-            title: title.into(),
-            panels: vec![panel.into()],
-            ..Self::default()
-        }
+        Self { title: title.into(), panels: vec![panel.into()], ..Self::default() }
     }
 
     /// Panels on top of each other that share the x axis.
@@ -113,11 +97,7 @@ impl Figure {
     /// [`Error::Category`]).
     pub fn svg(&self) -> Result<String, Error> {
         let fonts = Fonts::load()?;
-        svg::render(
-            &self.canvas(&fonts)?.shapes,
-            (self.size.width, self.size.height),
-            &fonts,
-        )
+        svg::render(&self.canvas(&fonts)?.shapes, (self.size.width, self.size.height), &fonts)
     }
 
     /// The figure as a PNG file of twice the logical size.
@@ -126,20 +106,12 @@ impl Figure {
     /// As [`svg`](Self::svg), and [`Error::Png`].
     pub fn png(&self) -> Result<Vec<u8>, Error> {
         let fonts = Fonts::load()?;
-        raster::render(
-            &self.canvas(&fonts)?.shapes,
-            (self.size.width, self.size.height),
-            &fonts,
-        )
+        raster::render(&self.canvas(&fonts)?.shapes, (self.size.width, self.size.height), &fonts)
     }
 
     fn canvas(&self, fonts: &Fonts) -> Result<Canvas, Error> {
         self.check()?;
-        let contents = self
-            .panels
-            .iter()
-            .map(Panel::content)
-            .collect::<Result<Vec<_>, _>>()?;
+        let contents = self.panels.iter().map(Panel::content).collect::<Result<Vec<_>, _>>()?;
         let mut contents = contents;
         layout::share(&mut contents, self)?;
         let mut canvas = Canvas::default();
@@ -151,23 +123,13 @@ impl Figure {
             bottom: height - BORDER_ROOM,
         };
         for line in fonts.wrap(&self.title, TITLE, area.width()) {
-            canvas.text(
-                &line,
-                (width / 2.0, area.top + TITLE.size),
-                TITLE,
-                TEXT,
-                Align::Middle,
-            );
+            canvas.text(&line, (width / 2.0, area.top + TITLE.size), TITLE, TEXT, Align::Middle);
             area.top += TITLE.line_height();
         }
-        let entries = contents
-            .iter()
-            .flat_map(|content| content.legend())
-            .collect();
+        let entries = contents.iter().flat_map(|content| content.legend()).collect();
         legend::draw(self.legend, entries, &mut area, &mut canvas, fonts);
-        for (content, (plot, frame)) in contents
-            .iter()
-            .zip(layout::arrange(area, self, &contents, fonts)?)
+        for (content, (plot, frame)) in
+            contents.iter().zip(layout::arrange(area, self, &contents, fonts)?)
         {
             content.draw(plot, &frame, &mut canvas, fonts);
         }

@@ -41,11 +41,8 @@ impl Fonts {
         for paragraph in text.lines() {
             let mut line = String::new();
             for word in paragraph.split(' ') {
-                let longer = if line.is_empty() {
-                    word.to_string()
-                } else {
-                    format!("{line} {word}")
-                };
+                let longer =
+                    if line.is_empty() { word.to_string() } else { format!("{line} {word}") };
                 if self.width(&longer, face) <= room {
                     line = longer;
                     continue;
@@ -72,9 +69,6 @@ impl Fonts {
         lines: impl IntoIterator<Item = &'t String>,
         face: Face,
     ) -> f64 {
-        lines
-            .into_iter()
-            .map(|line| self.width(line, face))
-            .fold(0.0, f64::max)
+        lines.into_iter().map(|line| self.width(line, face)).fold(0.0, f64::max)
     }
 }

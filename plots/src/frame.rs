@@ -45,11 +45,7 @@ pub(crate) struct Margins {
 }
 
 fn labels(ticks: &Ticks) -> impl Iterator<Item = &String> {
-    ticks
-        .major
-        .iter()
-        .map(|tick| &tick.label)
-        .chain([&ticks.factor])
+    ticks.major.iter().map(|tick| &tick.label).chain([&ticks.factor])
 }
 
 fn block(lines: &[String], face: Face) -> f64 {
@@ -61,10 +57,7 @@ impl Side {
     pub(crate) fn silence(&mut self) {
         self.label.clear();
         self.ticks.factor.clear();
-        self.ticks
-            .major
-            .iter_mut()
-            .for_each(|tick| tick.label.clear());
+        self.ticks.major.iter_mut().for_each(|tick| tick.label.clear());
     }
 
     fn labelled(&self) -> bool {
@@ -88,11 +81,8 @@ impl Frame {
             (false, true) => fonts.widest(labels(&side.ticks), TICK) / 2.0,
             _ => 0.0,
         };
-        let factor = if self.y.ticks.factor.is_empty() {
-            0.0
-        } else {
-            FACTOR_RISE + TICK.size - GAP
-        };
+        let factor =
+            if self.y.ticks.factor.is_empty() { 0.0 } else { FACTOR_RISE + TICK.size - GAP };
         let left =
             TICK_LENGTH + 3.0 + fonts.widest(labels(&self.y.ticks), TICK) + gap(&self.y.label);
         Margins {
@@ -111,10 +101,9 @@ impl Frame {
     pub(crate) fn draw_grid(&self, plot: Rect, canvas: &mut Canvas) {
         let majors = |ticks: &Ticks| ticks.major.iter().map(|tick| tick.at).collect::<Vec<_>>();
         let (x, y) = (&self.x.ticks, &self.y.ticks);
-        for (xs, ys, color) in [
-            (x.minor.clone(), y.minor.clone(), GRID_MINOR),
-            (majors(x), majors(y), GRID),
-        ] {
+        for (xs, ys, color) in
+            [(x.minor.clone(), y.minor.clone(), GRID_MINOR), (majors(x), majors(y), GRID)]
+        {
             for at in xs {
                 canvas.rule(vec![plot.at((at, 0.0)), plot.at((at, 1.0))], color);
             }
@@ -155,21 +144,9 @@ impl Frame {
             }
         }
         let mut baseline = top + self.x.depth(fonts) + GAP + CAP_HEIGHT * LABEL.size;
-        canvas.text(
-            &self.x.ticks.factor,
-            (plot.right, baseline),
-            TICK,
-            TEXT,
-            Align::End,
-        );
+        canvas.text(&self.x.ticks.factor, (plot.right, baseline), TICK, TEXT, Align::End);
         for line in &self.x.label {
-            canvas.text(
-                line,
-                (plot.center().0, baseline),
-                LABEL,
-                TEXT,
-                Align::Middle,
-            );
+            canvas.text(line, (plot.center().0, baseline), LABEL, TEXT, Align::Middle);
             baseline += LABEL.line_height();
         }
     }
@@ -188,13 +165,7 @@ impl Frame {
         }
         let mut baseline = right - fonts.widest(labels(&self.y.ticks), TICK) - GAP - 2.0;
         for line in self.y.label.iter().rev() {
-            canvas.vertical_text(
-                line,
-                (baseline, plot.center().1),
-                LABEL,
-                TEXT,
-                Align::Middle,
-            );
+            canvas.vertical_text(line, (baseline, plot.center().1), LABEL, TEXT, Align::Middle);
             baseline -= LABEL.line_height();
         }
     }

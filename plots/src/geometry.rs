@@ -22,10 +22,7 @@ impl Rect {
     }
 
     pub(crate) fn center(&self) -> Point {
-        (
-            (self.left + self.right) / 2.0,
-            (self.top + self.bottom) / 2.0,
-        )
+        ((self.left + self.right) / 2.0, (self.top + self.bottom) / 2.0)
     }
 
     pub(crate) fn corners(&self) -> [Point; 4] {
@@ -39,10 +36,7 @@ impl Rect {
 
     /// The place of fractions of width and height, y upward.
     pub(crate) fn at(&self, (x, y): Point) -> Point {
-        (
-            self.left + x * self.width(),
-            self.bottom - y * self.height(),
-        )
+        (self.left + x * self.width(), self.bottom - y * self.height())
     }
 
     pub(crate) fn contains(&self, (x, y): Point) -> bool {
@@ -58,12 +52,7 @@ impl Rect {
     pub(crate) fn square(&self) -> Self {
         let side = self.width().min(self.height());
         let left = self.left + (self.width() - side) / 2.0;
-        Self {
-            left,
-            top: self.top,
-            right: left + side,
-            bottom: self.top + side,
-        }
+        Self { left, top: self.top, right: left + side, bottom: self.top + side }
     }
 }
 
@@ -145,10 +134,7 @@ pub(crate) fn dash(path: &[Point], (on, off): (f64, f64)) -> Vec<Vec<Point>> {
         let mut done = 0.0;
         while length - done > left {
             done += left;
-            let cut = (
-                pair[0].0 + dx * done / length,
-                pair[0].1 + dy * done / length,
-            );
+            let cut = (pair[0].0 + dx * done / length, pair[0].1 + dy * done / length);
             if drawing {
                 current.push(cut);
                 dashes.push(std::mem::take(&mut current));
@@ -173,21 +159,13 @@ pub(crate) fn dash(path: &[Point], (on, off): (f64, f64)) -> Vec<Vec<Point>> {
 mod tests {
     use super::*;
 
-    const UNIT: Rect = Rect {
-        left: 0.0,
-        top: 0.0,
-        right: 1.0,
-        bottom: 1.0,
-    };
+    const UNIT: Rect = Rect { left: 0.0, top: 0.0, right: 1.0, bottom: 1.0 };
 
     #[test]
     fn a_path_that_leaves_and_returns_is_cut_in_two() {
         let path = [(0.5, 0.5), (0.5, 2.0), (0.75, 2.0), (0.75, 0.5)];
         let parts = clip(&path, &UNIT);
-        assert_eq!(
-            parts,
-            [vec![(0.5, 0.5), (0.5, 1.0)], vec![(0.75, 1.0), (0.75, 0.5)]]
-        );
+        assert_eq!(parts, [vec![(0.5, 0.5), (0.5, 1.0)], vec![(0.75, 1.0), (0.75, 0.5)]]);
     }
 
     #[test]
@@ -205,9 +183,7 @@ mod tests {
 
     #[test]
     fn thinning_keeps_the_extremes_of_a_column() {
-        let path: Vec<Point> = (0..1000)
-            .map(|i| (0.1, f64::from((i * 7919) % 1000)))
-            .collect();
+        let path: Vec<Point> = (0..1000).map(|i| (0.1, f64::from((i * 7919) % 1000))).collect();
         let kept = thin(&path);
         assert!(kept.len() <= 4);
         assert!(kept.contains(&(0.1, 0.0)) && kept.contains(&(0.1, 999.0)));

@@ -21,10 +21,7 @@ pub(crate) struct Glyphs<'a> {
 }
 
 pub(crate) fn opaque(Rgb(r, g, b): Rgb) -> BackendColor {
-    BackendColor {
-        alpha: 1.0,
-        rgb: (r, g, b),
-    }
+    BackendColor { alpha: 1.0, rgb: (r, g, b) }
 }
 
 impl BackendTextStyle for Glyphs<'_> {
@@ -40,19 +37,11 @@ impl BackendTextStyle for Glyphs<'_> {
     }
 
     fn transform(&self) -> FontTransform {
-        if self.text.vertical {
-            FontTransform::Rotate270
-        } else {
-            FontTransform::None
-        }
+        if self.text.vertical { FontTransform::Rotate270 } else { FontTransform::None }
     }
 
     fn style(&self) -> FontStyle {
-        if self.text.face.bold {
-            FontStyle::Bold
-        } else {
-            FontStyle::Normal
-        }
+        if self.text.face.bold { FontStyle::Bold } else { FontStyle::Normal }
     }
 
     fn anchor(&self) -> Pos {

@@ -24,10 +24,7 @@ pub enum Cells {
 
 impl Default for Cells {
     fn default() -> Self {
-        Self::Values {
-            bar: Axis::default(),
-            values: Vec::new(),
-        }
+        Self::Values { bar: Axis::default(), values: Vec::new() }
     }
 }
 

@@ -30,22 +30,14 @@ pub(crate) fn share(contents: &mut Contents<'_>, figure: &Figure) -> Result<(), 
             continue;
         };
         if let Some((_, other)) = rulers.iter().find(|(_, ruler)| ruler.span.scale != scale) {
-            return Err(Error::SharedScale {
-                axis: other.label.clone(),
-            });
+            return Err(Error::SharedScale { axis: other.label.clone() });
         }
-        let settled = rulers
-            .iter()
-            .filter(|(_, ruler)| ruler.settled)
-            .map(|(_, ruler)| ruler.span);
+        let settled = rulers.iter().filter(|(_, ruler)| ruler.settled).map(|(_, ruler)| ruler.span);
         let common = settled.reduce(|a, b| a.union(b));
         for (i, ruler) in &mut rulers {
             ruler.span = common.unwrap_or(ruler.span);
-            ruler.silent = if direction == 0 {
-                *i + figure.cols < panels
-            } else {
-                *i % figure.cols > 0
-            };
+            ruler.silent =
+                if direction == 0 { *i + figure.cols < panels } else { *i % figure.cols > 0 };
         }
     }
     Ok(())
@@ -59,17 +51,11 @@ pub(crate) fn arrange(
     fonts: &Fonts,
 ) -> Result<Vec<(Rect, Frame)>, Error> {
     let (rows, cols) = (figure.rows.max(1), figure.cols.max(1));
-    let mut size = (
-        0.8 * area.width() / cols as f64,
-        0.8 * area.height() / rows as f64,
-    );
+    let mut size = (0.8 * area.width() / cols as f64, 0.8 * area.height() / rows as f64);
     let mut frames: Vec<Frame> = Vec::new();
     let (mut across, mut down) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
-        frames = contents
-            .iter()
-            .map(|content| content.frame(size.0, size.1, fonts))
-            .collect();
+        frames = contents.iter().map(|content| content.frame(size.0, size.1, fonts)).collect();
         let margins: Vec<Margins> = frames.iter().map(|frame| frame.margins(fonts)).collect();
         across = largest(&margins, cols, |i| i % cols, |m| (m.left, m.right));
         down = largest(&margins, rows, |i| i / cols, |m| (m.top, m.bottom));
@@ -79,22 +65,14 @@ pub(crate) fn arrange(
             (area.height() - taken(&down)) / rows as f64,
         );
         if size.0 < LEAST.0 || size.1 < LEAST.1 {
-            return Err(Error::Crowded {
-                width: size.0,
-                height: size.1,
-            });
+            return Err(Error::Crowded { width: size.0, height: size.1 });
         }
     }
     let lefts = starts(area.left, size.0, &across);
     let tops = starts(area.top, size.1, &down);
     let place = |(i, frame): (usize, Frame)| {
         let (left, top) = (lefts[i % cols], tops[i / cols]);
-        let plot = Rect {
-            left,
-            top,
-            right: left + size.0,
-            bottom: top + size.1,
-        };
+        let plot = Rect { left, top, right: left + size.0, bottom: top + size.1 };
         (if frame.square { plot.square() } else { plot }, frame)
     };
     Ok(frames.into_iter().enumerate().map(place).collect())

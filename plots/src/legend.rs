@@ -25,12 +25,7 @@ pub enum Legend {
 /// The sample that an entry shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Sample {
-    Series {
-        color: Rgb,
-        stroke: Stroke,
-        marker: Marker,
-        hollow: bool,
-    },
+    Series { color: Rgb, stroke: Stroke, marker: Marker, hollow: bool },
     Swatch(Rgb),
     Tick(Rgb),
 }
@@ -88,9 +83,7 @@ pub(crate) fn draw(
 /// As few columns as the height allows, at most two fifths of the figure wide.
 fn draw_right(entries: &[Entry], area: &mut Rect, canvas: &mut Canvas, fonts: &Fonts) {
     let column = |columns: usize| 0.4 * area.width() / columns as f64;
-    let choices: Vec<_> = (1..=3)
-        .map(|n| Rows::new(entries, n, true, column(n), fonts))
-        .collect();
+    let choices: Vec<_> = (1..=3).map(|n| Rows::new(entries, n, true, column(n), fonts)).collect();
     let tall = |rows: &&Rows| rows.height() <= area.height();
     let Some(rows) = choices.iter().find(tall).or(choices.last()) else {
         return;
@@ -114,19 +107,14 @@ impl Rows {
     fn below(entries: &[Entry], room: f64, fonts: &Fonts) -> Self {
         let table = |rows| Self::new(entries, entries.len().div_ceil(rows), false, room, fonts);
         let wide = |rows: &Self| rows.width() <= room;
-        (1..entries.len())
-            .map(table)
-            .find(wide)
-            .unwrap_or_else(|| table(entries.len()))
+        (1..entries.len()).map(table).find(wide).unwrap_or_else(|| table(entries.len()))
     }
 
     /// Labels are broken at `room`, the width of a column.
     fn new(entries: &[Entry], columns: usize, by_column: bool, room: f64, fonts: &Fonts) -> Self {
         let room = room - SAMPLE - GAP - COLUMN_GAP;
-        let labels: Vec<_> = entries
-            .iter()
-            .map(|entry| fonts.wrap(&entry.label, LEGEND, room))
-            .collect();
+        let labels: Vec<_> =
+            entries.iter().map(|entry| fonts.wrap(&entry.label, LEGEND, room)).collect();
         let lines = labels.iter().map(Vec::len).max().unwrap_or(1);
         let rows = entries.len().div_ceil(columns);
         let mut widths = vec![0.0_f64; columns];
@@ -135,13 +123,7 @@ impl Rows {
             *width = width.max(SAMPLE + GAP + fonts.widest(lines, LEGEND) + COLUMN_GAP);
         }
         let row_height = LEGEND.line_height() * lines as f64 + if lines > 1 { 5.0 } else { 2.5 };
-        Self {
-            labels,
-            rows,
-            widths,
-            row_height,
-            by_column,
-        }
+        Self { labels, rows, widths, row_height, by_column }
     }
 
     fn width(&self) -> f64 {
@@ -175,22 +157,13 @@ impl Rows {
 impl Sample {
     fn draw(self, (x, y): (f64, f64), canvas: &mut Canvas) {
         match self {
-            Sample::Series {
-                color,
-                stroke,
-                marker,
-                hollow,
-            } => {
+            Sample::Series { color, stroke, marker, hollow } => {
                 stroke.draw(&[(x, y), (x + SAMPLE, y)], color, canvas);
                 marker.draw((x + SAMPLE / 2.0, y), color, hollow, canvas);
             }
             Sample::Swatch(color) => {
-                let swatch = Rect {
-                    left: x + 6.0,
-                    top: y - 6.0,
-                    right: x + SAMPLE - 4.0,
-                    bottom: y + 6.0,
-                };
+                let swatch =
+                    Rect { left: x + 6.0, top: y - 6.0, right: x + SAMPLE - 4.0, bottom: y + 6.0 };
                 canvas.rect(swatch, color);
                 canvas.outline(swatch, BORDER);
             }

@@ -27,13 +27,7 @@ pub enum Marker {
 impl Marker {
     /// The outlined signs in a fixed order, for series that have none chosen; an index wraps around.
     pub fn cycle(index: usize) -> Self {
-        [
-            Self::Circle,
-            Self::Square,
-            Self::Triangle,
-            Self::Diamond,
-            Self::Cross,
-        ][index % 5]
+        [Self::Circle, Self::Square, Self::Triangle, Self::Diamond, Self::Cross][index % 5]
     }
 
     /// Corners of the polygons, in radii of a circle of like weight.
@@ -66,10 +60,7 @@ impl Marker {
                 for way in [-1.0, 1.0] {
                     let (dx, dy) = (RADIUS * 0.9, RADIUS * 0.9 * way);
                     canvas.stroke(
-                        vec![
-                            (center.0 - dx, center.1 - dy),
-                            (center.0 + dx, center.1 + dy),
-                        ],
+                        vec![(center.0 - dx, center.1 - dy), (center.0 + dx, center.1 + dy)],
                         RIM,
                         color,
                     );

@@ -42,28 +42,17 @@ impl Circle {
         let corner = |i: i32| {
             let (sin, cos) =
                 libm::sincos(std::f64::consts::TAU * f64::from(i) / f64::from(CORNERS));
-            (
-                self.center.0 + self.radius * cos,
-                self.center.1 + self.radius * sin,
-            )
+            (self.center.0 + self.radius * cos, self.center.1 + self.radius * sin)
         };
         let points = (0..=CORNERS).map(corner).collect();
-        Series {
-            stroke: Stroke::Dashed,
-            ..Series::line(self.label.clone(), REFERENCE, points)
-        }
+        Series { stroke: Stroke::Dashed, ..Series::line(self.label.clone(), REFERENCE, points) }
     }
 }
 
 impl Orbit {
     pub(crate) fn chart(&self) -> LineChart {
         let finite = |curve: &Series| -> Vec<(f64, f64)> {
-            curve
-                .points
-                .iter()
-                .copied()
-                .filter(|(x, y)| x.is_finite() && y.is_finite())
-                .collect()
+            curve.points.iter().copied().filter(|(x, y)| x.is_finite() && y.is_finite()).collect()
         };
         let paths: Vec<_> = self.curves.iter().map(finite).collect();
         let ends = [

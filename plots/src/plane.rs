@@ -31,20 +31,13 @@ impl<'a> Plane<'a> {
     pub(crate) fn new(chart: Cow<'a, LineChart>) -> Result<Self, Error> {
         let (x, y) = (&chart.x, &chart.y);
         let points = || {
-            let all = chart
-                .series
-                .iter()
-                .flat_map(|series| series.points.iter().copied());
+            let all = chart.series.iter().flat_map(|series| series.points.iter().copied());
             all.filter(|&point| shown(point, x, y))
         };
         let levels = chart.levels.iter().map(|level| level.y);
         let empty = points().next().is_none();
         // Ticks of events at the upper border are not to cover data.
-        let above = if chart.ticks.is_empty() {
-            ROOM
-        } else {
-            3.0 * ROOM
-        };
+        let above = if chart.ticks.is_empty() { ROOM } else { 3.0 * ROOM };
         let ruler = |axis: &Axis, span| Ruler {
             label: axis.label.clone(),
             span,
@@ -53,30 +46,16 @@ impl<'a> Plane<'a> {
         };
         let rulers = [
             ruler(x, x.span(points().map(|point| point.0), ROOM)?),
-            ruler(
-                y,
-                y.span(points().map(|point| point.1).chain(levels), above)?,
-            ),
+            ruler(y, y.span(points().map(|point| point.1).chain(levels), above)?),
         ];
-        Ok(Self {
-            chart,
-            rulers,
-            empty,
-        })
+        Ok(Self { chart, rulers, empty })
     }
 
     /// What both axes cover, x first; in equal aspect the narrower one is widened.
     fn spans(&self) -> [Span; 2] {
         let spans = self.rulers.each_ref().map(|ruler| ruler.span);
-        let width = spans
-            .map(|span| span.hi - span.lo)
-            .into_iter()
-            .fold(0.0, f64::max);
-        if self.chart.equal_aspect {
-            spans.map(|span| span.with_width(width))
-        } else {
-            spans
-        }
+        let width = spans.map(|span| span.hi - span.lo).into_iter().fold(0.0, f64::max);
+        if self.chart.equal_aspect { spans.map(|span| span.with_width(width)) } else { spans }
     }
 
     fn view(&self, plot: Rect) -> View {
@@ -92,20 +71,13 @@ fn shown((x, y): Point, x_axis: &Axis, y_axis: &Axis) -> bool {
 impl Content for Plane<'_> {
     fn frame(&self, width: f64, height: f64, fonts: &Fonts) -> Frame {
         let side = width.min(height);
-        let (width, height) = if self.chart.equal_aspect {
-            (side, side)
-        } else {
-            (width, height)
-        };
+        let (width, height) = if self.chart.equal_aspect { (side, side) } else { (width, height) };
         let ([x, y], [x_span, y_span]) = (&self.rulers, self.spans());
         let x_ticks = Ticks::across(x_span, width, fonts);
         let factor = fonts.width(&x_ticks.factor, TICK);
         let side = |ruler: &Ruler, ticks: Ticks, room: f64| {
-            let mut side = Side {
-                label: fonts.wrap(&ruler.label, LABEL, room),
-                ticks,
-                upright: false,
-            };
+            let mut side =
+                Side { label: fonts.wrap(&ruler.label, LABEL, room), ticks, upright: false };
             if ruler.silent {
                 side.silence();
             }
@@ -139,27 +111,19 @@ impl Content for Plane<'_> {
         }
         if self.empty {
             let (x, y) = plot.center();
-            canvas.text(
-                "no data",
-                (x, y + LABEL.size / 3.0),
-                LABEL,
-                MUTED,
-                Align::Middle,
-            );
+            canvas.text("no data", (x, y + LABEL.size / 3.0), LABEL, MUTED, Align::Middle);
         }
     }
 
     fn legend(&self) -> Vec<Entry> {
         let chart = &self.chart;
         let series = chart.series.iter().map(Series::entry);
-        let bands = chart.bands.iter().map(|band| Entry {
-            label: band.label.clone(),
-            sample: Sample::Swatch(tint(band)),
-        });
-        let ticks = (!chart.ticks.is_empty()).then(|| Entry {
-            label: chart.ticks_label.clone(),
-            sample: Sample::Tick(TEXT),
-        });
+        let bands = chart
+            .bands
+            .iter()
+            .map(|band| Entry { label: band.label.clone(), sample: Sample::Swatch(tint(band)) });
+        let ticks = (!chart.ticks.is_empty())
+            .then(|| Entry { label: chart.ticks_label.clone(), sample: Sample::Tick(TEXT) });
         series.chain(bands).chain(ticks).collect()
     }
 

@@ -59,19 +59,11 @@ impl Raster<'_> {
         match shape {
             Shape::Stroke { path, width, color } => self.stroke(path, *width, *color),
             Shape::Fill { path, color } => self.fill(path, *color),
-            Shape::Disc {
-                center,
-                radius,
-                color,
-            } => self.disc(*center, *radius, *color),
+            Shape::Disc { center, radius, color } => self.disc(*center, *radius, *color),
             Shape::Text(text) => {
                 let place = |length: f64| (length * f64::from(SCALE)).round() as i32;
                 let em = text.face.size * f64::from(SCALE);
-                let glyphs = Glyphs {
-                    text,
-                    em,
-                    fonts: self.fonts,
-                };
+                let glyphs = Glyphs { text, em, fonts: self.fonts };
                 let at = (place(text.at.0), place(text.at.1));
                 Ok(self.backend.draw_text(&text.content, &glyphs, at)?)
             }
@@ -95,12 +87,8 @@ impl Raster<'_> {
                 self.fill(&outline, color)?;
             }
         }
-        let joints = path
-            .get(1..path.len().saturating_sub(1))
-            .unwrap_or_default();
-        joints
-            .iter()
-            .try_for_each(|&joint| self.disc(joint, width / 2.0, color))
+        let joints = path.get(1..path.len().saturating_sub(1)).unwrap_or_default();
+        joints.iter().try_for_each(|&joint| self.disc(joint, width / 2.0, color))
     }
 
     fn disc(&mut self, (x, y): Point, radius: f64, color: Rgb) -> Result<(), Error> {
@@ -117,17 +105,13 @@ impl Raster<'_> {
         let scale = f64::from(SCALE);
         let bounds = |side: fn(&Point) -> f64| {
             let places = || outline.iter().map(|corner| side(corner) * scale);
-            let (lo, hi) = (
-                places().fold(f64::INFINITY, f64::min),
-                places().fold(0.0, f64::max),
-            );
+            let (lo, hi) = (places().fold(f64::INFINITY, f64::min), places().fold(0.0, f64::max));
             (lo.max(0.0).floor(), hi.ceil())
         };
         let ((left, right), (top, bottom)) = (bounds(|corner| corner.0), bounds(|corner| corner.1));
         let size = self.backend.get_size();
         let extent = |lo: f64, hi: f64, most: u32| (hi.min(f64::from(most)) - lo).max(0.0) as usize;
-        self.coverage
-            .reset(extent(left, right, size.0), extent(top, bottom, size.1));
+        self.coverage.reset(extent(left, right, size.0), extent(top, bottom, size.1));
         let inside = |&(x, y): &Point| point((x * scale - left) as f32, (y * scale - top) as f32);
         for (i, corner) in outline.iter().enumerate() {
             let next = &outline[(i + 1) % outline.len()];

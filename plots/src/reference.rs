@@ -64,10 +64,7 @@ pub(crate) fn labels<'a>(chart: &'a LineChart, view: &View, fonts: &Fonts) -> Ve
             let heights = [y - GAP, y + NOTE.size + 2.0];
             texts.push((
                 &level.label,
-                heights
-                    .into_iter()
-                    .flat_map(|y| along.map(|x| (x, y)))
-                    .collect(),
+                heights.into_iter().flat_map(|y| along.map(|x| (x, y))).collect(),
             ));
         }
     }
@@ -101,10 +98,7 @@ pub(crate) fn labels<'a>(chart: &'a LineChart, view: &View, fonts: &Fonts) -> Ve
         let areas = places.into_iter().map(|at| area(text, at, &plot, fonts));
         let crossed = |area: &Rect| -> usize {
             let data: usize = paths.iter().map(|path| clip(path, area).len()).sum();
-            data + labels
-                .iter()
-                .filter(|label| label.area.touches(area))
-                .count()
+            data + labels.iter().filter(|label| label.area.touches(area)).count()
         };
         if let Some(area) = areas.min_by_key(crossed) {
             labels.push(Label { text, area });
@@ -131,11 +125,7 @@ fn paths(chart: &LineChart, view: &View) -> Vec<Vec<Point>> {
     let run =
         |points: &[Option<Point>]| thin(&points.iter().copied().flatten().collect::<Vec<_>>());
     let series = chart.series.iter().flat_map(|series| {
-        let placed: Vec<_> = series
-            .points
-            .iter()
-            .map(|&point| view.place(point))
-            .collect();
+        let placed: Vec<_> = series.points.iter().map(|&point| view.place(point)).collect();
         placed.split(Option::is_none).map(run).collect::<Vec<_>>()
     });
     series.collect()

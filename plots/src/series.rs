@@ -26,9 +26,7 @@ impl Stroke {
         match self {
             Self::Solid => canvas.stroke(path.to_vec(), STROKE, color),
             Self::Dashed => {
-                dash(path, DASH)
-                    .into_iter()
-                    .for_each(|part| canvas.stroke(part, STROKE, color));
+                dash(path, DASH).into_iter().for_each(|part| canvas.stroke(part, STROKE, color));
             }
             Self::None => {}
         }
@@ -57,12 +55,7 @@ pub struct Series {
 impl Series {
     /// A solid line without markers.
     pub fn line(label: impl Into<String>, color: usize, points: Vec<(f64, f64)>) -> Self {
-        Self {
-            label: label.into(),
-            color,
-            points,
-            ..Self::default()
-        }
+        Self { label: label.into(), color, points, ..Self::default() }
     }
 
     /// A solid line with filled markers.
@@ -72,10 +65,7 @@ impl Series {
         marker: Marker,
         points: Vec<(f64, f64)>,
     ) -> Self {
-        Self {
-            marker,
-            ..Self::line(label, color, points)
-        }
+        Self { marker, ..Self::line(label, color, points) }
     }
 
     /// A dashed line with hollow markers: the other variant of a filled series.
@@ -85,11 +75,7 @@ impl Series {
         marker: Marker,
         points: Vec<(f64, f64)>,
     ) -> Self {
-        Self {
-            stroke: Stroke::Dashed,
-            hollow: true,
-            ..Self::filled(label, color, marker, points)
-        }
+        Self { stroke: Stroke::Dashed, hollow: true, ..Self::filled(label, color, marker, points) }
     }
 
     /// Markers without a line.
@@ -99,10 +85,7 @@ impl Series {
         marker: Marker,
         points: Vec<(f64, f64)>,
     ) -> Self {
-        Self {
-            stroke: Stroke::None,
-            ..Self::filled(label, color, marker, points)
-        }
+        Self { stroke: Stroke::None, ..Self::filled(label, color, marker, points) }
     }
 
     pub(crate) fn entry(&self) -> Entry {
@@ -112,10 +95,7 @@ impl Series {
             marker: self.marker,
             hollow: self.hollow,
         };
-        Entry {
-            label: self.label.clone(),
-            sample,
-        }
+        Entry { label: self.label.clone(), sample }
     }
 
     pub(crate) fn draw(&self, view: &View, canvas: &mut Canvas) {
@@ -132,18 +112,10 @@ impl Series {
         // Of signs that fall on the same half pixel, or of dots on the same pixel, one is enough.
         let fine = if self.marker == Marker::Dot { 1.0 } else { 2.0 };
         let mut taken = HashSet::new();
-        for point in placed
-            .into_iter()
-            .flatten()
-            .filter(|&point| view.plot.contains(point))
-        {
-            let cell = (
-                (fine * point.0).round() as i64,
-                (fine * point.1).round() as i64,
-            );
+        for point in placed.into_iter().flatten().filter(|&point| view.plot.contains(point)) {
+            let cell = ((fine * point.0).round() as i64, (fine * point.1).round() as i64);
             if self.marker != Marker::None && taken.insert(cell) {
-                self.marker
-                    .draw(point, palette(self.color), self.hollow, canvas);
+                self.marker.draw(point, palette(self.color), self.hollow, canvas);
             }
         }
     }

@@ -47,11 +47,7 @@ impl StepHistory {
             StepLook::Stairs => Series::line("", self.color, self.stairs()),
         };
         let rejected = Series {
-            label: if self.rejected.is_empty() {
-                String::new()
-            } else {
-                "rejected step".into()
-            },
+            label: if self.rejected.is_empty() { String::new() } else { "rejected step".into() },
             color: REJECTED,
             stroke: Stroke::None,
             marker: Marker::Cross,
@@ -70,10 +66,7 @@ impl StepHistory {
     }
 
     fn stairs(&self) -> Vec<(f64, f64)> {
-        self.accepted
-            .iter()
-            .flat_map(|&(t, h)| [(t, h), (t + h, h)])
-            .collect()
+        self.accepted.iter().flat_map(|&(t, h)| [(t, h), (t + h, h)]).collect()
     }
 }
 

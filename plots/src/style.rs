@@ -14,11 +14,7 @@ impl Rgb {
     pub(crate) fn toward(self, other: Self, part: f64) -> Self {
         let blend =
             |a: u8, b: u8| (f64::from(a) + part * (f64::from(b) - f64::from(a))).round() as u8;
-        Self(
-            blend(self.0, other.0),
-            blend(self.1, other.1),
-            blend(self.2, other.2),
-        )
+        Self(blend(self.0, other.0), blend(self.1, other.1), blend(self.2, other.2))
     }
 
     /// Black or white, whichever is easier to read on this colour.
@@ -100,30 +96,12 @@ impl Face {
     }
 }
 
-pub(crate) const TITLE: Face = Face {
-    size: 16.0,
-    bold: true,
-};
-pub(crate) const PANEL: Face = Face {
-    size: 13.0,
-    bold: true,
-};
-pub(crate) const LABEL: Face = Face {
-    size: 13.0,
-    bold: false,
-};
-pub(crate) const TICK: Face = Face {
-    size: 11.5,
-    bold: false,
-};
-pub(crate) const LEGEND: Face = Face {
-    size: 12.0,
-    bold: false,
-};
-pub(crate) const NOTE: Face = Face {
-    size: 11.0,
-    bold: false,
-};
+pub(crate) const TITLE: Face = Face { size: 16.0, bold: true };
+pub(crate) const PANEL: Face = Face { size: 13.0, bold: true };
+pub(crate) const LABEL: Face = Face { size: 13.0, bold: false };
+pub(crate) const TICK: Face = Face { size: 11.5, bold: false };
+pub(crate) const LEGEND: Face = Face { size: 12.0, bold: false };
+pub(crate) const NOTE: Face = Face { size: 11.0, bold: false };
 
 /// Width of a series' line.
 pub(crate) const STROKE: f64 = 1.7;

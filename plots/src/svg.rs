@@ -37,12 +37,7 @@ pub(crate) fn render(
     let raster = (width * SCALE, height * SCALE);
     let mut document = String::new();
     let mut backend = SVGBackend::with_string(&mut document, raster);
-    backend.draw_rect(
-        (0, 0),
-        (raster.0 as i32, raster.1 as i32),
-        &opaque(WHITE),
-        true,
-    )?;
+    backend.draw_rect((0, 0), (raster.0 as i32, raster.1 as i32), &opaque(WHITE), true)?;
     for shape in shapes {
         draw(&mut backend, shape, fonts)?;
     }
@@ -77,26 +72,14 @@ fn draw(backend: &mut SVGBackend<'_>, shape: &Shape, fonts: &Fonts) -> Result<()
         Shape::Fill { path, color } => {
             backend.fill_polygon(path.iter().map(place), &opaque(*color))?;
         }
-        Shape::Disc {
-            center,
-            radius,
-            color,
-        } => {
+        Shape::Disc { center, radius, color } => {
             backend.draw_circle(place(center), device(*radius) as u32, &opaque(*color), true)?;
         }
         Shape::Text(text) => {
             let rise = BASELINE * text.face.size;
             let (x, y) = text.at;
-            let at = if text.vertical {
-                (x - rise, y)
-            } else {
-                (x, y - rise)
-            };
-            let glyphs = Glyphs {
-                text,
-                em: text.face.size * f64::from(SCALE),
-                fonts,
-            };
+            let at = if text.vertical { (x - rise, y) } else { (x, y - rise) };
+            let glyphs = Glyphs { text, em: text.face.size * f64::from(SCALE), fonts };
             backend.draw_text(&text.content, &glyphs, place(&at))?;
         }
     }

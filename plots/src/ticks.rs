@@ -52,12 +52,7 @@ impl Ticks {
                 .into_iter()
                 .all(|pair| (pair[1].at - pair[0].at) * length >= apart(&pair[0], &pair[1]))
         };
-        let mut ticks = choices
-            .iter()
-            .find(fits)
-            .or(choices.last())
-            .cloned()
-            .unwrap_or_default();
+        let mut ticks = choices.iter().find(fits).or(choices.last()).cloned().unwrap_or_default();
         if ticks.minor.len() as f64 * MINOR_GAP > length {
             ticks.minor.clear();
         }
@@ -67,7 +62,7 @@ impl Ticks {
 
 /// Most labels an axis gets.
 const MOST_LABELS: i64 = 9;
-/// Largest and smallest power of ten written in full on a linear axis.
+/// Powers of ten written in full.
 const PLAIN: std::ops::RangeInclusive<i32> = -2..=4;
 
 /// Ticks at whole multiples of 1, 2 or 5 times a power of ten, densest first.
@@ -84,37 +79,19 @@ fn multiples(span: Span, m: i64, k: i32) -> Option<Ticks> {
     let step = scaled(m, k);
     // A tick at the very end of the axis is not to be lost to rounding.
     let slack = 1e-9 * (hi - lo) / step;
-    let (first, last) = (
-        (lo / step - slack).ceil() as i64,
-        (hi / step + slack).floor() as i64,
-    );
+    let (first, last) = ((lo / step - slack).ceil() as i64, (hi / step + slack).floor() as i64);
     if last - first < 1 || last - first >= MOST_LABELS {
         return None;
     }
     let magnitude = decade(step * first.abs().max(last.abs()) as f64);
-    let power = if PLAIN.contains(&magnitude) {
-        0
-    } else {
-        magnitude
-    };
+    let power = if PLAIN.contains(&magnitude) { 0 } else { magnitude };
     let decimals = (power - k).max(0) as usize;
     let tick = |i: i64| {
         let label = format!("{:.decimals$}", scaled(i * m, k - power)).replace('-', "−");
-        Some(Tick {
-            at: span.fraction(scaled(i * m, k))?,
-            label,
-        })
+        Some(Tick { at: span.fraction(scaled(i * m, k))?, label })
     };
-    let factor = if power == 0 {
-        String::new()
-    } else {
-        format!("×{}", power_of_ten(power))
-    };
-    Some(Ticks {
-        major: (first..=last).filter_map(tick).collect(),
-        minor: Vec::new(),
-        factor,
-    })
+    let factor = if power == 0 { String::new() } else { format!("×{}", power_of_ten(power)) };
+    Some(Ticks { major: (first..=last).filter_map(tick).collect(), minor: Vec::new(), factor })
 }
 
 /// Ticks at powers of ten, with some or all of their multiples between if the axis is short, densest first.
@@ -129,31 +106,27 @@ fn logarithmic(span: Span) -> Vec<Ticks> {
     }
     choices.extend([1, 2, 3, 5, 10, 20, 50, 100].map(|stride| decimal(span, &[1], stride)));
     choices.retain(|ticks| ticks.major.len() >= 2);
-    if choices.is_empty() {
-        linear(span)
-    } else {
-        choices
-    }
+    if choices.is_empty() { linear(span) } else { choices }
 }
 
 /// Labels at the given multiples of every `stride`th power of ten, minor ticks at what lies between.
 fn decimal(span: Span, multiples: &[i64], stride: i32) -> Ticks {
     let exponents = span.lo.floor() as i32..=span.hi.ceil() as i32;
+    let plain = PLAIN.contains(exponents.start()) && PLAIN.contains(exponents.end());
     let mut ticks = Ticks::default();
     for exponent in exponents {
         for m in 1..=9 {
-            let Some(at) = span
-                .fraction(scaled(m, exponent))
-                .filter(|at| (-1e-9..=1.0 + 1e-9).contains(at))
+            let Some(at) =
+                span.fraction(scaled(m, exponent)).filter(|at| (-1e-9..=1.0 + 1e-9).contains(at))
             else {
                 continue;
             };
             if multiples.contains(&m) && exponent % stride == 0 {
                 let power = power_of_ten(exponent);
-                let label = if m == 1 {
-                    power
-                } else {
-                    format!("{m}×{power}")
+                let label = match m {
+                    _ if plain => scaled(m, exponent).to_string(),
+                    1 => power,
+                    _ => format!("{m}×{power}"),
                 };
                 ticks.major.push(Tick { at, label });
             } else if stride == 1 || m == 1 {
@@ -171,21 +144,14 @@ fn decade(value: f64) -> i32 {
 
 /// `n·10ᵏ`, rounded once where 10ᵏ is exact.
 fn scaled(n: i64, k: i32) -> f64 {
-    if k < 0 {
-        n as f64 / libm::exp10(f64::from(-k))
-    } else {
-        n as f64 * libm::exp10(f64::from(k))
-    }
+    if k < 0 { n as f64 / libm::exp10(f64::from(-k)) } else { n as f64 * libm::exp10(f64::from(k)) }
 }
 
 /// A power of ten as it is written: 10⁻⁶.
 pub(crate) fn power_of_ten(exponent: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raised = |c: char| c.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize]);
-    format!(
-        "10{}",
-        exponent.to_string().chars().map(raised).collect::<String>()
-    )
+    format!("10{}", exponent.to_string().chars().map(raised).collect::<String>())
 }
 
 #[cfg(test)]
@@ -195,10 +161,7 @@ mod tests {
     fn labels(scale: Scale, lo: f64, hi: f64, most: usize) -> (Vec<String>, String) {
         let span = Span { scale, lo, hi };
         let ticks = Ticks::up(span, most as f64 * LINE_GAP * TICK.line_height());
-        (
-            ticks.major.into_iter().map(|tick| tick.label).collect(),
-            ticks.factor,
-        )
+        (ticks.major.into_iter().map(|tick| tick.label).collect(), ticks.factor)
     }
 
     #[test]
@@ -230,6 +193,11 @@ mod tests {
     }
 
     #[test]
+    fn a_log_axis_of_everyday_numbers_writes_them_in_full() {
+        assert_eq!(labels(Scale::Log, -0.4, 1.1, 9).0, ["0.5", "1", "2", "5", "10"]);
+    }
+
+    #[test]
     fn a_log_axis_of_many_decades_skips_labels() {
         let (labels, _) = labels(Scale::Log, -15.0, 0.0, 6);
         assert_eq!(labels, ["10⁻¹⁵", "10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "10⁰"]);
@@ -239,11 +207,7 @@ mod tests {
     fn every_span_has_two_ticks() {
         for exponent in -290..290 {
             let value = scaled(37, exponent);
-            let span = Span {
-                scale: Scale::Linear,
-                lo: value,
-                hi: 1.03 * value,
-            };
+            let span = Span { scale: Scale::Linear, lo: value, hi: 1.03 * value };
             assert!(Ticks::up(span, 60.0).major.len() >= 2, "{value:e}");
         }
     }

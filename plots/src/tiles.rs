@@ -35,20 +35,10 @@ impl<'a> Tiles<'a> {
             Cells::Values { values, .. } => ("values", values.len()),
             Cells::Categories { indices, .. } => ("categories", indices.len()),
         };
-        let texts = if map.texts.is_empty() {
-            rows * cols
-        } else {
-            map.texts.len()
-        };
+        let texts = if map.texts.is_empty() { rows * cols } else { map.texts.len() };
         for (what, cells) in [(what, count), ("texts", texts)] {
             if cells != rows * cols {
-                return Err(Error::Cells {
-                    title: map.title.clone(),
-                    what,
-                    cells,
-                    rows,
-                    cols,
-                });
+                return Err(Error::Cells { title: map.title.clone(), what, cells, rows, cols });
             }
         }
         match &map.cells {
@@ -62,11 +52,8 @@ impl<'a> Tiles<'a> {
                 })
             }
             Cells::Categories { names, indices } => {
-                if let Some(index) = indices
-                    .iter()
-                    .copied()
-                    .flatten()
-                    .find(|&index| index >= names.len())
+                if let Some(index) =
+                    indices.iter().copied().flatten().find(|&index| index >= names.len())
                 {
                     return Err(Error::Category {
                         title: map.title.clone(),
@@ -75,11 +62,7 @@ impl<'a> Tiles<'a> {
                     });
                 }
                 let color = |index: &Option<usize>| index.map(category);
-                Ok(Self {
-                    map,
-                    colors: indices.iter().map(color).collect(),
-                    bar: None,
-                })
+                Ok(Self { map, colors: indices.iter().map(color).collect(), bar: None })
             }
         }
     }
@@ -88,16 +71,9 @@ impl<'a> Tiles<'a> {
         let (rows, cols) = (self.map.rows.len(), self.map.columns.len());
         let (width, height) = (plot.width() / cols as f64, plot.height() / rows as f64);
         for (i, color) in self.colors.iter().enumerate() {
-            let (left, top) = (
-                plot.left + (i % cols) as f64 * width,
-                plot.top + (i / cols) as f64 * height,
-            );
-            let cell = Rect {
-                left,
-                top,
-                right: left + width,
-                bottom: top + height,
-            };
+            let (left, top) =
+                (plot.left + (i % cols) as f64 * width, plot.top + (i / cols) as f64 * height);
+            let cell = Rect { left, top, right: left + width, bottom: top + height };
             let color = color.unwrap_or(GRID_MINOR);
             canvas.rect(cell, color);
             canvas.outline(cell, WHITE);
@@ -123,19 +99,12 @@ impl<'a> Tiles<'a> {
             return;
         };
         let left = plot.right + BAR_GAP;
-        let bar = Rect {
-            left,
-            right: left + BAR_WIDTH,
-            ..plot
-        };
+        let bar = Rect { left, right: left + BAR_WIDTH, ..plot };
         for i in 0..BAR_STEPS {
             let at = |part: f64| bar.at((0.0, part / f64::from(BAR_STEPS))).1;
             // Each step reaches to the bar's top, so that no seam shows between two.
             canvas.rect(
-                Rect {
-                    bottom: at(f64::from(i)),
-                    ..bar
-                },
+                Rect { bottom: at(f64::from(i)), ..bar },
                 gradient((f64::from(i) + 0.5) / f64::from(BAR_STEPS)),
             );
         }
@@ -153,23 +122,11 @@ impl<'a> Tiles<'a> {
                 Align::Start,
             );
         }
-        canvas.text(
-            &ticks.factor,
-            (bar.left, bar.top - 6.0),
-            TICK,
-            TEXT,
-            Align::Start,
-        );
+        canvas.text(&ticks.factor, (bar.left, bar.top - 6.0), TICK, TEXT, Align::Start);
         let widest = fonts.widest(ticks.major.iter().map(|tick| &tick.label), TICK);
         let mut baseline = x + widest + LABEL.line_height();
         for line in fonts.wrap(label, LABEL, plot.height()) {
-            canvas.vertical_text(
-                &line,
-                (baseline, plot.center().1),
-                LABEL,
-                TEXT,
-                Align::Middle,
-            );
+            canvas.vertical_text(&line, (baseline, plot.center().1), LABEL, TEXT, Align::Middle);
             baseline += LABEL.line_height();
         }
     }
@@ -195,10 +152,7 @@ fn middles(names: &[String], most: f64, reversed: bool) -> Ticks {
     let stride = (names.len() as f64 / most.max(1.0)).ceil().max(1.0) as usize;
     let tick = |(i, name): (usize, &String)| {
         let at = (i as f64 + 0.5) / names.len() as f64;
-        Tick {
-            at: if reversed { 1.0 - at } else { at },
-            label: name.clone(),
-        }
+        Tick { at: if reversed { 1.0 - at } else { at }, label: name.clone() }
     };
     Ticks {
         major: names.iter().enumerate().step_by(stride).map(tick).collect(),
@@ -211,11 +165,7 @@ impl Content for Tiles<'_> {
         let map = self.map;
         let cell = width / map.columns.len().max(1) as f64;
         let upright = fonts.widest(&map.columns, TICK) > cell - 6.0;
-        let most = if upright {
-            width / TICK.line_height()
-        } else {
-            f64::INFINITY
-        };
+        let most = if upright { width / TICK.line_height() } else { f64::INFINITY };
         let side = |label: &str, ticks, room, upright| Side {
             label: fonts.wrap(label, LABEL, room),
             ticks,
@@ -223,12 +173,7 @@ impl Content for Tiles<'_> {
         };
         Frame {
             title: fonts.wrap(&map.title, PANEL, width),
-            x: side(
-                &map.x_label,
-                middles(&map.columns, most, false),
-                width,
-                upright,
-            ),
+            x: side(&map.x_label, middles(&map.columns, most, false), width, upright),
             y: side(
                 &map.y_label,
                 middles(&map.rows, height / TICK.line_height(), true),

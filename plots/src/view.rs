@@ -35,11 +35,7 @@ impl View {
         let (a, b) = (self.x.fraction(from)?, self.x.fraction(to)?);
         let (left, right) = (a.min(b).max(0.0), a.max(b).min(1.0));
         let at = |part: f64| self.plot.at((part, 0.0)).0;
-        (left < right).then(|| Rect {
-            left: at(left),
-            right: at(right),
-            ..self.plot
-        })
+        (left < right).then(|| Rect { left: at(left), right: at(right), ..self.plot })
     }
 
     /// Where vertical lines stand, at most one each half pixel.
@@ -53,18 +49,13 @@ impl View {
     /// Both ends of the visible part of a guide, from left to right.
     pub(crate) fn guide(&self, guide: &Guide) -> Option<[Point; 2]> {
         let (x, y) = (self.x, self.y);
-        let (x0, y0) = (
-            x.scale.coordinate(guide.through.0)?,
-            y.scale.coordinate(guide.through.1)?,
-        );
+        let (x0, y0) = (x.scale.coordinate(guide.through.0)?, y.scale.coordinate(guide.through.1)?);
         let end = |value: f64, otherwise: f64| x.scale.coordinate(value).unwrap_or(otherwise);
-        let (from, to) = guide
-            .span
-            .map_or((x.lo, x.hi), |(from, to)| (end(from, x.lo), end(to, x.hi)));
+        let (from, to) =
+            guide.span.map_or((x.lo, x.hi), |(from, to)| (end(from, x.lo), end(to, x.hi)));
         let at = |c: f64| {
             let height = y0 + guide.slope * (c - x0);
-            self.plot
-                .at(((c - x.lo) / (x.hi - x.lo), (height - y.lo) / (y.hi - y.lo)))
+            self.plot.at(((c - x.lo) / (x.hi - x.lo), (height - y.lo) / (y.hi - y.lo)))
         };
         let part = clip(&[at(from.min(to)), at(from.max(to))], &self.plot).pop()?;
         part.try_into().ok()

@@ -31,35 +31,22 @@ fn table(values: Vec<f64>) -> Heatmap {
     Heatmap {
         columns: vec!["a".into(), "b".into()],
         rows: vec!["c".into(), "d".into()],
-        cells: Cells::Values {
-            bar: Axis::linear("value"),
-            values,
-        },
+        cells: Cells::Values { bar: Axis::linear("value"), values },
         ..Heatmap::default()
     }
 }
 
 fn every_kind() -> Figure {
-    let points: Vec<_> = (1..200)
-        .map(|i| (f64::from(i), 1.0 / f64::from(i * i)))
-        .collect();
-    let orbit = Orbit {
-        curves: vec![Series::line("curve", 1, points.clone())],
-        ..Orbit::default()
-    };
+    let points: Vec<_> = (1..200).map(|i| (f64::from(i), 1.0 / f64::from(i * i))).collect();
+    let orbit =
+        Orbit { curves: vec![Series::line("curve", 1, points.clone())], ..Orbit::default() };
     let panels: Vec<Panel> = vec![
         chart(points.clone()).into(),
         history(points).into(),
         orbit.into(),
         table(vec![1.0, 2.0, 3.0, f64::NAN]).into(),
     ];
-    Figure {
-        rows: 2,
-        cols: 2,
-        panels,
-        size: Size::PAGE,
-        ..Figure::default()
-    }
+    Figure { rows: 2, cols: 2, panels, size: Size::PAGE, ..Figure::default() }
 }
 
 #[test]
@@ -70,18 +57,9 @@ fn the_same_figure_gives_the_same_bytes() {
 
 #[test]
 fn an_svg_says_what_the_axes_and_series_are() {
-    let svg = Figure::single("the title", chart(vec![(1.0, 1e-3), (10.0, 1e-9)]))
-        .svg()
-        .unwrap();
-    for text in [
-        "the title",
-        "panel",
-        "work [1]",
-        "error [m]",
-        "one method",
-        "10⁻⁶",
-        "sans-serif",
-    ] {
+    let svg = Figure::single("the title", chart(vec![(1.0, 1e-3), (10.0, 1e-9)])).svg().unwrap();
+    for text in ["the title", "panel", "work [1]", "error [m]", "one method", "10⁻⁶", "sans-serif"]
+    {
         assert!(svg.contains(text), "{text}");
     }
     assert!(svg.starts_with("<svg width=\"760\" height=\"480\""));
@@ -113,39 +91,19 @@ fn a_figure_without_data_says_so() {
 
 #[test]
 fn degenerate_data_is_drawn() {
-    let extremes = [
-        f64::MAX,
-        f64::MIN,
-        f64::MIN_POSITIVE,
-        5e-324,
-        f64::INFINITY,
-        f64::NAN,
-        -0.0,
-        1.0,
-    ];
+    let extremes =
+        [f64::MAX, f64::MIN, f64::MIN_POSITIVE, 5e-324, f64::INFINITY, f64::NAN, -0.0, 1.0];
     for points in [
         vec![(1.0, 1.0)],
         vec![(2.0, 5.0); 100],
         vec![(1e15, 1e-15), (1e15 + 0.125, 2e-15)],
         vec![(1e300, 1e-300), (1e-300, 1e300)],
-        extremes
-            .iter()
-            .flat_map(|&x| extremes.map(|y| (x, y)))
-            .collect(),
+        extremes.iter().flat_map(|&x| extremes.map(|y| (x, y))).collect(),
     ] {
         for axes in [Axis::linear, Axis::log] {
-            let line = LineChart {
-                x: axes(""),
-                y: axes(""),
-                ..chart(points.clone())
-            };
-            let equal = LineChart {
-                equal_aspect: true,
-                ..line.clone()
-            };
-            Figure::stacked("", vec![line.into(), equal.into()])
-                .png()
-                .unwrap();
+            let line = LineChart { x: axes(""), y: axes(""), ..chart(points.clone()) };
+            let equal = LineChart { equal_aspect: true, ..line.clone() };
+            Figure::stacked("", vec![line.into(), equal.into()]).png().unwrap();
         }
     }
 }
@@ -155,54 +113,25 @@ fn references_that_cannot_be_shown_are_left_out() {
     let nowhere = f64::NAN;
     let line = LineChart {
         bands: vec![
-            Band {
-                x: (nowhere, 1.0),
-                ..Band::default()
-            },
-            Band {
-                x: (1e9, 1e8),
-                ..Band::default()
-            },
+            Band { x: (nowhere, 1.0), ..Band::default() },
+            Band { x: (1e9, 1e8), ..Band::default() },
         ],
         marks: vec![nowhere, -1.0, 1e99],
         ticks: vec![nowhere],
         guides: vec![
-            Guide {
-                slope: nowhere,
-                through: (2.0, 2.0),
-                ..Guide::default()
-            },
-            Guide {
-                slope: 1.0,
-                through: (0.0, 2.0),
-                label: "invisible".into(),
-                span: None,
-            },
+            Guide { slope: nowhere, through: (2.0, 2.0), ..Guide::default() },
+            Guide { slope: 1.0, through: (0.0, 2.0), label: "invisible".into(), span: None },
         ],
-        levels: vec![Level {
-            y: -1.0,
-            label: "invisible".into(),
-        }],
-        notes: vec![Note {
-            at: (1e9, 1.0),
-            text: "invisible".into(),
-        }],
+        levels: vec![Level { y: -1.0, label: "invisible".into() }],
+        notes: vec![Note { at: (1e9, 1.0), text: "invisible".into() }],
         ..chart(vec![(1.0, 1.0), (2.0, 3.0)])
     };
-    assert!(
-        !Figure::single("", line)
-            .svg()
-            .unwrap()
-            .contains("invisible")
-    );
+    assert!(!Figure::single("", line).svg().unwrap().contains("invisible"));
 }
 
 #[test]
 fn panels_that_share_x_show_its_labels_once() {
-    let panels = vec![
-        history(vec![(0.0, 1e-3)]).into(),
-        history(vec![(1.0, 1e-3)]).into(),
-    ];
+    let panels = vec![history(vec![(0.0, 1e-3)]).into(), history(vec![(1.0, 1e-3)]).into()];
     let svg = Figure::stacked("", panels).svg().unwrap();
     assert_eq!(svg.matches("t [s]").count(), 1);
     assert_eq!(svg.matches("h [s]").count(), 2);
@@ -221,13 +150,8 @@ fn stairs_are_as_long_as_the_steps() {
 
 #[test]
 fn thousands_of_points_do_not_make_a_large_svg() {
-    let points: Vec<_> = (1..100_000)
-        .map(|i| (f64::from(i), 2.0 + f64::from(i).sin()))
-        .collect();
-    let line = LineChart {
-        series: vec![Series::line("", 0, points)],
-        ..chart(vec![])
-    };
+    let points: Vec<_> = (1..100_000).map(|i| (f64::from(i), 2.0 + f64::from(i).sin())).collect();
+    let line = LineChart { series: vec![Series::line("", 0, points)], ..chart(vec![]) };
     let svg = Figure::single("", line).svg().unwrap();
     // Measured: 0.26 MB.
     assert!(svg.len() < 500_000, "{} bytes", svg.len());
@@ -237,57 +161,18 @@ fn thousands_of_points_do_not_make_a_large_svg() {
 fn impossible_figures_are_errors() {
     let one = || Figure::single("", chart(vec![(1.0, 1.0)]));
     let of = |figure: Figure| figure.svg().unwrap_err();
-    let tiny = Size {
-        width: 10,
-        height: 10_000,
-    };
-    assert!(matches!(
-        of(Figure {
-            size: tiny,
-            ..one()
-        }),
-        Error::Size { .. }
-    ));
-    assert!(matches!(
-        of(Figure { rows: 0, ..one() }),
-        Error::Grid { panels: 1, .. }
-    ));
-    let small = Size {
-        width: 100,
-        height: 100,
-    };
-    assert!(matches!(
-        of(Figure {
-            size: small,
-            ..one()
-        }),
-        Error::Crowded { .. }
-    ));
-    let range = LineChart {
-        x: Axis::log("x").within(0.0, 1.0),
-        ..chart(vec![])
-    };
+    let tiny = Size { width: 10, height: 10_000 };
+    assert!(matches!(of(Figure { size: tiny, ..one() }), Error::Size { .. }));
+    assert!(matches!(of(Figure { rows: 0, ..one() }), Error::Grid { panels: 1, .. }));
+    let small = Size { width: 100, height: 100 };
+    assert!(matches!(of(Figure { size: small, ..one() }), Error::Crowded { .. }));
+    let range = LineChart { x: Axis::log("x").within(0.0, 1.0), ..chart(vec![]) };
     assert!(matches!(of(Figure::single("", range)), Error::Range { .. }));
-    let linear = LineChart {
-        x: Axis::linear("x"),
-        ..chart(vec![])
-    };
+    let linear = LineChart { x: Axis::linear("x"), ..chart(vec![]) };
     let mixed = Figure::stacked("", vec![chart(vec![]).into(), linear.into()]);
     assert!(matches!(of(mixed), Error::SharedScale { .. }));
-    assert!(matches!(
-        of(Figure::single("", table(vec![1.0]))),
-        Error::Cells { cells: 1, .. }
-    ));
-    let names = Cells::Categories {
-        names: vec![],
-        indices: vec![Some(0); 4],
-    };
-    let unnamed = Heatmap {
-        cells: names,
-        ..table(vec![])
-    };
-    assert!(matches!(
-        of(Figure::single("", unnamed)),
-        Error::Category { .. }
-    ));
+    assert!(matches!(of(Figure::single("", table(vec![1.0]))), Error::Cells { cells: 1, .. }));
+    let names = Cells::Categories { names: vec![], indices: vec![Some(0); 4] };
+    let unnamed = Heatmap { cells: names, ..table(vec![]) };
+    assert!(matches!(of(Figure::single("", unnamed)), Error::Category { .. }));
 }
