@@ -58,29 +58,15 @@ impl<'a> EnergyBalance<'a> {
     pub fn new(block: &'a Block, mode: Mode, y0: &State<f64>) -> Self {
         let energy = block.energy(mode, y0);
         let start = energy.kinetic + energy.elastic;
-        Self {
-            block,
-            start,
-            work: 0.0,
-            dissipated: 0.0,
-            spent: Duration::ZERO,
-        }
+        Self { block, start, work: 0.0, dissipated: 0.0, spent: Duration::ZERO }
     }
 
     /// The balance at the end of the run, at `y` in `mode`.
     pub fn at(&self, mode: Mode, y: &State<f64>) -> Balance {
         let energy = self.block.energy(mode, y);
-        let Self {
-            work, dissipated, ..
-        } = *self;
+        let Self { work, dissipated, .. } = *self;
         let residual = work + self.start - energy.kinetic - energy.elastic - dissipated;
-        Balance {
-            work,
-            kinetic: energy.kinetic,
-            elastic: energy.elastic,
-            dissipated,
-            residual,
-        }
+        Balance { work, kinetic: energy.kinetic, elastic: energy.elastic, dissipated, residual }
     }
 }
 

@@ -1,4 +1,51 @@
 //! Which integrator, at which setting, for this contact?
+//!
+//! A pin rattles in a bush with clearance c: free flight, then contact through a stiff spring with
+//! damping and friction, dozens of times a second, each change at the zero crossing δ = 0. The
+//! mechanism is a deployable strut bay with two such joints; joint 1 carries (x01, y01, θ1),
+//! joint 2 (y02, z02, θ2), and the two share no term. In the coordinates (X, Y, θ) of one of them
+//!
+//! ```text
+//! | M_x         0           S_x cos θ       | |Ẍ|   | S_x sin θ θ̇²           + Q_X |
+//! | 0           M_y        −S_y sin θ       | |Ÿ| = | S_y cos θ θ̇²           + Q_Y |
+//! | S_x cos θ  −S_y sin θ   I_0 + I_c cos²θ | |θ̈|   | I_c sin θ cos θ θ̇² + M + Q_θ |
+//!
+//! δ = √(X² + Y²) − c,   F_N = K δⁿ + D δ̇ in contact,   F_T = −sign(v_T) μ F_N or what v_T = 0 takes
+//! ```
+//!
+//! with modes free, slip+, slip− and stick. [`model`] is these equations, [`deltazero_solvers`]
+//! integrates them with the modes frozen within each step and every event located, and [`study`]
+//! compares methods and settings by error and work against a [`reference`](mod@reference).
+//!
+//! ```
+//! use deltazero::config::Config;
+//! use deltazero::model::Mechanism;
+//! use deltazero::run::{Limits, Run, Setting};
+//! use deltazero_solvers::Grid;
+//!
+//! let config = Config::load(None, &["solver.rtol=1e-9".into(), "run.t_end=0.2".into()])?;
+//! let setting = Setting::of(&config).ok_or("no such method")?;
+//! let limits = Limits { max_rhs: 1_000_000, stop: &false.into() };
+//! let grid = Grid::uniform(0.01, config.run.t_end);
+//! let run = Run::new(&Mechanism::new(&config), &setting, config.run.t_end, &grid, limits);
+//! assert_eq!(run.trajectories[0].samples.len(), 20);
+//! assert_eq!(run.error(), None);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The modules in the order in which data flow through them:
+//!
+//! | module | what it is |
+//! |---|---|
+//! | [`config`] | parameters with units and sources, the paper's Table 1 as the default |
+//! | [`model`] | the mechanism as two hybrid systems; no time, no loop |
+//! | [`run`] | one run by one method at one setting |
+//! | [`energy_balance`] | a recorder: where the energy of a run went |
+//! | [`reference`](mod@reference) | the run that errors are measured against, and its own error |
+//! | [`metrics`] | errors of states, event sequences and event times |
+//! | [`study`] | the experiments, each a function from a configuration to a table |
+//! | [`figures`] | the figures, each a function from a table to a chart |
+//! | [`report`] | tables to CSV and Markdown |
 
 pub mod config;
 pub mod energy_balance;

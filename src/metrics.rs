@@ -20,11 +20,7 @@ pub fn sample_error(y: &State<f64>, reference: &State<f64>, scale: ErrorScale) -
     let pin = (y[0] - reference[0]).hypot(y[1] - reference[1]) / scale.clearance;
     let theta = (y[2] - reference[2]).abs() / scale.theta;
     // Not `max`, which would drop a NaN.
-    if pin.is_nan() || pin > theta {
-        pin
-    } else {
-        theta
-    }
+    if pin.is_nan() || pin > theta { pin } else { theta }
 }
 
 /// A run's events against the reference's.
@@ -46,11 +42,7 @@ pub fn match_events(run: &[ModeChange], reference: &[ModeChange]) -> EventMatch 
     // row[j]: most pairs of the events so far with the first j of the reference, and their error.
     let mut row = vec![(0_usize, 0.0_f64); reference.len() + 1];
     let better = |a: (usize, f64), b: (usize, f64)| {
-        if a.0 > b.0 || (a.0 == b.0 && a.1 <= b.1) {
-            a
-        } else {
-            b
-        }
+        if a.0 > b.0 || (a.0 == b.0 && a.1 <= b.1) { a } else { b }
     };
     for event in run {
         let mut diagonal = row[0];
@@ -81,15 +73,11 @@ pub fn log_log_slope(points: &[(f64, f64)]) -> Option<f64> {
     if points.len() < 2 {
         return None;
     }
-    let logs: Vec<(f64, f64)> = points
-        .iter()
-        .map(|(x, y)| (libm::log10(*x), libm::log10(*y)))
-        .collect();
+    let logs: Vec<(f64, f64)> =
+        points.iter().map(|(x, y)| (libm::log10(*x), libm::log10(*y))).collect();
     let n = logs.len() as f64;
-    let (mean_x, mean_y) = (
-        logs.iter().map(|p| p.0).sum::<f64>() / n,
-        logs.iter().map(|p| p.1).sum::<f64>() / n,
-    );
+    let (mean_x, mean_y) =
+        (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
     let covariance: f64 = logs.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum();
     let variance: f64 = logs.iter().map(|p| (p.0 - mean_x) * (p.0 - mean_x)).sum();
     (variance > 0.0).then_some(covariance / variance)
@@ -100,9 +88,7 @@ mod tests {
     use super::*;
 
     fn events(list: &[(f64, i8, i8)]) -> Vec<ModeChange> {
-        list.iter()
-            .map(|&(t, before, after)| ModeChange { t, before, after })
-            .collect()
+        list.iter().map(|&(t, before, after)| ModeChange { t, before, after }).collect()
     }
 
     #[test]
@@ -138,10 +124,7 @@ mod tests {
 
     #[test]
     fn a_sample_that_is_not_a_number_has_no_small_error() {
-        let scale = ErrorScale {
-            clearance: 1e-4,
-            theta: 0.02,
-        };
+        let scale = ErrorScale { clearance: 1e-4, theta: 0.02 };
         for i in 0..3 {
             let mut y = [0.0; 6];
             y[i] = f64::NAN;
@@ -151,9 +134,8 @@ mod tests {
 
     #[test]
     fn the_slope_of_a_power_is_its_exponent() {
-        let points: Vec<(f64, f64)> = (1..5)
-            .map(|k| (f64::from(k), f64::from(k).powi(4)))
-            .collect();
+        let points: Vec<(f64, f64)> =
+            (1..5).map(|k| (f64::from(k), f64::from(k).powi(4))).collect();
         assert!((log_log_slope(&points).unwrap() - 4.0).abs() < 1e-14);
     }
 }

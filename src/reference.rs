@@ -118,11 +118,7 @@ impl Reference {
         let (tight, second) = (method("rk45")?, method("rk4")?);
         let grid = Grid::Times(times.to_vec());
         let run = |block: &Block, y0, method, accuracy| {
-            let setting = Setting {
-                method,
-                events: Events::Located,
-                accuracy,
-            };
+            let setting = Setting { method, events: Events::Located, accuracy };
             let mut record = (Trajectory::on(grid.clone()), limits);
             let run = integrate(block, &setting, y0, t_end, &mut record);
             checked(&run, method.name, limits.max_rhs)?;
@@ -142,9 +138,7 @@ impl Reference {
         let theta = runs
             .iter()
             .flat_map(|(_, trajectory, ..)| &trajectory.samples)
-            .fold(f64::MIN_POSITIVE, |largest, sample| {
-                largest.max(sample.y[2].abs())
-            });
+            .fold(f64::MIN_POSITIVE, |largest, sample| largest.max(sample.y[2].abs()));
         let mut agreement = 0.0_f64;
         let mut event_agreement = Some(0.0_f64);
         let mut blocks = Vec::new();
@@ -153,9 +147,8 @@ impl Reference {
             agreement = agreement.max(reference.error(check));
             let times = reference.matched(block, check);
             let whole = times.missed == 0 && times.spurious == 0;
-            event_agreement = event_agreement
-                .filter(|_| whole)
-                .map(|worst| worst.max(times.time_error));
+            event_agreement =
+                event_agreement.filter(|_| whole).map(|worst| worst.max(times.time_error));
             blocks.push(reference);
         }
         let summary = ReferenceSummary {
@@ -171,9 +164,7 @@ impl Reference {
 
     /// The shortest horizon of its blocks [s].
     pub fn horizon(&self) -> f64 {
-        self.blocks
-            .iter()
-            .fold(f64::INFINITY, |least, block| least.min(block.horizon))
+        self.blocks.iter().fold(f64::INFINITY, |least, block| least.min(block.horizon))
     }
 }
 
@@ -198,19 +189,11 @@ fn block_reference(
     nudged: &BlockTrajectory,
     theta: f64,
 ) -> BlockReference {
-    let clearance = if block.clearance > 0.0 {
-        block.clearance
-    } else {
-        1e-4
-    };
+    let clearance = if block.clearance > 0.0 { block.clearance } else { 1e-4 };
     let scale = ErrorScale { clearance, theta };
     let pairs = trajectory.samples.iter().zip(&nudged.samples);
     let horizon = pairs
-        .filter(|(a, b)| {
-            sample_error(&b.y, &a.y, scale)
-                .total_cmp(&HORIZON_ERROR)
-                .is_gt()
-        })
+        .filter(|(a, b)| sample_error(&b.y, &a.y, scale).total_cmp(&HORIZON_ERROR).is_gt())
         .map(|(a, _)| a.t)
         .next()
         .unwrap_or(run.t);
@@ -237,10 +220,7 @@ impl BlockReference {
     /// A run's events against its own, within the horizon.
     pub fn matched(&self, block: &Block, run: &BlockTrajectory) -> crate::metrics::EventMatch {
         let within = |events: Vec<ModeChange>| -> Vec<ModeChange> {
-            events
-                .into_iter()
-                .filter(|event| event.t <= self.horizon)
-                .collect()
+            events.into_iter().filter(|event| event.t <= self.horizon).collect()
         };
         let run = within(counted(&mode_changes(run), block));
         crate::metrics::match_events(&run, &within(counted(&self.events, block)))

@@ -143,12 +143,7 @@ pub fn study_markdown(reading: &str, table: &WorkPrecision, drawings: &[Drawing]
          Reference: {}; a second way ({}) agrees with it to e = {:.1e}{}.\n",
         answer(table),
         reference.theta_scale_rad,
-        reference
-            .horizon_s
-            .iter()
-            .map(|t| format!("{t}"))
-            .collect::<Vec<_>>()
-            .join(" and "),
+        reference.horizon_s.iter().map(|t| format!("{t}")).collect::<Vec<_>>().join(" and "),
         reference.method,
         reference.check,
         reference.agreement,
@@ -194,20 +189,12 @@ pub fn trajectory_csv<'a>(
 pub fn events_csv<'a>(blocks: impl Iterator<Item = (&'a Block, &'a BlockTrajectory)>) -> String {
     let mut rows = Vec::new();
     for (block, trajectory) in blocks {
-        rows.extend(
-            mode_changes(trajectory)
-                .into_iter()
-                .map(|change| (block.joint, change)),
-        );
+        rows.extend(mode_changes(trajectory).into_iter().map(|change| (block.joint, change)));
     }
     rows.sort_by(|a, b| a.1.t.total_cmp(&b.1.t).then(a.0.cmp(&b.0)));
     let mut csv = String::from("bay,joint,t_s,mode_before,mode_after\n");
     for (joint, change) in rows {
-        let _ = writeln!(
-            csv,
-            "1,{joint},{:e},{},{}",
-            change.t, change.before, change.after
-        );
+        let _ = writeln!(csv, "1,{joint},{:e},{},{}", change.t, change.before, change.after);
     }
     csv
 }

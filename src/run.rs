@@ -42,11 +42,7 @@ impl Setting {
         } else {
             Accuracy::Rtol(solver.rtol, solver.atol)
         };
-        Some(Self {
-            method,
-            events: solver.events,
-            accuracy,
-        })
+        Some(Self { method, events: solver.events, accuracy })
     }
 
     /// The relative tolerance, where it has one.
@@ -216,10 +212,7 @@ impl Run {
             (run, record.0)
         });
         let (blocks, trajectories) = run.unzip();
-        Self {
-            blocks,
-            trajectories,
-        }
+        Self { blocks, trajectories }
     }
 
     /// Work of both blocks together.
@@ -238,16 +231,12 @@ impl Run {
 
     /// Whether a limit broke it off.
     pub fn is_broken_off(&self) -> bool {
-        self.blocks
-            .iter()
-            .any(|block| block.outcome == Ok(Outcome::Interrupted))
+        self.blocks.iter().any(|block| block.outcome == Ok(Outcome::Interrupted))
     }
 
     /// The first failure, if any.
     pub fn error(&self) -> Option<&Error> {
-        self.blocks
-            .iter()
-            .find_map(|block| block.outcome.as_ref().err())
+        self.blocks.iter().find_map(|block| block.outcome.as_ref().err())
     }
 }
 
@@ -265,11 +254,9 @@ pub struct ModeChange {
 /// The mode changes among the events of a block; free apart and free relaxing are one mode.
 pub fn mode_changes(trajectory: &BlockTrajectory) -> Vec<ModeChange> {
     let change = |switch: &Switch<Mode>| match switch.after {
-        Next::Mode(after) if after.code() != switch.before.code() => Some(ModeChange {
-            t: switch.t,
-            before: switch.before.code(),
-            after: after.code(),
-        }),
+        Next::Mode(after) if after.code() != switch.before.code() => {
+            Some(ModeChange { t: switch.t, before: switch.before.code(), after: after.code() })
+        }
         _ => None,
     };
     trajectory.events.iter().filter_map(change).collect()

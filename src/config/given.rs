@@ -85,12 +85,9 @@ impl Given {
                 (None, x) => Datum::Number(x.unwrap_or(f64::NAN)),
             },
             (Value::String(s), _) => Datum::Word(s.clone()),
-            (Value::Array(entries), Some(inner)) => Datum::List(
-                entries
-                    .iter()
-                    .map(|v| Self::from_json_at(v, inner))
-                    .collect(),
-            ),
+            (Value::Array(entries), Some(inner)) => {
+                Datum::List(entries.iter().map(|v| Self::from_json_at(v, inner)).collect())
+            }
             (Value::Object(entries), Some(inner)) => {
                 let entry = |(k, v): (&String, _)| (key_text(k), Self::from_json_at(v, inner));
                 Datum::Table(entries.iter().map(entry).collect())
@@ -102,23 +99,13 @@ impl Given {
             _ if inner.is_none() => "…".to_owned(),
             _ => excerpt(&value.to_string()),
         };
-        Self {
-            place: Place::Json,
-            text,
-            datum,
-        }
+        Self { place: Place::Json, text, datum }
     }
 }
 
 /// `text` on one line, without control characters, at most [`EXCERPT`] characters long.
 pub(super) fn excerpt(text: &str) -> String {
-    let spaced = text.chars().map(|c| {
-        if c.is_whitespace() || c.is_control() {
-            ' '
-        } else {
-            c
-        }
-    });
+    let spaced = text.chars().map(|c| if c.is_whitespace() || c.is_control() { ' ' } else { c });
     let mut out = String::new();
     for (length, c) in spaced.enumerate() {
         if length == EXCERPT {
@@ -134,10 +121,7 @@ pub(super) fn excerpt(text: &str) -> String {
 
 /// Whether TOML lets a segment of a key stand without quotes.
 pub(super) fn is_bare_key(text: &str) -> bool {
-    !text.is_empty()
-        && text
-            .chars()
-            .all(|c| c.is_ascii_alphanumeric() || "_-".contains(c))
+    !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c))
 }
 
 /// One segment of a key as it enters a path: quoted where TOML needs quotes, so that `"a.b"` is

@@ -48,15 +48,12 @@ impl Key {
 
     /// Its name in that table.
     pub fn name(&self) -> &'static str {
-        self.path
-            .split_once('.')
-            .map_or(self.path, |(_, name)| name)
+        self.path.split_once('.').map_or(self.path, |(_, name)| name)
     }
 
     /// Whether it may differ for one joint.
     pub fn per_joint(&self) -> bool {
-        self.table()
-            .is_some_and(|table| JOINT_TABLES.contains(&table))
+        self.table().is_some_and(|table| JOINT_TABLES.contains(&table))
     }
 }
 
@@ -359,10 +356,7 @@ pub(super) fn names_in(path: &str) -> Option<Vec<&'static str>> {
         None if JOINTS.contains(&path) => return Some(JOINT_TABLES.to_vec()),
         None => path,
     };
-    let names: Vec<_> = KEYS
-        .iter()
-        .filter(|key| key.table() == Some(table))
-        .map(Key::name)
-        .collect();
+    let names: Vec<_> =
+        KEYS.iter().filter(|key| key.table() == Some(table)).map(Key::name).collect();
     (!names.is_empty()).then_some(names)
 }

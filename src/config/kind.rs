@@ -57,10 +57,7 @@ impl Kind {
                 Err(self.out_of_range(key, unit, given))
             }
             (Self::Integer(..), Datum::Number(x)) if x.trunc() == *x => {
-                let whole = Given {
-                    datum: Datum::Integer(*x as i64),
-                    ..given.clone()
-                };
+                let whole = Given { datum: Datum::Integer(*x as i64), ..given.clone() };
                 self.check(key, unit, &whole)
             }
             (Self::Boolean, Datum::Boolean(b)) => Ok(Value::from(*b)),

@@ -182,9 +182,7 @@ fn difference(one: &Value, two: &Value) -> Map<String, Value> {
         let Some(entries) = two[table].as_object() else {
             continue;
         };
-        let differing = entries
-            .iter()
-            .filter(|(name, value)| one[table].get(name) != Some(value));
+        let differing = entries.iter().filter(|(name, value)| one[table].get(name) != Some(value));
         let differing: Map<_, _> = differing.map(|(k, v)| (k.clone(), v.clone())).collect();
         if !differing.is_empty() {
             out.insert(table.to_owned(), Value::Object(differing));

@@ -18,11 +18,7 @@ pub(super) fn nearest_key(path: &str, table: bool) -> Option<String> {
             let keys = KEYS.iter().filter(|key| key.per_joint());
             keys.map(|key| format!("{joint}.{}", key.path)).collect()
         }
-        (None, true) => tables()
-            .into_iter()
-            .chain(JOINTS)
-            .map(str::to_owned)
-            .collect(),
+        (None, true) => tables().into_iter().chain(JOINTS).map(str::to_owned).collect(),
         (None, false) => KEYS.iter().map(|key| key.path.to_owned()).collect(),
     };
     let given = path.to_lowercase();

@@ -24,32 +24,20 @@ pub struct Range {
 
 impl Range {
     /// Any finite number.
-    pub const FINITE: Self = Self {
-        low: End::Free,
-        high: End::Free,
-    };
+    pub const FINITE: Self = Self { low: End::Free, high: End::Free };
     /// Numbers greater than zero.
-    pub const POSITIVE: Self = Self {
-        low: End::Open(0.0),
-        high: End::Free,
-    };
+    pub const POSITIVE: Self = Self { low: End::Open(0.0), high: End::Free };
     /// Numbers from zero on.
     pub const NOT_NEGATIVE: Self = Self::at_least(0.0);
 
     /// Numbers from `low` on.
     pub const fn at_least(low: f64) -> Self {
-        Self {
-            low: End::Closed(low),
-            high: End::Free,
-        }
+        Self { low: End::Closed(low), high: End::Free }
     }
 
     /// Numbers from `low` to `high`, both included.
     pub const fn closed(low: f64, high: f64) -> Self {
-        Self {
-            low: End::Closed(low),
-            high: End::Closed(high),
-        }
+        Self { low: End::Closed(low), high: End::Closed(high) }
     }
 
     /// Whether `x` lies inside; false for NaN and ±∞.
@@ -94,9 +82,5 @@ impl fmt::Display for Range {
 
 /// A number as one would write it: `0.1`, but `1e-14`.
 fn number(x: f64) -> String {
-    if x == 0.0 || (1e-4..1e6).contains(&x.abs()) {
-        format!("{x}")
-    } else {
-        format!("{x:e}")
-    }
+    if x == 0.0 || (1e-4..1e6).contains(&x.abs()) { format!("{x}") } else { format!("{x:e}") }
 }

@@ -13,9 +13,8 @@ use super::toml_source;
 /// Every key with its type, range, default and description; no key is required, no other allowed.
 pub fn json_schema() -> Value {
     let root = KEYS.iter().filter(|key| key.table().is_none());
-    let mut properties: Map<_, _> = root
-        .map(|key| (key.name().to_owned(), key_schema(key, true)))
-        .collect();
+    let mut properties: Map<_, _> =
+        root.map(|key| (key.name().to_owned(), key_schema(key, true))).collect();
     for table in tables() {
         properties.insert(table.to_owned(), table_schema(table, true));
     }
@@ -34,10 +33,7 @@ pub fn json_schema() -> Value {
 /// A table; without defaults where an absent key means the common value.
 fn table_schema(table: &str, defaults: bool) -> Value {
     let keys = KEYS.iter().filter(|key| key.table() == Some(table));
-    object(
-        keys.map(|key| (key.name().to_owned(), key_schema(key, defaults)))
-            .collect(),
-    )
+    object(keys.map(|key| (key.name().to_owned(), key_schema(key, defaults))).collect())
 }
 
 fn object(properties: Map<String, Value>) -> Value {
@@ -46,11 +42,7 @@ fn object(properties: Map<String, Value>) -> Value {
 
 fn key_schema(key: &Key, default: bool) -> Value {
     let mut schema = kind_schema(&key.kind);
-    let unit = if key.unit.is_empty() {
-        String::new()
-    } else {
-        format!(" [{}]", key.unit)
-    };
+    let unit = if key.unit.is_empty() { String::new() } else { format!(" [{}]", key.unit) };
     schema["description"] = format!("{}{unit} ({})", key.doc, key.source).into();
     if let (true, DefaultValue::Toml(text)) = (default, key.default)
         && let Ok(given) = toml_source::value(text, Place::Default)

@@ -26,9 +26,7 @@ impl Settings {
     /// # Errors
     /// A default that is not TOML or not of its key's kind; a test excludes it.
     pub(super) fn defaults() -> Result<Self, ConfigError> {
-        let mut settings = Self {
-            values: BTreeMap::new(),
-        };
+        let mut settings = Self { values: BTreeMap::new() };
         for key in KEYS {
             if let DefaultValue::Toml(text) = key.default {
                 settings.apply(key.path, &toml_source::value(text, Place::Default)?)?;
@@ -56,8 +54,7 @@ impl Settings {
         match (find(path), &given.datum) {
             (Some(key), _) => match key.kind.check(path, key.unit, given) {
                 Ok(value) => {
-                    self.values
-                        .insert(path.to_owned(), (value, given.place.clone()));
+                    self.values.insert(path.to_owned(), (value, given.place.clone()));
                 }
                 Err(complaint) => *first = Some((line, complaint)),
             },
@@ -97,10 +94,7 @@ impl Settings {
     /// What no key alone can tell.
     fn cross_check(&self, config: &Config) -> Result<(), ConfigError> {
         if config.bays > 1 {
-            return Err(ConfigError::SeveralBays {
-                place: self.place("bays"),
-                bays: config.bays,
-            });
+            return Err(ConfigError::SeveralBays { place: self.place("bays"), bays: config.bays });
         }
         let (t_end, sample) = (config.run.t_end, config.run.sample);
         if sample > 0.0 && t_end / sample > MOST_SAMPLES {
@@ -108,20 +102,13 @@ impl Settings {
                 Place::Default => self.place("run.t_end"),
                 place => place,
             };
-            return Err(ConfigError::TooManySamples {
-                place,
-                sample,
-                t_end,
-                most: MOST_SAMPLES,
-            });
+            return Err(ConfigError::TooManySamples { place, sample, t_end, most: MOST_SAMPLES });
         }
         Ok(())
     }
 
     fn place(&self, path: &str) -> Place {
-        self.values
-            .get(path)
-            .map_or(Place::Default, |(_, place)| place.clone())
+        self.values.get(path).map_or(Place::Default, |(_, place)| place.clone())
     }
 
     /// A table, or a key of the root, as its type.
@@ -168,17 +155,10 @@ fn not_a_key(path: &str, given: &Given) -> ConfigError {
     let (place, key) = (given.place.clone(), excerpt(path));
     let exists = |path| find(path).is_some() || names_in(path).is_some();
     if one_joint(path).is_some_and(|(_, rest)| exists(rest)) {
-        return ConfigError::NotPerJoint {
-            place,
-            key: key.into(),
-        };
+        return ConfigError::NotPerJoint { place, key: key.into() };
     }
     let nearest = nearest_key(&key, matches!(given.datum, Datum::Table(_)));
-    ConfigError::UnknownKey {
-        place,
-        key: key.into(),
-        nearest: nearest.map(Into::into),
-    }
+    ConfigError::UnknownKey { place, key: key.into(), nearest: nearest.map(Into::into) }
 }
 
 /// The line of a place; 0 where there are no lines.

@@ -31,10 +31,7 @@ pub(super) fn read(path: &Path) -> Result<String, ConfigError> {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
         ConfigError::Syntax {
-            place: Place::Line {
-                file: path.display().to_string().into(),
-                line,
-            },
+            place: Place::Line { file: path.display().to_string().into(), line },
             message: "not UTF-8 text".into(),
         }
     })
@@ -45,13 +42,7 @@ pub(super) fn read(path: &Path) -> Result<String, ConfigError> {
 /// # Errors
 /// The text is not TOML.
 pub(super) fn document(file: &str, text: &str) -> Result<Given, ConfigError> {
-    let source = Source::new(
-        text,
-        Place::Line {
-            file: file.into(),
-            line: 1,
-        },
-    );
+    let source = Source::new(text, Place::Line { file: file.into(), line: 1 });
     let table = DeTable::parse(text).map_err(|error| source.syntax(&error))?;
     Ok(Given {
         place: source.origin.clone(),
@@ -81,21 +72,14 @@ pub(super) fn assignment(argument: &str) -> Result<(String, Given), ConfigError>
             (key.trim(), text.trim())
         }
         _ => {
-            return Err(ConfigError::NoAssignment {
-                argument: excerpt(argument).into(),
-            });
+            return Err(ConfigError::NoAssignment { argument: excerpt(argument).into() });
         }
     };
-    let segments: Vec<_> = key
-        .split('.')
-        .map(|segment| key_text(segment.trim()))
-        .collect();
+    let segments: Vec<_> = key.split('.').map(|segment| key_text(segment.trim())).collect();
     let given = match value(text, place.clone()) {
-        Err(_) if is_bare_word(text) => Given {
-            place,
-            text: format!("\"{text}\""),
-            datum: Datum::Word(text.to_owned()),
-        },
+        Err(_) if is_bare_word(text) => {
+            Given { place, text: format!("\"{text}\""), datum: Datum::Word(text.to_owned()) }
+        }
         other => other?,
     };
     Ok((segments.join("."), given))
@@ -109,11 +93,7 @@ fn is_bare_word(text: &str) -> bool {
 impl<'a> Source<'a> {
     fn new(text: &'a str, origin: Place) -> Self {
         let ends = text.match_indices('\n').map(|(end, _)| end + 1);
-        Self {
-            text,
-            origin,
-            starts: iter::once(0).chain(ends).collect(),
-        }
+        Self { text, origin, starts: iter::once(0).chain(ends).collect() }
     }
 
     /// Where a byte is.
@@ -174,16 +154,7 @@ impl<'a> Source<'a> {
             Datum::Table(_) => "{…}".to_owned(),
             // The text of tables in a list ([[…]]) would be their header.
             Datum::List(ref entries)
-                if matches!(
-                    entries[..],
-                    [
-                        Given {
-                            datum: Datum::Table(_),
-                            ..
-                        },
-                        ..
-                    ]
-                ) =>
+                if matches!(entries[..], [Given { datum: Datum::Table(_), .. }, ..]) =>
             {
                 "[…]".to_owned()
             }

@@ -20,12 +20,8 @@ pub(super) fn drawing(motion: &Motion) -> Drawing {
         force_panel(&whole, Vec::new()),
         force_panel(&zoom, contact_bands(motion)),
     ];
-    let deepest = whole
-        .iter()
-        .fold(0.0_f64, |most, row| most.max(row.delta_m));
-    let widest = whole
-        .iter()
-        .fold(0.0_f64, |most, row| most.max(-row.delta_m));
+    let deepest = whole.iter().fold(0.0_f64, |most, row| most.max(row.delta_m));
+    let widest = whole.iter().fold(0.0_f64, |most, row| most.max(-row.delta_m));
     let hardest = whole.iter().fold(0.0_f64, |most, row| most.max(row.f_n_n));
     let caption = format!(
         "Joint 1, {}: penetration δ (below zero the gap) and normal force F_N. Deepest {:.2e} m, \
@@ -38,33 +34,20 @@ pub(super) fn drawing(motion: &Motion) -> Drawing {
         rows: 2,
         cols: 2,
         panels,
-        size: Size {
-            width: 1100,
-            height: 720,
-        },
+        size: Size { width: 1100, height: 720 },
         ..Figure::default()
     };
-    Drawing {
-        name: "gap_and_force",
-        caption,
-        figure,
-    }
+    Drawing { name: "gap_and_force", caption, figure }
 }
 
 fn delta_panel(title: &str, rows: &[&MotionRow], bands: Vec<Band>) -> Panel {
-    let points = rows
-        .iter()
-        .map(|row| (row.t_s, 1e6 * row.delta_m))
-        .collect();
+    let points = rows.iter().map(|row| (row.t_s, 1e9 * row.delta_m)).collect();
     LineChart {
         title: title.into(),
         x: Axis::linear("t [s]"),
-        y: Axis::linear("penetration δ [µm]"),
+        y: Axis::linear("penetration δ [nm]"),
         series: vec![Series::line("", DELTA, points)],
-        levels: vec![Level {
-            y: 0.0,
-            label: String::new(),
-        }],
+        levels: vec![Level { y: 0.0, label: String::new() }],
         bands,
         ..LineChart::default()
     }
@@ -93,11 +76,7 @@ fn contact_bands(motion: &Motion) -> Vec<Band> {
     let end = (last.t_s, 0);
     for &(t, after) in motion.zoom_modes.iter().chain([&end]) {
         if mode != 0 && t > from {
-            bands.push(Band {
-                x: (from, t),
-                color: CONTACT,
-                label: "contact".into(),
-            });
+            bands.push(Band { x: (from, t), color: CONTACT, label: "contact".into() });
         }
         (from, mode) = (t, after);
     }

@@ -10,9 +10,7 @@ pub(super) fn drawing(motion: &Motion) -> Drawing {
     let panel = |(i, clearance): (usize, &f64)| -> Panel {
         let joint = i + 1;
         let of_joint = motion.rows.iter().filter(|row| row.joint == joint);
-        let points = of_joint
-            .map(|row| (1e6 * row.d1_m, 1e6 * row.d2_m))
-            .collect();
+        let points = of_joint.map(|row| (1e6 * row.d1_m, 1e6 * row.d2_m)).collect();
         let (title, x, y) = match joint {
             1 => ("joint 1 (AB)", "x01 [µm]", "y01 [µm]"),
             _ => ("joint 2 (AF)", "y02 [µm]", "z02 [µm]"),
@@ -23,21 +21,13 @@ pub(super) fn drawing(motion: &Motion) -> Drawing {
             x: Axis::linear(x),
             y: Axis::linear(y),
             curves: vec![Series::line("pin centre", 0, points)],
-            circle: (*clearance > 0.0).then_some(Circle {
-                center,
-                radius: 1e6 * clearance,
-                label,
-            }),
+            circle: (*clearance > 0.0).then_some(Circle { center, radius: 1e6 * clearance, label }),
         }
         .into()
     };
     let panels: Vec<Panel> = motion.clearance_m.iter().enumerate().map(panel).collect();
     let share = |joint: usize| {
-        let rows: Vec<_> = motion
-            .rows
-            .iter()
-            .filter(|row| row.joint == joint)
-            .collect();
+        let rows: Vec<_> = motion.rows.iter().filter(|row| row.joint == joint).collect();
         let free = rows.iter().filter(|row| row.mode == 0).count();
         100.0 * free as f64 / rows.len().max(1) as f64
     };
@@ -53,15 +43,8 @@ pub(super) fn drawing(motion: &Motion) -> Drawing {
         rows: 1,
         cols: panels.len().max(1),
         panels,
-        size: Size {
-            width: 1100,
-            height: 600,
-        },
+        size: Size { width: 1100, height: 600 },
         ..Figure::default()
     };
-    Drawing {
-        name: "orbit",
-        caption,
-        figure,
-    }
+    Drawing { name: "orbit", caption, figure }
 }

@@ -20,23 +20,15 @@ pub(super) fn drawing(table: &WorkPrecision) -> Drawing {
             continue;
         }
         let (least, most) = SLOPE_RANGE;
-        let fitted: Vec<(f64, f64)> = points
-            .iter()
-            .copied()
-            .filter(|(_, e)| (least..most).contains(e))
-            .collect();
+        let fitted: Vec<(f64, f64)> =
+            points.iter().copied().filter(|(_, e)| (least..most).contains(e)).collect();
         if let Some(slope) = log_log_slope(&fitted) {
             slopes.push(format!("{events}: {slope:.2}"));
         }
         let color = usize::from(events == Events::Blind);
         if let (Events::Located, Some(through)) = (events, fitted.get(fitted.len() / 2)) {
             let label = "order 4".to_owned();
-            guides.push(Guide {
-                slope: 4.0,
-                through: *through,
-                span: None,
-                label,
-            });
+            guides.push(Guide { slope: 4.0, through: *through, span: None, label });
         }
         series.push(curve(method, events, color, points));
     }
@@ -45,11 +37,7 @@ pub(super) fn drawing(table: &WorkPrecision) -> Drawing {
          A blind step that straddles δ = 0 loses the order; a step that ends there keeps it.",
         SLOPE_RANGE.0,
         SLOPE_RANGE.1,
-        if slopes.is_empty() {
-            "too few runs".to_owned()
-        } else {
-            slopes.join(", ")
-        }
+        if slopes.is_empty() { "too few runs".to_owned() } else { slopes.join(", ") }
     );
     let chart = LineChart {
         x: Axis::log("step h [s]"),
@@ -58,13 +46,7 @@ pub(super) fn drawing(table: &WorkPrecision) -> Drawing {
         guides,
         ..LineChart::default()
     };
-    let figure = Figure {
-        size: Size::SINGLE,
-        ..Figure::single("rk4: error against step size", chart)
-    };
-    Drawing {
-        name: "rk4_order",
-        caption,
-        figure,
-    }
+    let figure =
+        Figure { size: Size::SINGLE, ..Figure::single("rk4: error against step size", chart) };
+    Drawing { name: "rk4_order", caption, figure }
 }

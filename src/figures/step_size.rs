@@ -26,11 +26,7 @@ pub(super) fn drawing(histories: &[StepHistory]) -> Drawing {
         "Accepted steps on joint 1 over time, events located (ticks). {}.",
         spreads.join("; ")
     );
-    Drawing {
-        name: "step_size",
-        caption,
-        figure: Figure::stacked("Step size over time", panels),
-    }
+    Drawing { name: "step_size", caption, figure: Figure::stacked("Step size over time", panels) }
 }
 
 fn spread(history: &StepHistory) -> String {
@@ -38,10 +34,7 @@ fn spread(history: &StepHistory) -> String {
     sizes.sort_unstable_by(f64::total_cmp);
     let at = |fraction: f64| {
         let last = sizes.len().saturating_sub(1) as f64;
-        sizes
-            .get((fraction * last) as usize)
-            .copied()
-            .unwrap_or(f64::NAN)
+        sizes.get((fraction * last) as usize).copied().unwrap_or(f64::NAN)
     };
     format!(
         "{}: {} steps, nine in ten between {:.1e} and {:.1e} s",

@@ -88,8 +88,8 @@ impl<S: Real> PinPose<S> {
             n,
             rho,
             delta: rho - c,
-            delta_dot: n[0] * v[0] + n[1] * v[1],
-            w: n[1] * v[0] - n[0] * v[1],
+            delta_dot: (d[0] * v[0] + d[1] * v[1]) * per_rho,
+            w: (d[1] * v[0] - d[0] * v[1]) * per_rho,
         }
     }
 }
@@ -99,12 +99,7 @@ mod tests {
     use super::*;
 
     fn law(exponent: f64) -> NormalLaw {
-        NormalLaw {
-            stiffness: 1e7,
-            damping: 100.0,
-            exponent,
-            adhesion: true,
-        }
+        NormalLaw { stiffness: 1e7, damping: 100.0, exponent, adhesion: true }
     }
 
     #[test]
@@ -122,10 +117,7 @@ mod tests {
     #[test]
     fn the_force_is_odd_past_the_surface_for_any_exponent() {
         for exponent in [1.0, 1.5, 3.0] {
-            assert_eq!(
-                law(exponent).force(-2e-6, 0.0),
-                -law(exponent).force(2e-6, 0.0)
-            );
+            assert_eq!(law(exponent).force(-2e-6, 0.0), -law(exponent).force(2e-6, 0.0));
         }
     }
 

@@ -37,11 +37,8 @@ impl Block {
             * (inertia.m_x * u_x * u_x
                 + inertia.m_y * u_y * u_y
                 + inertia.schur(cos) * omega * omega);
-        let elastic = if mode.is_contact() {
-            self.normal.elastic_energy(self.pose(y).delta)
-        } else {
-            0.0
-        };
+        let elastic =
+            if mode.is_contact() { self.normal.elastic_energy(self.pose(y).delta) } else { 0.0 };
         Energy { kinetic, elastic }
     }
 
@@ -50,19 +47,13 @@ impl Block {
     pub fn power(&self, mode: Mode, y: &State<f64>) -> Power {
         let drive = self.torque * y[5];
         if !mode.is_contact() {
-            return Power {
-                drive,
-                dissipated: 0.0,
-            };
+            return Power { drive, dissipated: 0.0 };
         }
         let pose = self.pose(y);
         let damping = self.normal.damping * pose.delta_dot * pose.delta_dot;
         let turning = self.pin_radius * y[5];
         let speed = turning + self.reading.tangential_force * pose.w;
         let friction = self.forces(mode, y, &pose).tangential * speed;
-        Power {
-            drive,
-            dissipated: damping - friction,
-        }
+        Power { drive, dissipated: damping - friction }
     }
 }

@@ -31,35 +31,17 @@ struct Row {
 
 /// Struts 1, 2, 3, 5, 6 as moved by (x01, y01, θ1).
 const JOINT_1: [Row; 5] = [
-    Row {
-        p: 0.5,
-        q: Some(0.5),
-    },
-    Row {
-        p: 1.5,
-        q: Some(0.5),
-    },
+    Row { p: 0.5, q: Some(0.5) },
+    Row { p: 1.5, q: Some(0.5) },
     Row { p: 2.0, q: None },
-    Row {
-        p: 0.5,
-        q: Some(0.5),
-    },
-    Row {
-        p: 1.5,
-        q: Some(0.5),
-    },
+    Row { p: 0.5, q: Some(0.5) },
+    Row { p: 1.5, q: Some(0.5) },
 ];
 
 /// Struts 3, 4, 5, 6 as moved by (z02, y02, θ2).
 const JOINT_2: [Row; 4] = [
-    Row {
-        p: 0.5,
-        q: Some(0.5),
-    },
-    Row {
-        p: 0.5,
-        q: Some(0.5),
-    },
+    Row { p: 0.5, q: Some(0.5) },
+    Row { p: 0.5, q: Some(0.5) },
     Row { p: 1.0, q: None },
     Row { p: 1.0, q: None },
 ];
@@ -111,10 +93,7 @@ impl BlockInertia {
         let arms_y: Vec<f64> = rows.iter().filter_map(|row| row.q).map(|q| q * l).collect();
         let mean = |arms: &[f64]| arms.iter().sum::<f64>() / arms.len() as f64;
         let variance = |arms: &[f64], mean: f64| {
-            m * arms
-                .iter()
-                .map(|arm| (arm - mean) * (arm - mean))
-                .sum::<f64>()
+            m * arms.iter().map(|arm| (arm - mean) * (arm - mean)).sum::<f64>()
         };
         let (p, q) = (mean(&arms_x), mean(&arms_y));
         let (v_x, v_y) = (variance(&arms_x, p), variance(&arms_y, q));
@@ -143,25 +122,52 @@ impl BlockInertia {
         cos * cos * self.j_c + self.j_0
     }
 
+    /// The mass matrix at the angle `theta` [rad].
+    #[inline(always)]
+    pub fn at<S: Real>(&self, theta: S) -> Arrow<S> {
+        let (sin, cos) = theta.sin_cos();
+        Arrow {
+            sin,
+            cos,
+            p_cos: cos * self.p,
+            q_sin: sin * self.q,
+            per_schur: S::cst(1.0) / self.schur(cos),
+        }
+    }
+
     /// Accelerations (Ẍ, Ÿ, θ̈) [m/s², m/s², rad/s²] under the generalised forces (Q_X, Q_Y, Q_θ)
-    /// [N, N, N m] at the angle whose sine and cosine are given, turning at `omega_sq = θ̇²`.
+    /// [N, N, N m] at an angle, turning at `omega_sq = θ̇²`.
     ///
     /// ```text
     /// θ̈ = (Q_θ + j_c sin θ cos θ θ̇² − p̄ cos θ Q_X + q̄ sin θ Q_Y) / (j_0 + j_c cos²θ)
-    /// Ẍ = p̄ (sin θ θ̇² − cos θ θ̈) + Q_X/M_x,   Ÿ = q̄ (cos θ θ̇² + sin θ θ̈) + Q_Y/M_y
+    /// Ẍ = p̄ sin θ θ̇² + Q_X/M_x − p̄ cos θ θ̈,   Ÿ = q̄ cos θ θ̇² + Q_Y/M_y + q̄ sin θ θ̈
     /// ```
     #[inline(always)]
-    pub fn accelerations<S: Real>(&self, (sin, cos): (S, S), omega_sq: S, q: [S; 3]) -> [S; 3] {
-        let moment =
-            q[2] + sin * cos * omega_sq * self.j_c - cos * q[0] * self.p + sin * q[1] * self.q;
-        // The reciprocal waits for the angle alone, not for the forces.
-        let theta = moment * (S::cst(1.0) / self.schur(cos));
+    pub fn accelerations<S: Real>(&self, arrow: &Arrow<S>, omega_sq: S, q: [S; 3]) -> [S; 3] {
+        let Arrow { sin, cos, p_cos, q_sin, per_schur } = *arrow;
+        let by_forces = p_cos * q[0] - q_sin * q[1];
+        let theta = (q[2] + sin * cos * omega_sq * self.j_c - by_forces) * per_schur;
         [
-            (sin * omega_sq - cos * theta) * self.p + q[0] * self.per_mass[0],
-            (cos * omega_sq + sin * theta) * self.q + q[1] * self.per_mass[1],
+            sin * omega_sq * self.p + q[0] * self.per_mass[0] - p_cos * theta,
+            cos * omega_sq * self.q + q[1] * self.per_mass[1] + q_sin * theta,
             theta,
         ]
     }
+}
+
+/// The mass matrix at one angle: all of its solution that does not wait for forces.
+#[derive(Clone, Copy, Debug)]
+pub struct Arrow<S> {
+    /// `sin θ`.
+    pub sin: S,
+    /// `cos θ`.
+    pub cos: S,
+    /// `p̄ cos θ` [m].
+    p_cos: S,
+    /// `q̄ sin θ` [m].
+    q_sin: S,
+    /// `1/(j_0 + j_c cos²θ)` [1/(kg m²)].
+    per_schur: S,
 }
 
 #[cfg(test)]
@@ -172,15 +178,8 @@ mod tests {
     /// The matrix as model sums have it, term by term.
     fn mass_matrix(inertia: &BlockInertia, theta: f64) -> [[f64; 3]; 3] {
         let (sin, cos) = theta.sin_cos();
-        let (x, y) = (
-            inertia.m_x * inertia.p * cos,
-            -inertia.m_y * inertia.q * sin,
-        );
-        [
-            [inertia.m_x, 0.0, x],
-            [0.0, inertia.m_y, y],
-            [x, y, inertia.about_pin(sin, cos)],
-        ]
+        let (x, y) = (inertia.m_x * inertia.p * cos, -inertia.m_y * inertia.q * sin);
+        [[inertia.m_x, 0.0, x], [0.0, inertia.m_y, y], [x, y, inertia.about_pin(sin, cos)]]
     }
 
     #[test]
@@ -208,9 +207,9 @@ mod tests {
         for inertia in [BlockInertia::joint_1(&strut), BlockInertia::joint_2(&strut)] {
             for theta in [0.0, 0.4, 1.2] {
                 let (omega, q): (f64, _) = (0.7, [0.3, -0.8, 0.5]);
-                let sin_cos = f64::sin_cos(theta);
-                let a = inertia.accelerations(sin_cos, omega * omega, q);
-                let (sin, cos) = sin_cos;
+                let arrow = inertia.at(theta);
+                let a = inertia.accelerations(&arrow, omega * omega, q);
+                let Arrow { sin, cos, .. } = arrow;
                 let i_c = inertia.about_pin(0.0, 1.0) - inertia.about_pin(1.0, 0.0);
                 let forces = [
                     inertia.m_x * inertia.p * sin * omega * omega + q[0],

@@ -26,13 +26,7 @@ impl PoseGradient {
     /// ∂δ/∂d = n,   ∂δ̇/∂d = (w/ρ) t,   ∂δ̇/∂v = n,   ∂w/∂d = −(δ̇/ρ) t,   ∂w/∂v = t
     /// ```
     fn new(pose: &PinPose<f64>) -> Self {
-        let PinPose {
-            n,
-            rho,
-            delta_dot,
-            w,
-            ..
-        } = *pose;
+        let PinPose { n, rho, delta_dot, w, .. } = *pose;
         let t = [n[1], -n[0]];
         let turned = |i: usize, scale: f64| [t[0] * t[i] / rho * scale, t[1] * t[i] / rho * scale];
         let on = |d: [f64; 2], v: [f64; 2]| [d[0], d[1], 0.0, v[0], v[1], 0.0];
@@ -53,20 +47,10 @@ impl Block {
         let [a_x, a_y, a_theta] = match mode {
             Mode::Pinned => {
                 let nothing = [0.0; 6];
-                return [
-                    nothing,
-                    nothing,
-                    unit(5),
-                    nothing,
-                    nothing,
-                    self.pinned_gradient(y),
-                ];
+                return [nothing, nothing, unit(5), nothing, nothing, self.pinned_gradient(y)];
             }
             Mode::Apart | Mode::Relaxing => {
-                let none = ContactForces {
-                    normal: 0.0,
-                    tangential: 0.0,
-                };
+                let none = ContactForces { normal: 0.0, tangential: 0.0 };
                 // Without force any direction serves; the pin may be at the centre.
                 let pose = PinPose::new([0.0, -self.clearance], [0.0, 0.0], self.clearance);
                 let still = PoseGradient::new(&pose);
@@ -85,14 +69,7 @@ impl Block {
         let theta_dd = (self.torque + i_c * sin * cos * y[5] * y[5]) / about_pin;
         let by_theta =
             i_c * (cos * cos - sin * sin) * y[5] * y[5] + 2.0 * i_c * sin * cos * theta_dd;
-        [
-            0.0,
-            0.0,
-            by_theta / about_pin,
-            0.0,
-            0.0,
-            2.0 * i_c * sin * cos * y[5] / about_pin,
-        ]
+        [0.0, 0.0, by_theta / about_pin, 0.0, 0.0, 2.0 * i_c * sin * cos * y[5] / about_pin]
     }
 
     fn contact_gradients(&self, mode: Mode, y: &State<f64>) -> [Gradient; 3] {
@@ -107,8 +84,9 @@ impl Block {
         }
         // Stick: F_T follows from v̇_T = 0, so ∇F_T = −∇v̇_T|F_T / (∂v̇_T/∂F_T).
         let frozen = self.gradients(y, &pose, &d, forces, [normal, [0.0; 6]]);
-        let a = self.accelerations(y, &pose, forces);
-        let (by_force, response) = self.friction_response(y, &pose);
+        let arrow = self.inertia.at(y[2]);
+        let a = self.accelerations(y, &arrow, &pose, forces);
+        let (by_force, response) = self.friction_response(&arrow, &pose);
         let v_t_dot = gradient(|j| {
             let along_t = pose.n[1] * frozen[0][j] - pose.n[0] * frozen[1][j];
             let turning = d.n[1][j] * a[0] - d.n[0][j] * a[1];
@@ -132,10 +110,11 @@ impl Block {
         [normal, tangential]: [Gradient; 2],
     ) -> [Gradient; 3] {
         let (inertia, reading) = (&self.inertia, &self.reading);
-        let (sin, cos) = libm::sincos(y[2]);
+        let arrow = inertia.at(y[2]);
+        let (sin, cos) = (arrow.sin, arrow.cos);
         let (omega, omega_sq) = (y[5], y[5] * y[5]);
-        let q = self.loads(y, (sin, cos), pose, forces);
-        let [_, _, theta_dd] = inertia.accelerations((sin, cos), omega_sq, q);
+        let q = self.loads(y, &arrow, pose, forces);
+        let [_, _, theta_dd] = inertia.accelerations(&arrow, omega_sq, q);
         let schur = inertia.schur(cos);
 
         let phi = reading.tangential_force;
@@ -170,11 +149,7 @@ impl Block {
                 * (d_sin * omega_sq + sin * d_omega_sq - d_cos * theta_dd - cos * d_theta);
             let d_y = inertia.q
                 * (d_cos * omega_sq + cos * d_omega_sq + d_sin * theta_dd + sin * d_theta);
-            [
-                d_x + d_q_x / inertia.m_x,
-                d_y + d_q_y / inertia.m_y,
-                d_theta,
-            ]
+            [d_x + d_q_x / inertia.m_x, d_y + d_q_y / inertia.m_y, d_theta]
         });
         std::array::from_fn(|i| gradient(|j| columns[j][i]))
     }
@@ -189,13 +164,8 @@ mod tests {
     use crate::config::{Config, ReadingName};
     use crate::model::Mechanism;
 
-    const MODES: [Mode; 5] = [
-        Mode::Pinned,
-        Mode::Apart,
-        Mode::SlipPlus,
-        Mode::SlipMinus,
-        Mode::Stick,
-    ];
+    const MODES: [Mode; 5] =
+        [Mode::Pinned, Mode::Apart, Mode::SlipPlus, Mode::SlipMinus, Mode::Stick];
 
     /// The column of dual numbers, from the generic right-hand side.
     fn dual_column(block: &Block, mode: Mode, y: &State<f64>, j: usize) -> [f64; 6] {
@@ -220,9 +190,7 @@ mod tests {
                     joint.contact.exponent = exponent;
                 }
                 for block in &Mechanism::new(&config).blocks {
-                    for (mode, y) in MODES
-                        .iter()
-                        .flat_map(|m| states.iter().map(move |y| (*m, y)))
+                    for (mode, y) in MODES.iter().flat_map(|m| states.iter().map(move |y| (*m, y)))
                     {
                         let rows = block.jacobian_rows(mode, y);
                         for j in 0..6 {

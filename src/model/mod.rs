@@ -6,6 +6,7 @@
 pub mod block;
 pub mod contact;
 pub mod energy;
+mod friction;
 pub mod inertia;
 mod jacobian;
 pub mod mode;

@@ -31,35 +31,18 @@ impl Reading {
     /// - `cosine`: as `centroid` without its sin θ terms, friction as torque and force: it
     ///   reproduces the paper's 9 s for strut AF.
     pub fn of(name: ReadingName, joint: usize) -> Self {
-        let at_pin = Self {
-            normal_moment: [0.0, 0.0],
-            tangential_force: 0.0,
-            centrifugal: 1.0,
-        };
+        let at_pin = Self { normal_moment: [0.0, 0.0], tangential_force: 0.0, centrifugal: 1.0 };
         match (name, joint) {
             (ReadingName::Pin, _) => at_pin,
-            (ReadingName::Full, _) => Self {
-                tangential_force: 1.0,
-                ..at_pin
-            },
-            (ReadingName::Centroid, _) => Self {
-                normal_moment: [-1.0, 1.0],
-                ..at_pin
-            },
-            (ReadingName::Printed, 0) => Self {
-                normal_moment: [-1.0, -1.0],
-                ..at_pin
-            },
-            (ReadingName::Printed, _) => Self {
-                normal_moment: [1.0, 1.0],
-                centrifugal: -1.0,
-                ..at_pin
-            },
-            (ReadingName::Cosine, _) => Self {
-                normal_moment: [-1.0, 0.0],
-                tangential_force: 1.0,
-                ..at_pin
-            },
+            (ReadingName::Full, _) => Self { tangential_force: 1.0, ..at_pin },
+            (ReadingName::Centroid, _) => Self { normal_moment: [-1.0, 1.0], ..at_pin },
+            (ReadingName::Printed, 0) => Self { normal_moment: [-1.0, -1.0], ..at_pin },
+            (ReadingName::Printed, _) => {
+                Self { normal_moment: [1.0, 1.0], centrifugal: -1.0, ..at_pin }
+            }
+            (ReadingName::Cosine, _) => {
+                Self { normal_moment: [-1.0, 0.0], tangential_force: 1.0, ..at_pin }
+            }
         }
     }
 }

@@ -9,11 +9,7 @@ impl Block {
     /// speed `√(2 a c)` that the drive's acceleration `a = M p̄/I` gives the pin across it. The
     /// angle and its rate are those displacements and rates over a strut length.
     pub fn scale(&self) -> State<f64> {
-        let c = if self.clearance > 0.0 {
-            self.clearance
-        } else {
-            1e-4
-        };
+        let c = if self.clearance > 0.0 { self.clearance } else { 1e-4 };
         let pull = self.torque.abs().max(1e-3) * self.inertia.p / self.inertia.about_pin(0.0, 1.0);
         let v = (2.0 * pull * c).sqrt();
         let l = self.strut_length;

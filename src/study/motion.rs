@@ -58,11 +58,7 @@ pub struct Motion {
 /// joint 1 after its start (the first part of the run if there is none).
 pub fn motion(config: &Config, limits: Limits<'_>) -> Option<Motion> {
     let method = Method::named("rk45")?;
-    let setting = Setting {
-        method,
-        events: Events::Located,
-        accuracy: Accuracy::Rtol(RTOL, None),
-    };
+    let setting = Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(RTOL, None) };
     let mechanism = Mechanism::new(config);
     let t_end = config.run.t_end;
     let run = |block: &Block, times: Vec<f64>, t_end: f64| -> BlockTrajectory {
@@ -73,9 +69,7 @@ pub fn motion(config: &Config, limits: Limits<'_>) -> Option<Motion> {
     let mut rows = Vec::new();
     for block in &mechanism.blocks {
         let spacing = t_end / f64::from(POINTS);
-        let times = (1..=POINTS)
-            .map(|k| (spacing * f64::from(k)).min(t_end))
-            .collect();
+        let times = (1..=POINTS).map(|k| (spacing * f64::from(k)).min(t_end)).collect();
         let trajectory = run(block, times, t_end);
         rows.extend(trajectory.samples.iter().map(|sample| row(block, sample)));
     }
@@ -83,43 +77,26 @@ pub fn motion(config: &Config, limits: Limits<'_>) -> Option<Motion> {
     let events = mode_changes(&run(joint_1, Vec::new(), t_end));
     let (from, to) = zoom_window(&counted(&events, joint_1), t_end);
     let spacing = (to - from) / f64::from(ZOOM_POINTS);
-    let times = (0..=ZOOM_POINTS)
-        .map(|k| from + spacing * f64::from(k))
-        .collect();
+    let times = (0..=ZOOM_POINTS).map(|k| from + spacing * f64::from(k)).collect();
     let trajectory = run(joint_1, times, to);
-    let inside = events
-        .iter()
-        .filter(|event| from <= event.t && event.t <= to);
+    let inside = events.iter().filter(|event| from <= event.t && event.t <= to);
     Some(Motion {
         rows,
-        zoom: trajectory
-            .samples
-            .iter()
-            .map(|sample| row(joint_1, sample))
-            .collect(),
+        zoom: trajectory.samples.iter().map(|sample| row(joint_1, sample)).collect(),
         zoom_modes: inside.map(|event| (event.t, event.after)).collect(),
-        clearance_m: mechanism
-            .blocks
-            .iter()
-            .map(|block| block.clearance)
-            .collect(),
+        clearance_m: mechanism.blocks.iter().map(|block| block.clearance).collect(),
         method: format!("rk45 located, rtol {RTOL:e}"),
     })
 }
 
 /// From before the first flight to after it.
 fn zoom_window(events: &[crate::run::ModeChange], t_end: f64) -> (f64, f64) {
-    let flight = events
-        .windows(2)
-        .find(|pair| pair[0].after == 0 && pair[1].before == 0);
+    let flight = events.windows(2).find(|pair| pair[0].after == 0 && pair[1].before == 0);
     let Some([left, back]) = flight else {
         return (0.0, FIRST_PART * t_end);
     };
     let margin = MARGIN * (back.t - left.t);
-    (
-        (left.t - margin).max(0.0),
-        (back.t + 2.0 * margin).min(t_end),
-    )
+    ((left.t - margin).max(0.0), (back.t + 2.0 * margin).min(t_end))
 }
 
 fn row(block: &Block, sample: &Sample<State<f64>, Mode>) -> MotionRow {

@@ -45,40 +45,22 @@ impl Record<Block> for Steps {
 pub fn step_histories(config: &Config, limits: Limits<'_>) -> Vec<StepHistory> {
     let mechanism = Mechanism::new(config);
     let block = &mechanism.blocks[0];
-    let methods = config
-        .study
-        .methods
-        .iter()
-        .filter_map(|name| Method::named(name));
+    let methods = config.study.methods.iter().filter_map(|name| Method::named(name));
     let history = |method: &'static Method| {
         let accuracy = if method.is_fixed_step() {
             Accuracy::Step(shown_step(config)?)
         } else {
             Accuracy::Rtol(RTOL, config.solver.atol)
         };
-        let setting = Setting {
-            method,
-            events: Events::Located,
-            accuracy,
-        };
+        let setting = Setting { method, events: Events::Located, accuracy };
         let chosen = match accuracy {
             Accuracy::Rtol(rtol, _) => format!("rtol {rtol:e}"),
             Accuracy::Step(step) => format!("h {step:e} s"),
         };
         let title = format!("{}, {chosen}", method.name);
-        let empty = StepHistory {
-            title,
-            steps: Vec::new(),
-            events: Vec::new(),
-        };
+        let empty = StepHistory { title, steps: Vec::new(), events: Vec::new() };
         let mut record = (Steps(empty), limits);
-        integrate(
-            block,
-            &setting,
-            block.initial_state(),
-            config.run.t_end,
-            &mut record,
-        );
+        integrate(block, &setting, block.initial_state(), config.run.t_end, &mut record);
         Some(record.0.0)
     };
     methods.filter_map(history).collect()
@@ -87,10 +69,5 @@ pub fn step_histories(config: &Config, limits: Limits<'_>) -> Vec<StepHistory> {
 fn shown_step(config: &Config) -> Option<f64> {
     let wanted = config.run.t_end / FIXED_STEPS;
     let distance = |step: &f64| (step / wanted).ln().abs();
-    config
-        .study
-        .steps
-        .iter()
-        .copied()
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    config.study.steps.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }

@@ -135,24 +135,12 @@ pub fn settings(config: &Config) -> Vec<Setting> {
     let mut settings = Vec::new();
     for method in study.methods.iter().filter_map(|name| Method::named(name)) {
         let accuracies: Vec<Accuracy> = if method.is_fixed_step() {
-            study
-                .steps
-                .iter()
-                .map(|step| Accuracy::Step(*step))
-                .collect()
+            study.steps.iter().map(|step| Accuracy::Step(*step)).collect()
         } else {
-            study
-                .rtol
-                .iter()
-                .map(|rtol| Accuracy::Rtol(*rtol, config.solver.atol))
-                .collect()
+            study.rtol.iter().map(|rtol| Accuracy::Rtol(*rtol, config.solver.atol)).collect()
         };
         for &events in &study.events {
-            let setting = |accuracy: &Accuracy| Setting {
-                method,
-                events,
-                accuracy: *accuracy,
-            };
+            let setting = |accuracy: &Accuracy| Setting { method, events, accuracy: *accuracy };
             settings.extend(accuracies.iter().map(setting));
         }
     }
@@ -185,21 +173,12 @@ pub fn work_precision(
 ) -> Result<WorkPrecision, ReferenceError> {
     let mechanism = Mechanism::new(config);
     let times = sample_times(config);
-    let limits = Limits {
-        max_rhs: config.study.max_rhs,
-        stop,
-    };
+    let limits = Limits { max_rhs: config.study.max_rhs, stop };
     let reference = Reference::new(&mechanism, config.run.t_end, &times, limits)?;
     let settings = settings(config);
     progress(Progress::Runs(settings.len()));
 
-    let contest = Contest {
-        config,
-        mechanism: &mechanism,
-        reference: &reference,
-        times,
-        limits,
-    };
+    let contest = Contest { config, mechanism: &mechanism, reference: &reference, times, limits };
     let next = AtomicUsize::new(0);
     let rows: Vec<Mutex<Option<Row>>> = settings.iter().map(|_| Mutex::new(None)).collect();
     std::thread::scope(|scope| {
@@ -222,14 +201,8 @@ pub fn work_precision(
             });
         }
     });
-    let rows = rows
-        .into_iter()
-        .filter_map(|row| row.into_inner().ok().flatten())
-        .collect();
-    Ok(WorkPrecision {
-        reference: reference.summary,
-        rows,
-    })
+    let rows = rows.into_iter().filter_map(|row| row.into_inner().ok().flatten()).collect();
+    Ok(WorkPrecision { reference: reference.summary, rows })
 }
 
 /// All that the runs of a study share.
@@ -286,9 +259,7 @@ impl Contest<'_> {
             walls.extend((1..self.config.study.repeats).map(|_| run().wall()));
             walls.sort_unstable();
             row.wall_s_min = walls.first().map(std::time::Duration::as_secs_f64);
-            row.wall_s_median = walls
-                .get(walls.len() / 2)
-                .map(std::time::Duration::as_secs_f64);
+            row.wall_s_median = walls.get(walls.len() / 2).map(std::time::Duration::as_secs_f64);
         }
         row
     }

@@ -10,19 +10,11 @@ fn table_1_is_the_default() {
     let config = Config::table1().unwrap();
     assert_eq!(config.reading, ReadingName::Pin);
     assert_eq!(config.bays, 1);
-    let strut = Strut {
-        length: 2.5,
-        density: 7800.0,
-        radius: 0.005,
-        inertia: Inertia::Axial,
-    };
+    let strut = Strut { length: 2.5, density: 7800.0, radius: 0.005, inertia: Inertia::Axial };
     assert_eq!(config.strut, strut);
     assert_eq!(config.drive, Drive { m1: 1.0, m4: 0.3 });
     let joint = JointConfig {
-        joint: Joint {
-            clearance: 1e-4,
-            pin_radius: 4.9e-3,
-        },
+        joint: Joint { clearance: 1e-4, pin_radius: 4.9e-3 },
         contact: Contact {
             law: ContactLaw::Power,
             stiffness: 1e7,
@@ -30,20 +22,10 @@ fn table_1_is_the_default() {
             exponent: 1.0,
             adhesion: true,
         },
-        friction: Friction {
-            law: FrictionLaw::Coulomb,
-            coefficient: 0.1,
-        },
+        friction: Friction { law: FrictionLaw::Coulomb, coefficient: 0.1 },
     };
     assert_eq!(config.joints, [joint.clone(), joint]);
-    assert_eq!(
-        config.run,
-        Run {
-            t_end: 2.0,
-            sample: 0.01,
-            stop_at_90: true
-        }
-    );
+    assert_eq!(config.run, Run { t_end: 2.0, sample: 0.01, stop_at_90: true });
     assert_eq!(config.run.n_samples(), Some(200));
     let solver = Solver {
         method: "rk45".to_owned(),
@@ -56,9 +38,7 @@ fn table_1_is_the_default() {
     let study = Study {
         methods: ["rk4", "rk45", "bdf"].map(str::to_owned).to_vec(),
         events: vec![Events::Located, Events::Blind],
-        rtol: vec![
-            1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12,
-        ],
+        rtol: vec![1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12],
         steps: vec![1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6],
         repeats: 3,
         threads: 1,
@@ -70,10 +50,7 @@ fn table_1_is_the_default() {
 #[test]
 fn an_empty_file_is_the_default() {
     assert_eq!(load("", &[]), Config::table1());
-    assert_eq!(
-        load("# nothing\n\n[contact]\n[joint2.friction]\n", &[]),
-        Config::table1()
-    );
+    assert_eq!(load("# nothing\n\n[contact]\n[joint2.friction]\n", &[]), Config::table1());
     assert_eq!(Config::load(None, &[]), Config::table1());
 }
 
@@ -118,22 +95,13 @@ fn the_printed_examples_are_accepted_without_their_comment_marks() {
 fn keys_are_grouped_by_table_and_unique() {
     let tables = keys::tables();
     for (i, key) in KEYS.iter().enumerate() {
-        assert_eq!(
-            KEYS.iter().position(|other| other.path == key.path),
-            Some(i),
-            "{}",
-            key.path
-        );
+        assert_eq!(KEYS.iter().position(|other| other.path == key.path), Some(i), "{}", key.path);
         assert!(key.path.matches('.').count() <= 1, "{}", key.path);
     }
     for (i, table) in tables.iter().enumerate() {
         assert!(!tables[..i].contains(table), "[{table}] is opened twice");
     }
-    assert_eq!(
-        KEYS[0].table(),
-        None,
-        "keys of the root come before the first table"
-    );
+    assert_eq!(KEYS[0].table(), None, "keys of the root come before the first table");
 }
 
 #[test]
@@ -149,53 +117,39 @@ fn every_key_for_one_joint_has_a_default() {
 fn valid(schema: &Value, value: &Value) -> bool {
     let x = value.as_f64().unwrap_or(f64::NAN);
     let list = value.as_array().map_or(&[][..], Vec::as_slice);
-    schema
-        .as_object()
-        .unwrap()
-        .iter()
-        .all(|(keyword, want)| match keyword.as_str() {
-            "type" => match want.as_str().unwrap() {
-                "number" => value.is_number(),
-                "integer" => value.is_i64(),
-                "boolean" => value.is_boolean(),
-                "string" => value.is_string(),
-                "array" => value.is_array(),
-                "object" => value.is_object(),
-                other => panic!("type {other}"),
-            },
-            "minimum" => x >= want.as_f64().unwrap(),
-            "exclusiveMinimum" => x > want.as_f64().unwrap(),
-            "maximum" => x <= want.as_f64().unwrap(),
-            "enum" => want.as_array().unwrap().contains(value),
-            "items" => list.iter().all(|entry| valid(want, entry)),
-            "minItems" => list.len() as u64 >= want.as_u64().unwrap(),
-            "maxItems" => list.len() as u64 <= want.as_u64().unwrap(),
-            "anyOf" => want
-                .as_array()
-                .unwrap()
-                .iter()
-                .any(|schema| valid(schema, value)),
-            "properties" => {
-                let entries = value.as_object().unwrap();
-                entries
-                    .iter()
-                    .all(|(key, entry)| want.get(key).is_some_and(|s| valid(s, entry)))
-            }
-            "additionalProperties" => want == &Value::Bool(false),
-            "default" | "description" | "title" | "$schema" => true,
-            other => panic!("keyword {other}"),
-        })
+    schema.as_object().unwrap().iter().all(|(keyword, want)| match keyword.as_str() {
+        "type" => match want.as_str().unwrap() {
+            "number" => value.is_number(),
+            "integer" => value.is_i64(),
+            "boolean" => value.is_boolean(),
+            "string" => value.is_string(),
+            "array" => value.is_array(),
+            "object" => value.is_object(),
+            other => panic!("type {other}"),
+        },
+        "minimum" => x >= want.as_f64().unwrap(),
+        "exclusiveMinimum" => x > want.as_f64().unwrap(),
+        "maximum" => x <= want.as_f64().unwrap(),
+        "enum" => want.as_array().unwrap().contains(value),
+        "items" => list.iter().all(|entry| valid(want, entry)),
+        "minItems" => list.len() as u64 >= want.as_u64().unwrap(),
+        "maxItems" => list.len() as u64 <= want.as_u64().unwrap(),
+        "anyOf" => want.as_array().unwrap().iter().any(|schema| valid(schema, value)),
+        "properties" => {
+            let entries = value.as_object().unwrap();
+            entries.iter().all(|(key, entry)| want.get(key).is_some_and(|s| valid(s, entry)))
+        }
+        "additionalProperties" => want == &Value::Bool(false),
+        "default" | "description" | "title" | "$schema" => true,
+        other => panic!("keyword {other}"),
+    })
 }
 
 #[test]
 fn the_schema_accepts_the_default_and_overrides() {
     let schema = json_schema();
     assert!(valid(&schema, &Config::table1().unwrap().to_json()));
-    let sets = [
-        "joint2.contact.stiffness=2e7",
-        "solver.atol=[1,1,1,2,2,2]",
-        "strut.inertia=0.8",
-    ];
+    let sets = ["joint2.contact.stiffness=2e7", "solver.atol=[1,1,1,2,2,2]", "strut.inertia=0.8"];
     assert!(valid(&schema, &load("", &sets).unwrap().to_json()));
 }
 
@@ -225,30 +179,13 @@ fn the_schema_holds_every_key_with_its_default_and_description() {
         let path = format!("/{}", key.path.replace('.', "/"));
         let pointer = format!("/properties/{}", key.path.replace('.', "/properties/"));
         let property = schema.pointer(&pointer).expect(key.path);
-        assert_eq!(
-            property.get("default"),
-            default.pointer(&path),
-            "{}",
-            key.path
-        );
-        assert!(
-            property["description"]
-                .as_str()
-                .unwrap()
-                .starts_with(key.doc),
-            "{}",
-            key.path
-        );
+        assert_eq!(property.get("default"), default.pointer(&path), "{}", key.path);
+        assert!(property["description"].as_str().unwrap().starts_with(key.doc), "{}", key.path);
         for joint in JOINTS {
             let pointer = format!("/properties/{joint}{pointer}");
             let property = schema.pointer(&pointer);
             assert_eq!(property.is_some(), key.per_joint(), "{joint}.{}", key.path);
-            assert_eq!(
-                property.and_then(|p| p.get("default")),
-                None,
-                "{joint}.{}",
-                key.path
-            );
+            assert_eq!(property.and_then(|p| p.get("default")), None, "{joint}.{}", key.path);
         }
     }
 }

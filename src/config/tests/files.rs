@@ -31,35 +31,23 @@ impl Drop for Temporary {
 
 #[test]
 fn a_file_is_read_and_sets_follow_it() {
-    let file = Temporary::new(
-        "good.toml",
-        b"\xEF\xBB\xBFreading = 'full'\r\n[run]\r\nt_end = 1\r\n",
-    );
+    let file =
+        Temporary::new("good.toml", b"\xEF\xBB\xBFreading = 'full'\r\n[run]\r\nt_end = 1\r\n");
     let config = Config::load(Some(&file.0), &["run.t_end=3".to_owned()]).unwrap();
     assert_eq!((config.reading, config.run.t_end), (ReadingName::Full, 3.0));
 }
 
 #[test]
 fn lines_are_counted_as_editors_do() {
-    let file = Temporary::new(
-        "lines.toml",
-        b"\xEF\xBB\xBF# one\r\n# two\r\n[run]\r\nt_end = 0\r\n",
-    );
-    assert_eq!(
-        file.message(&[]),
-        "FILE:4: run.t_end = 0 is out of range: s, greater than 0"
-    );
+    let file =
+        Temporary::new("lines.toml", b"\xEF\xBB\xBF# one\r\n# two\r\n[run]\r\nt_end = 0\r\n");
+    assert_eq!(file.message(&[]), "FILE:4: run.t_end = 0 is out of range: s, greater than 0");
 }
 
 #[test]
 fn a_file_that_cannot_be_read_is_named() {
-    let message = Config::load(Some(Path::new("no/such.toml")), &[])
-        .unwrap_err()
-        .to_string();
-    assert!(
-        message.starts_with("no/such.toml: cannot read the configuration: "),
-        "{message}"
-    );
+    let message = Config::load(Some(Path::new("no/such.toml")), &[]).unwrap_err().to_string();
+    assert!(message.starts_with("no/such.toml: cannot read the configuration: "), "{message}");
     let directory = std::env::temp_dir();
     let message = Config::load(Some(&directory), &[]).unwrap_err().to_string();
     let start = format!("{}: cannot read the configuration: ", directory.display());
@@ -75,24 +63,12 @@ fn a_file_that_is_not_utf8_is_refused_with_its_line() {
 #[test]
 fn a_syntax_error_names_its_line() {
     let quoted = "string values must be quoted, expected literal string";
-    assert_eq!(
-        refusal("reading = 'pin'\nbays ="),
-        format!("bad.toml:2: {quoted}")
-    );
+    assert_eq!(refusal("reading = 'pin'\nbays ="), format!("bad.toml:2: {quoted}"));
     assert_eq!(refusal("reading = pin"), format!("bad.toml:1: {quoted}"));
     assert_eq!(refusal("bays = 1\n\nbays = 1"), "bad.toml:3: duplicate key");
-    assert_eq!(
-        refusal("contact.law = 'power'\n[contact]"),
-        "bad.toml:2: duplicate key"
-    );
-    assert_eq!(
-        refusal("\n[contact"),
-        "bad.toml:2: unclosed table, expected `]`"
-    );
-    assert_eq!(
-        refusal("study.rtol = [1,\n"),
-        "bad.toml:1: unclosed array, expected `]`"
-    );
+    assert_eq!(refusal("contact.law = 'power'\n[contact]"), "bad.toml:2: duplicate key");
+    assert_eq!(refusal("\n[contact"), "bad.toml:2: unclosed table, expected `]`");
+    assert_eq!(refusal("study.rtol = [1,\n"), "bad.toml:1: unclosed array, expected `]`");
 }
 
 #[test]
@@ -120,20 +96,11 @@ fn odd_keys_and_values_are_refused_on_one_line() {
         assert!(!message.contains(char::is_control), "{message:?}");
         assert!(message.chars().count() < 400, "{message}");
     }
-    for set in [
-        "contact.=1",
-        ".=1",
-        "..=..",
-        "contact..stiffness=1",
-        "\"a=b\"=1",
-        "a\nb=1",
-        "a=1\nb=2",
-    ] {
+    for set in
+        ["contact.=1", ".=1", "..=..", "contact..stiffness=1", "\"a=b\"=1", "a\nb=1", "a=1\nb=2"]
+    {
         let message = load("", &[set]).unwrap_err().to_string();
-        assert!(
-            message.starts_with("--set ") && !message.contains('\n'),
-            "{message:?}"
-        );
+        assert!(message.starts_with("--set ") && !message.contains('\n'), "{message:?}");
     }
 }
 
@@ -144,22 +111,14 @@ fn deep_nesting_is_refused_without_harm() {
         format!("study.rtol = {}1{}", "[".repeat(deep), "]".repeat(deep)),
         format!("study.rtol = {}1{}", "[".repeat(79), "]".repeat(79)),
         format!("contact = {}1{}", "{a=".repeat(deep), "}".repeat(deep)),
-        format!(
-            "contact = {}1{}",
-            "{a.a.a.a.a.a.a.a=".repeat(70),
-            "}".repeat(70)
-        ),
+        format!("contact = {}1{}", "{a.a.a.a.a.a.a.a=".repeat(70), "}".repeat(70)),
         format!("[{}a]\nb = 1", "a.".repeat(deep)),
         format!("{}a = 1", "a.".repeat(79)),
         "[".repeat(deep),
         format!("reading = \"{}\"", "x".repeat(deep)),
     ] {
         let message = refusal(&text);
-        assert!(
-            message.starts_with("bad.toml:1: "),
-            "{}",
-            &message[..80.min(message.len())]
-        );
+        assert!(message.starts_with("bad.toml:1: "), "{}", &message[..80.min(message.len())]);
         assert!(message.chars().count() < 400, "{}", message.chars().count());
     }
 }

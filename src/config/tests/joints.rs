@@ -5,10 +5,7 @@ use super::{load, refusal};
 
 #[test]
 fn a_key_for_one_joint_leaves_the_other_alone() {
-    let config = load(
-        "joint1.contact.stiffness = 2e7\n[joint2.joint]\nclearance = 5e-4",
-        &[],
-    );
+    let config = load("joint1.contact.stiffness = 2e7\n[joint2.joint]\nclearance = 5e-4", &[]);
     let [one, two] = config.unwrap().joints;
     assert_eq!((one.contact.stiffness, one.joint.clearance), (2e7, 1e-4));
     assert_eq!((two.contact.stiffness, two.joint.clearance), (1e7, 5e-4));
@@ -19,19 +16,14 @@ fn a_value_for_one_joint_stands_before_the_common_one() {
     let text = "joint2.friction.coefficient = 0.3\n[friction]\ncoefficient = 0.2";
     for sets in [&[][..], &["friction.coefficient=0.2"]] {
         let [one, two] = load(text, sets).unwrap().joints;
-        assert_eq!(
-            (one.friction.coefficient, two.friction.coefficient),
-            (0.2, 0.3)
-        );
+        assert_eq!((one.friction.coefficient, two.friction.coefficient), (0.2, 0.3));
     }
 }
 
 #[test]
 fn every_key_of_a_joint_may_differ() {
     for key in KEYS.iter().filter(|key| key.per_joint()) {
-        let DefaultValue::Toml(default) = key.default else {
-            panic!("{}", key.path)
-        };
+        let DefaultValue::Toml(default) = key.default else { panic!("{}", key.path) };
         for joint in JOINTS {
             let text = format!("{joint}.{} = {default}", key.path);
             assert_eq!(load(&text, &[]), Config::table1(), "{text}");
@@ -54,15 +46,9 @@ fn only_keys_of_a_joint_may_differ() {
 fn dotted_keys_tables_and_inline_tables_are_the_same() {
     let dotted = load("contact.stiffness = 3e7\ncontact.damping = 5", &[]);
     assert_eq!(dotted, load("[contact]\nstiffness = 3e7\ndamping = 5", &[]));
-    assert_eq!(
-        dotted,
-        load("contact = { stiffness = 3e7, damping = 5 }", &[])
-    );
+    assert_eq!(dotted, load("contact = { stiffness = 3e7, damping = 5 }", &[]));
     assert_eq!(dotted, load("", &["contact={stiffness=3e7, damping=5}"]));
-    assert_eq!(
-        dotted,
-        load("\"contact\".'stiffness' = 3e7\ncontact.damping = 5.0", &[])
-    );
+    assert_eq!(dotted, load("\"contact\".'stiffness' = 3e7\ncontact.damping = 5.0", &[]));
 }
 
 #[test]
@@ -100,24 +86,14 @@ fn a_set_takes_toml_values_and_bare_words() {
 fn atol_is_absent_or_one_number_or_six() {
     let atol = |text| load(text, &[]).unwrap().solver.atol;
     assert_eq!(atol(""), None);
-    assert_eq!(
-        atol("solver.atol = 1e-12").map(Atol::each),
-        Some([1e-12; 6])
-    );
+    assert_eq!(atol("solver.atol = 1e-12").map(Atol::each), Some([1e-12; 6]));
     let six = atol("solver.atol = [1, 2, 3, 4, 5, 6]").map(Atol::each);
     assert_eq!(six, Some([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
 }
 
 #[test]
 fn samples_follow_the_documented_count() {
-    let n = |t_end, sample| {
-        Run {
-            t_end,
-            sample,
-            stop_at_90: true,
-        }
-        .n_samples()
-    };
+    let n = |t_end, sample| Run { t_end, sample, stop_at_90: true }.n_samples();
     assert_eq!(n(0.3, 0.1), Some(3)); // 0.3/0.1 is just below 3 in f64
     assert_eq!(n(0.25, 0.1), Some(2));
     assert_eq!(n(0.005, 0.01), Some(0));
@@ -126,8 +102,5 @@ fn samples_follow_the_documented_count() {
 
 #[test]
 fn a_sample_beyond_the_end_is_allowed() {
-    assert_eq!(
-        load("run.t_end = 0.005", &[]).unwrap().run.n_samples(),
-        Some(0)
-    );
+    assert_eq!(load("run.t_end = 0.005", &[]).unwrap().run.n_samples(), Some(0));
 }

@@ -39,11 +39,7 @@ fn the_json_holds_every_key() {
     let json = load("solver.atol = 1e-12", &[]).unwrap().to_json();
     for key in KEYS {
         let path = format!("/{}", key.path.replace('.', "/"));
-        assert!(
-            json.pointer(&path).is_some_and(|value| !value.is_null()),
-            "{}",
-            key.path
-        );
+        assert!(json.pointer(&path).is_some_and(|value| !value.is_null()), "{}", key.path);
     }
     assert_eq!(json.get("joint1"), None);
     assert_eq!(json.get("joint2"), None);
@@ -80,22 +76,14 @@ fn equal_configurations_have_equal_json() {
     let json = texts.map(|text| load(text, &[]).unwrap().to_json().to_string());
     assert_eq!(json[0], json[1]);
     assert_eq!(json[0], json[2]);
-    assert!(
-        json[0].contains("\"joint2\":{\"contact\":{\"stiffness\":20000000.0}}"),
-        "{}",
-        json[0]
-    );
+    assert!(json[0].contains("\"joint2\":{\"contact\":{\"stiffness\":20000000.0}}"), "{}", json[0]);
     let zeros = ["drive.m4 = 0", "drive.m4 = -0.0"].map(|text| load(text, &[]).unwrap().to_json());
     assert_eq!(zeros[0].to_string(), zeros[1].to_string());
 }
 
 #[test]
 fn json_is_checked_like_a_file() {
-    let refusal = |text: &str| {
-        serde_json::from_str::<Config>(text)
-            .unwrap_err()
-            .to_string()
-    };
+    let refusal = |text: &str| serde_json::from_str::<Config>(text).unwrap_err().to_string();
     assert_eq!(
         refusal("{\"contact\": {\"damping\": -1}}"),
         "configuration in JSON: contact.damping = -1 is out of range: N s/m, at least 0"

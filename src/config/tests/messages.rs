@@ -175,16 +175,10 @@ fn values_that_do_not_go_together_are_refused() {
         refusal("\nbays = 3"),
         "bad.toml:2: bays = 3: more than one bay is not built yet; use bays = 1"
     );
-    assert_eq!(
-        refusal("bays = 0"),
-        "bad.toml:1: bays = 0 is out of range: from 1 to 1000000"
-    );
+    assert_eq!(refusal("bays = 0"), "bad.toml:1: bays = 0 is out of range: from 1 to 1000000");
     let text = "run.sample = 1e-2 s up to run.t_end = 1e9 s makes 1.0e11 samples, at most 1e8; \
                 raise run.sample";
-    assert_eq!(
-        set_refusal("run.t_end=1e9"),
-        format!("--set run.t_end=1e9: {text}")
-    );
+    assert_eq!(set_refusal("run.t_end=1e9"), format!("--set run.t_end=1e9: {text}"));
 }
 
 #[test]

@@ -33,11 +33,7 @@ fn outside(range: Range) -> Vec<String> {
         End::Open(x) => vec![x, x + 1.0],
         End::Free => vec![],
     };
-    below
-        .into_iter()
-        .chain(above)
-        .map(|x| format!("{x:?}"))
-        .collect()
+    below.into_iter().chain(above).map(|x| format!("{x:?}")).collect()
 }
 
 #[test]
@@ -51,16 +47,10 @@ fn every_number_refuses_what_its_range_does_not_hold() {
         for number in bad.into_iter().chain(outside(range)) {
             let line = line(key, &number);
             let message = refusal(&line);
-            assert!(
-                message.starts_with(&format!("bad.toml:1: {}", key.path)),
-                "{message}"
-            );
+            assert!(message.starts_with(&format!("bad.toml:1: {}", key.path)), "{message}");
             assert!(message.contains(&number), "{line}: {message}");
             let fraction = matches!(key.kind, Kind::Integer(..)) && message.contains("an integer");
-            assert!(
-                message.contains("is out of range: ") || fraction,
-                "{message}"
-            );
+            assert!(message.contains("is out of range: ") || fraction, "{message}");
             tried += 1;
         }
     }
@@ -115,10 +105,7 @@ fn every_key_refuses_every_other_type() {
                 Err(error) => {
                     let message = error.to_string();
                     assert!(!accepted, "{message}");
-                    assert!(
-                        message.starts_with(&format!("bad.toml:1: {}", key.path)),
-                        "{message}"
-                    );
+                    assert!(message.starts_with(&format!("bad.toml:1: {}", key.path)), "{message}");
                     assert!(!message.contains('\n'), "{message}");
                 }
             }
@@ -129,12 +116,7 @@ fn every_key_refuses_every_other_type() {
 #[test]
 fn an_integer_is_a_number_and_a_whole_number_is_an_integer() {
     assert_eq!(load("strut.length = 3", &[]).unwrap().strut.length, 3.0);
-    assert_eq!(
-        load("contact.stiffness = 0x10", &[]).unwrap().joints[0]
-            .contact
-            .stiffness,
-        16.0
-    );
+    assert_eq!(load("contact.stiffness = 0x10", &[]).unwrap().joints[0].contact.stiffness, 16.0);
     assert_eq!(load("study.repeats = 5.0", &[]).unwrap().study.repeats, 5);
     let huge = load("contact.stiffness = 100000000000000000000", &[]).unwrap();
     assert_eq!(huge.joints[0].contact.stiffness, 1e20);

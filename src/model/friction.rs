@@ -1,0 +1,89 @@
+//! Tangential velocity, Coulomb friction, and the force that sticking takes.
+
+use deltazero_solvers::Real;
+
+use super::block::{Block, ContactForces, State};
+use super::contact::PinPose;
+use super::inertia::Arrow;
+use super::mode::Mode;
+
+impl Block {
+    /// `v_T = t·v + θ̇ r` [m/s]: tangential velocity of the pin's surface at the contact point.
+    #[inline(always)]
+    pub fn v_t<S: Real>(&self, pose: &PinPose<S>, y: &State<S>) -> S {
+        pose.w + y[5] * self.pin_radius
+    }
+
+    /// The forces of a contact in `mode`: `F_N` of the normal law, and `F_T = −σ μ F_N` slipping,
+    /// `F_T` of `v̇_T = 0` sticking; none where the mode is no contact.
+    #[inline(always)]
+    pub fn forces<S: Real>(&self, mode: Mode, y: &State<S>, pose: &PinPose<S>) -> ContactForces<S> {
+        if !mode.is_contact() {
+            return ContactForces::frictionless(S::cst(0.0));
+        }
+        let normal = self.normal.force(pose.delta, pose.delta_dot);
+        let tangential = match mode.sigma() {
+            Some(sigma) => normal * (-sigma * self.mu),
+            None => {
+                let arrow = self.inertia.at(y[2]);
+                let (per_force, _) = self.friction_response(&arrow, pose);
+                -(self.frictionless_v_t_dot(y, &arrow, pose) / per_force)
+            }
+        };
+        ContactForces { normal, tangential }
+    }
+
+    /// `v̇_T` under the accelerations `a` [m/s²].
+    ///
+    /// ```text
+    /// v̇_T = t·(Ẍ, Ÿ) − (t·v) δ̇/ρ + θ̈ r
+    /// ```
+    fn v_t_dot<S: Real>(&self, pose: &PinPose<S>, a: [S; 3]) -> S {
+        pose.n[1] * a[0] - pose.n[0] * a[1] - pose.w * pose.delta_dot / pose.rho
+            + a[2] * self.pin_radius
+    }
+
+    /// `v̇_T` under the normal force alone.
+    fn frictionless_v_t_dot<S: Real>(
+        &self,
+        y: &State<S>,
+        arrow: &Arrow<S>,
+        pose: &PinPose<S>,
+    ) -> S {
+        let normal = self.normal.force(pose.delta, pose.delta_dot);
+        let forces = ContactForces::frictionless(normal);
+        self.v_t_dot(pose, self.accelerations(y, arrow, pose, forces))
+    }
+
+    /// `∂v̇_T/∂F_T` [1/kg], and the accelerations that a unit of `F_T` adds.
+    pub(super) fn friction_response<S: Real>(
+        &self,
+        arrow: &Arrow<S>,
+        pose: &PinPose<S>,
+    ) -> (S, [S; 3]) {
+        let on_pin = self.reading.tangential_force;
+        let load = [pose.n[1] * on_pin, -(pose.n[0] * on_pin), S::cst(self.pin_radius)];
+        let a = self.inertia.accelerations(arrow, S::cst(0.0), load);
+        (pose.n[1] * a[0] - pose.n[0] * a[1] + a[2] * self.pin_radius, a)
+    }
+
+    /// The slipping mode that leaves `v_T = 0` at `y` without friction.
+    pub(super) fn slip_without_friction<S: Real>(&self, y: &State<S>, pose: &PinPose<S>) -> Mode {
+        Mode::slip(self.frictionless_v_t_dot(y, &self.inertia.at(y[2]), pose).value())
+    }
+
+    /// `v̇_T` in the contact mode `mode`.
+    pub(super) fn v_t_dot_in<S: Real>(&self, mode: Mode, y: &State<S>, pose: &PinPose<S>) -> f64 {
+        let forces = self.forces(mode, y, pose);
+        let a = self.accelerations(y, &self.inertia.at(y[2]), pose, forces);
+        self.v_t_dot(pose, a).value()
+    }
+
+    /// Makes v_T exactly zero by moving the pin's centre along t.
+    pub(super) fn project_v_t<S: Real>(&self, y: &mut State<S>) {
+        let pose = self.pose(y);
+        let v_t = self.v_t(&pose, y);
+        y[3] = y[3] - pose.n[1] * v_t;
+        y[4] = y[4] + pose.n[0] * v_t;
+    }
+}
