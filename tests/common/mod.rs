@@ -1,0 +1,86 @@
+//! Golden runs, and runs to compare with them.
+#![allow(dead_code, unreachable_pub, missing_docs, reason = "each test target uses its part")]
+
+use std::sync::atomic::AtomicBool;
+
+use deltazero::config::{Config, Events};
+use deltazero::metrics::{ErrorScale, EventMatch, match_events, sample_error};
+use deltazero::model::{Mechanism, State};
+use deltazero::reference::counted;
+use deltazero::run::{Accuracy, Limits, ModeChange, Run, Setting, mode_changes};
+use deltazero_solvers::{Grid, Method};
+
+/// A golden run: states and mode changes of each joint, in the paper's order of coordinates.
+pub struct Golden {
+    pub states: [Vec<(f64, i8, State<f64>)>; 2],
+    pub events: [Vec<ModeChange>; 2],
+}
+
+impl Golden {
+    pub fn read(name: &str) -> Self {
+        let mut golden = Self { states: Default::default(), events: Default::default() };
+        for [joint, t, mode, y @ ..] in rows::<9>(&format!("{name}.csv")) {
+            golden.states[joint as usize - 1].push((t, mode as i8, y));
+        }
+        for [joint, t, before, after] in rows::<4>(&format!("{name}.events.csv")) {
+            let change = ModeChange { t, before: before as i8, after: after as i8 };
+            golden.events[joint as usize - 1].push(change);
+        }
+        golden
+    }
+
+    /// `e` of a run on the golden grid, and its events against the golden ones, joint by joint.
+    pub fn compare(&self, mechanism: &Mechanism, run: &Run) -> (f64, [EventMatch; 2]) {
+        let states = || self.states.iter().flatten();
+        let theta = states().fold(0.0_f64, |most, (_, _, y)| most.max(y[2].abs()));
+        let mut e = 0.0_f64;
+        let mut matches = [EventMatch::default(); 2];
+        for (i, trajectory) in run.trajectories.iter().enumerate() {
+            let block = &mechanism.blocks[i];
+            let scale = ErrorScale { clearance: block.clearance, theta };
+            assert_eq!(trajectory.samples.len(), self.states[i].len());
+            for (sample, (t, mode, golden)) in trajectory.samples.iter().zip(&self.states[i]) {
+                assert!((sample.t - t).abs() < 1e-12);
+                assert_eq!(sample.mode.code(), *mode, "joint {} at {t} s", i + 1);
+                let own = sample_error(&block.in_paper_order(&sample.y), golden, scale);
+                assert!(own.is_finite());
+                e = e.max(own);
+            }
+            let own = counted(&mode_changes(trajectory), block);
+            matches[i] = match_events(&own, &counted(&self.events[i], block));
+        }
+        (e, matches)
+    }
+}
+
+fn rows<const N: usize>(file: &str) -> Vec<[f64; N]> {
+    let path = format!("{}/tests/golden/{file}", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).unwrap();
+    let row = |line: &str| -> [f64; N] {
+        let fields: Vec<f64> = line.split(',').map(|field| field.parse().unwrap()).collect();
+        fields.try_into().unwrap()
+    };
+    text.lines().skip(1).map(row).collect()
+}
+
+pub fn config(sets: &[&str]) -> Config {
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+    Config::load(None, &sets).unwrap()
+}
+
+pub fn setting(method: &str, events: Events, accuracy: Accuracy) -> Setting {
+    Setting { method: Method::named(method).unwrap(), events, accuracy }
+}
+
+pub fn located(method: &str, rtol: f64) -> Setting {
+    setting(method, Events::Located, Accuracy::Rtol(rtol, None))
+}
+
+/// Both blocks of a configuration, sampled every 0.01 s.
+pub fn run(config: &Config, setting: &Setting) -> (Mechanism, Run) {
+    let mechanism = Mechanism::new(config);
+    let t_end = config.run.t_end;
+    let limits = Limits { max_rhs: u64::MAX, stop: &AtomicBool::new(false) };
+    let run = Run::new(&mechanism, setting, t_end, &Grid::uniform(0.01, t_end), limits);
+    (mechanism, run)
+}

@@ -1,0 +1,76 @@
+//! The golden runs of Table 1 are reproduced by three methods, events and all.
+
+mod common;
+
+use common::{Golden, config, located, run, setting};
+use deltazero::config::Events;
+use deltazero::run::{Accuracy, Setting};
+
+struct Bound {
+    e: f64,
+    event_time: f64,
+}
+
+/// Every event is found, in order, with its modes; errors stay below the bounds.
+fn reproduces(reading: &str, setting: &Setting, bound: &Bound) {
+    let golden = Golden::read(&format!("{reading}_table1"));
+    let (mechanism, run) = run(&config(&[&format!("reading={reading}")]), setting);
+    let (e, matches) = golden.compare(&mechanism, &run);
+    for (joint, events) in matches.iter().enumerate() {
+        assert_eq!((events.missed, events.spurious), (0, 0), "joint {}", joint + 1);
+        assert!(events.time_error <= bound.event_time, "{:e}", events.time_error);
+    }
+    assert!(e <= bound.e, "{e:e}");
+}
+
+#[test]
+fn rk45_at_1e_12_reproduces_pin() {
+    // Measured: e = 9.4e-13, event times to 5.1e-11 s.
+    reproduces("pin", &located("rk45", 1e-12), &Bound { e: 9e-12, event_time: 4e-10 });
+}
+
+#[test]
+fn rk45_at_1e_12_reproduces_full() {
+    // Measured: e = 7.5e-13, event times to 4.3e-12 s.
+    reproduces("full", &located("rk45", 1e-12), &Bound { e: 7e-12, event_time: 4e-11 });
+}
+
+#[test]
+fn bdf_at_1e_10_reproduces_pin() {
+    // Measured: e = 1.8e-8, event times to 8.6e-7 s.
+    reproduces("pin", &located("bdf", 1e-10), &Bound { e: 1e-7, event_time: 8e-6 });
+}
+
+#[test]
+fn bdf_at_1e_10_reproduces_full() {
+    // Measured: e = 1.9e-8, event times to 1.3e-7 s.
+    reproduces("full", &located("bdf", 1e-10), &Bound { e: 1e-7, event_time: 1e-6 });
+}
+
+#[test]
+fn rk4_with_a_small_step_reproduces_both() {
+    // Measured: e = 4.2e-11 and 3.1e-12, event times to 1.4e-10 s.
+    let rk4 = setting("rk4", Events::Located, Accuracy::Step(1e-5));
+    for reading in ["pin", "full"] {
+        reproduces(reading, &rk4, &Bound { e: 4e-10, event_time: 1e-9 });
+    }
+}
+
+#[test]
+fn rk45_finds_every_event_from_1e_6_on() {
+    // Flights of joint 1 are as short as one step here: they are seen inside it.
+    for exponent in 6..12 {
+        let bound = Bound { e: 1.0, event_time: 1e-3 };
+        reproduces("pin", &located("rk45", 10_f64.powi(-exponent)), &bound);
+    }
+}
+
+#[test]
+fn work_on_table_1_is_pinned() {
+    let counts = |method, rtol| {
+        let stats = run(&config(&[]), &located(method, rtol)).1.stats();
+        (stats.n_rhs, stats.n_accepted, stats.n_rejected, stats.n_events)
+    };
+    assert_eq!(counts("rk45", 1e-6), (83_412, 13_616, 117, 62));
+    assert_eq!(counts("rk45", 1e-9), (326_652, 54_158, 149, 62));
+}
