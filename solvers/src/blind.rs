@@ -62,23 +62,14 @@ pub struct Unblind<'a, P: System, R> {
 impl<'a, P: ModeOfState, R: Record<P>> Unblind<'a, P, R> {
     /// A run of `Blind(problem)` from `(t, y)`, shown to `record`.
     pub fn new(problem: &'a P, t: f64, y: &P::State<f64>, record: R) -> Self {
-        Self {
-            problem,
-            mode: problem.mode_of_state(t, y),
-            record,
-        }
+        Self { problem, mode: problem.mode_of_state(t, y), record }
     }
 }
 
 impl<'a, P: ModeOfState, R: Record<P>> Record<Blind<'a, P>> for Unblind<'a, P, R> {
     fn step(&mut self, accepted: &Accepted<'_, Blind<'a, P>>) -> ControlFlow<()> {
         let (step, before) = (accepted.step, self.mode);
-        let seen = Accepted {
-            mode: before,
-            step,
-            landed_on: None,
-            stats: accepted.stats,
-        };
+        let seen = Accepted { mode: before, step, landed_on: None, stats: accepted.stats };
         let go_on = self.record.step(&seen);
         let after = self.problem.mode_of_state(step.t1(), step.y1());
         if after == before || go_on.is_break() {
@@ -86,13 +77,7 @@ impl<'a, P: ModeOfState, R: Record<P>> Record<Blind<'a, P>> for Unblind<'a, P, R
         }
         self.mode = after;
         let (t, y) = (step.t1(), step.y1());
-        self.record.event(&Event {
-            t,
-            guard: 0,
-            before,
-            after: Next::Mode(after),
-            y,
-        })
+        self.record.event(&Event { t, guard: 0, before, after: Next::Mode(after), y })
     }
 
     fn event(&mut self, _: &Event<'_, Blind<'a, P>>) -> ControlFlow<()> {

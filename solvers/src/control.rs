@@ -66,16 +66,17 @@ impl StepController {
     /// K. Gustafsson, "Control theoretic techniques for stepsize selection in explicit
     /// Runge–Kutta methods", ACM TOMS 17(4), 533–554 (1991), as in DOPRI5. An error that is not a
     /// number is refused.
+    #[inline]
     pub fn judge(&mut self, h: f64, error: &[f64], y0: &[f64], y1: &[f64]) -> Verdict {
         let tolerance = match &self.control {
             Control::Fixed(step) => return Verdict::Accept(step.copysign(h)),
             Control::Adaptive(tolerance) => tolerance,
         };
-        let err = tolerance.norm(error, y0, y1);
-        if err <= 1.0 {
+        let err_sq = tolerance.norm_sq(error, y0, y1);
+        // An error of zero has a logarithm of −∞, and so the largest growth.
+        let log_err = 0.5 * log(err_sq);
+        if err_sq <= 1.0 {
             let alpha = self.exponent - 0.75 * BETA;
-            // An error of zero has a logarithm of −∞, and so the largest growth.
-            let log_err = log(err);
             let factor = SAFETY * exp(BETA * self.log_last_err - alpha * log_err);
             let most = if self.rejected { 1.0 } else { GROWTH };
             self.log_last_err = log_err.max(LOG_ERROR_FLOOR);
@@ -83,14 +84,8 @@ impl StepController {
             Verdict::Accept(h * factor.clamp(SHRINK, most))
         } else {
             self.rejected = true;
-            let factor = SAFETY * exp(-self.exponent * log(err));
-            Verdict::Reject(
-                h * if factor > SHRINK {
-                    factor.min(1.0)
-                } else {
-                    SHRINK
-                },
-            )
+            let factor = SAFETY * exp(-self.exponent * log_err);
+            Verdict::Reject(h * if factor > SHRINK { factor.min(1.0) } else { SHRINK })
         }
     }
 }
@@ -110,10 +105,7 @@ mod tests {
     use super::*;
 
     fn controller() -> StepController {
-        let tolerance = Tolerance {
-            rtol: 1e-3,
-            atol: vec![1e-3],
-        };
+        let tolerance = Tolerance { rtol: 1e-3, atol: vec![1e-3] };
         StepController::new(Control::Adaptive(tolerance), 4)
     }
 
@@ -129,19 +121,13 @@ mod tests {
 
     #[test]
     fn an_error_that_is_not_a_number_is_refused() {
-        assert_eq!(
-            controller().judge(1.0, &[f64::NAN], &[0.0], &[0.0]),
-            Verdict::Reject(SHRINK)
-        );
+        assert_eq!(controller().judge(1.0, &[f64::NAN], &[0.0], &[0.0]), Verdict::Reject(SHRINK));
     }
 
     #[test]
     fn the_step_does_not_grow_right_after_a_rejection() {
         let mut controller = controller();
         controller.judge(1.0, &[1.0], &[0.0], &[0.0]);
-        assert_eq!(
-            controller.judge(0.5, &[1e-12], &[0.0], &[0.0]),
-            Verdict::Accept(0.5)
-        );
+        assert_eq!(controller.judge(0.5, &[1e-12], &[0.0], &[0.0]), Verdict::Accept(0.5));
     }
 }

@@ -22,9 +22,8 @@ pub struct ExplicitRk<Y, const S: usize> {
 impl<Y: Vector<f64>, const S: usize> ExplicitRk<Y, S> {
     /// The method of `tableau` for systems of `n` states.
     pub fn new(tableau: &'static Tableau<S>, n: usize) -> Self {
-        let error_weights = tableau
-            .b_hat
-            .map(|b_hat| std::array::from_fn(|i| tableau.b[i] - b_hat[i]));
+        let error_weights =
+            tableau.b_hat.map(|b_hat| std::array::from_fn(|i| tableau.b[i] - b_hat[i]));
         Self {
             tableau,
             first_same_as_last: tableau.first_same_as_last(),
@@ -64,12 +63,7 @@ impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
         (step.t1, step.h) = (t1, h);
         for i in 1..S {
             combine(&step.y0, h, tableau.a[i], &step.k, &mut self.y_stage);
-            problem.rhs(
-                mode,
-                step.t0 + tableau.c[i] * h,
-                &self.y_stage,
-                &mut step.k[i],
-            );
+            problem.rhs(mode, step.t0 + tableau.c[i] * h, &self.y_stage, &mut step.k[i]);
         }
         stats.n_rhs += (S - 1) as u64;
         if self.first_same_as_last {

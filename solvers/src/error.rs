@@ -15,9 +15,9 @@ pub enum Outcome {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The error estimate asks for steps below the resolution of time.
+    /// A step is below the resolution of time, by its error estimate or by the user's choice.
     #[error(
-        "step fell to {h:e} at t = {t} in mode {mode}; the tolerance is beyond f64 here: raise rtol or atol"
+        "step fell to {h:e} at t = {t} in mode {mode}; that is beyond f64 here: raise rtol, atol or the fixed step"
     )]
     StepUnderflow {
         /// Time of the last accepted step.

@@ -73,13 +73,7 @@ impl<P: System> GuardWatch<P> {
         problem.guards(mode, t, y, &mut self.values);
         problem.guard_bounds(mode, t, y, &mut self.bounds);
         let mut first = None;
-        for (i, (g, bound)) in self
-            .values
-            .as_ref()
-            .iter()
-            .zip(self.bounds.as_ref())
-            .enumerate()
-        {
+        for (i, (g, bound)) in self.values.as_ref().iter().zip(self.bounds.as_ref()).enumerate() {
             let margin = g + bound;
             if margin.is_nan() {
                 let mode = format!("{mode:?}");
@@ -165,17 +159,10 @@ impl<P: System> GuardWatch<P> {
                 None => continue,
             };
             let clearance = |t| self.clearance_on(problem, mode, step, guard, t);
-            let bracket = Bracket {
-                above: t0,
-                below: violated_at,
-            };
+            let bracket = Bracket { above: t0, below: violated_at };
             let t = find_root(clearance, bracket, precision * (t1 - t0).abs());
             if first.is_none_or(|other| (t - t0).abs() < (other.t - t0).abs()) {
-                first = Some(Fall {
-                    guard,
-                    t,
-                    violated_at,
-                });
+                first = Some(Fall { guard, t, violated_at });
             }
         }
         if first.is_none() {
@@ -264,11 +251,7 @@ fn cubic_minimum([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> Option<(f64, f64)> {
     }
     // The root of g' = 0 with g'' = 2 (c2 + 3 c3 θ) = 2 √discriminant above zero.
     let root = discriminant.sqrt();
-    let theta = if c2 > 0.0 {
-        -s0 / (c2 + root)
-    } else {
-        (root - c2) / (3.0 * c3)
-    };
+    let theta = if c2 > 0.0 { -s0 / (c2 + root) } else { (root - c2) / (3.0 * c3) };
     let inside = theta > 0.0 && theta < 1.0;
     inside.then_some((theta, g0 + theta * (s0 + theta * (c2 + theta * c3))))
 }
@@ -282,11 +265,7 @@ mod tests {
         // (θ − ¼)² and (θ − ¼)²(θ + 2), then a cubic that only rises, and one with a maximum only.
         let cases = [
             ([1.0 / 16.0, 9.0 / 16.0], [-0.5, 1.5], Some((0.25, 0.0))),
-            (
-                [2.0 / 16.0, 27.0 / 16.0],
-                [-15.0 / 16.0, 81.0 / 16.0],
-                Some((0.25, 0.0)),
-            ),
+            ([2.0 / 16.0, 27.0 / 16.0], [-15.0 / 16.0, 81.0 / 16.0], Some((0.25, 0.0))),
             ([0.0, 1.0], [1.0, 1.0], None),
             ([0.0, 0.0], [1.0, -1.0], None),
         ];

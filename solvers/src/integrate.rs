@@ -57,11 +57,7 @@ impl<'a, P: System> Integration<'a, P> {
     ) -> Result<Outcome, Error> {
         if !t_end.is_finite() {
             let allowed = "the end of a run must be finite";
-            return Err(Error::BadArgument {
-                name: "t_end",
-                value: t_end,
-                allowed,
-            });
+            return Err(Error::BadArgument { name: "t_end", value: t_end, allowed });
         }
         check_finite(&self.point, &self.point.y)?;
         let storm_span = STORM_SPAN * (t_end - self.point.t).abs();
@@ -102,13 +98,7 @@ impl<'a, P: System> Integration<'a, P> {
             if let Next::Mode(next) = after {
                 *mode = next;
             }
-            let event = Event {
-                t: *t,
-                guard,
-                before,
-                after,
-                y,
-            };
+            let event = Event { t: *t, guard, before, after, y };
             let go_on = record.event(&event);
             check_finite(&self.point, &self.point.y)?;
             self.check_storm(storm_span)?;
@@ -124,12 +114,7 @@ impl<'a, P: System> Integration<'a, P> {
             }
         }
         let mode = format!("{:?}", self.point.mode);
-        Err(Error::Chatter {
-            t: self.point.t,
-            n: CHATTER,
-            mode,
-            guard,
-        })
+        Err(Error::Chatter { t: self.point.t, n: CHATTER, mode, guard })
     }
 
     fn check_storm(&mut self, storm_span: f64) -> Result<(), Error> {
@@ -138,18 +123,10 @@ impl<'a, P: System> Integration<'a, P> {
         if self.last_events.len() < STORM {
             return Ok(());
         }
-        let span = self
-            .last_events
-            .pop_front()
-            .map_or(f64::INFINITY, |first| (t - first).abs());
+        let span = self.last_events.pop_front().map_or(f64::INFINITY, |first| (t - first).abs());
         if span <= storm_span {
             let mode = format!("{:?}", self.point.mode);
-            return Err(Error::EventStorm {
-                t,
-                n: STORM,
-                span,
-                mode,
-            });
+            return Err(Error::EventStorm { t, n: STORM, span, mode });
         }
         Ok(())
     }

@@ -1,4 +1,60 @@
 //! Event-aware integrators for hybrid initial value problems.
+//!
+//! A hybrid system is smooth in each of several modes, and switches between them where a guard of
+//! its mode falls below zero:
+//!
+//! ```text
+//! ẏ = f_mode(t, y)                          while every guard g_i(t, y) of the mode is ≥ 0
+//! (mode, y) ← transition(mode, i, t, y)     where guard g_i falls below zero
+//! y(t₀) = y₀,  mode(t₀) = initial_mode(t₀, y₀)
+//! ```
+//!
+//! A step is taken whole in one mode, cut where the first guard falls, and begun anew in the next.
+//! So a method keeps its order through impacts and sticking, where one that meets an `if` in its
+//! right-hand side falls to first order. Times, states and guards have the units of the model.
+//!
+//! A ball dropped from 1 m, which keeps half its speed at each bounce:
+//!
+//! ```
+//! use deltazero_solvers::problems::BouncingBall;
+//! use deltazero_solvers::{Control, Error, Grid, Integration, METHODS, Tolerance, Trajectory};
+//!
+//! let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+//! for method in METHODS.iter().filter(|method| !method.is_fixed_step()) {
+//!     let tolerance = Tolerance { rtol: 1e-9, atol: vec![1e-9; 2] };
+//!     let mut solver = method.solver(&ball, Control::Adaptive(tolerance))?;
+//!     let mut trajectory = Trajectory::on(Grid::Steps);
+//!     Integration::new(&ball, 0.0, ball.start()).run(1.3, &mut *solver, &mut trajectory)?;
+//!     assert_eq!(trajectory.events.len(), 5);
+//!     for (n, bounce) in trajectory.events.iter().enumerate() {
+//!         assert!((bounce.t - ball.bounce_time(n)).abs() < 1e-7);
+//!     }
+//! }
+//! # Ok::<(), Error>(())
+//! ```
+//!
+//! A model of one's own implements [`System`]; `examples/own_model.rs` has one in full.
+//!
+//! # Methods
+//!
+//! | name | method | order | step |
+//! |---|---|---|---|
+//! | `rk4` | [classical Runge–Kutta](methods::CLASSICAL_4) | 4 | fixed |
+//! | `rk45` | [Dormand–Prince 5(4)](methods::DORMAND_PRINCE_5) | 5 | fixed or adaptive |
+//! | `bdf` | [BDF of the library `diffsol`](diffsol) | 1 to 5 | adaptive |
+//!
+//! # Modules, in the order in which data flow
+//!
+//! - What is asked: [`system`], the scalar it is written over ([`real`]), [`problems`] with closed
+//!   forms, and the event-blind baseline ([`blind`]).
+//! - What answers: [`methods`], the list; [`tableau`]s and their stage loop ([`erk`]), or
+//!   [`diffsol`](mod@diffsol).
+//! - One step: [`step`] with its [`dense`] output, judged by [`control`] to a [`tolerance`].
+//! - Events: [`event`] looks at guards over a step, [`root`] closes on their roots.
+//! - One smooth phase: [`one_step`] for methods that hand on a step, by the contract in [`phase`].
+//! - The run: [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in
+//!   an outcome or an [`error`].
+//! - What is kept: [`record`] sees each step and event once, [`trajectory`] keeps them.
 
 pub mod blind;
 pub mod control;
@@ -11,6 +67,7 @@ pub mod integrate;
 pub mod methods;
 pub mod one_step;
 pub mod phase;
+pub mod problems;
 pub mod real;
 pub mod record;
 pub mod root;

@@ -14,6 +14,9 @@ use crate::system::{System, Vector};
 const STRETCH_ADAPTIVE: f64 = 1.01;
 /// The same for fixed steps: rounding of the sum of steps only.
 const STRETCH_FIXED: f64 = 1.0 + 1e-9;
+/// Least step that adaptive control begins a phase with, as a fraction of the time: one that time
+/// can resolve.
+const LEAST_START: f64 = 16.0 * f64::EPSILON;
 /// Fraction of a step to which dense output predicts an event, before retaken steps close on it.
 const PREDICTION: f64 = 1e-9;
 /// Retakes by Newton's iteration before bisection takes every other one.
@@ -87,11 +90,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         let span = t_end - point.t;
         let (d0, d1) = (tolerance.norm(y, y, y), tolerance.norm(slope, y, y));
         let tiny = 1e-6 * span.abs();
-        let h0 = if d0 < 1e-5 || d1 < 1e-5 {
-            tiny
-        } else {
-            0.01 * d0 / d1
-        };
+        let h0 = if d0 < 1e-5 || d1 < 1e-5 { tiny } else { 0.01 * d0 / d1 };
         let h0 = h0.min(span.abs()).copysign(span);
         let ahead = P::State::from_fn(y.len(), |i| y[i] + h0 * slope[i]);
         let mut slope_ahead = ahead.clone();
@@ -110,8 +109,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     }
 
     /// Retakes the step so that it ends just past the surface of the guard that falls first; that
-    /// guard. None where a dip of the dense output is none of the method: the step is then whole
-    /// again.
+    /// guard. None where a dip of the dense output is none of the method and no guard is violated
+    /// at the end: the step is then whole again.
     ///
     /// Newton's iteration on `g(y(t₀ + h))`, with `dg/dh` from the slope at the end, inside a
     /// bracket. It ends where the guard is at or below zero and within its rounding bound, or
@@ -124,22 +123,19 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         stats: &mut Stats,
     ) -> Result<Option<usize>, Error> {
         let (t0, t1) = (self.method.step().t0(), self.method.step().t1());
-        let mut bracket = Bracket {
-            above: 0.0,
-            below: fall.violated_at - t0,
-        };
-        if fall.violated_at != t1
-            && self
-                .retake(problem, mode, t0 + bracket.below, bracket.below, stats)?
-                .is_none()
-        {
-            self.retake(problem, mode, t1, t1 - t0, stats)?;
-            let (y1, slope1) = (self.method.step().y1(), self.method.step().slope1());
-            self.watch.rates(problem, mode, t1, y1, slope1);
-            self.watch.keep();
-            return Ok(None);
-        }
+        let mut bracket = Bracket { above: 0.0, below: fall.violated_at - t0 };
         let (mut guard, mut h) = (fall.guard, fall.t - t0);
+        if fall.violated_at != t1
+            && self.retake(problem, mode, t0 + bracket.below, bracket.below, stats)?.is_none()
+        {
+            bracket.below = t1 - t0;
+            let violated = self.retake(problem, mode, t1, t1 - t0, stats)?;
+            (guard, h) = self.newton(problem, mode, guard, t1 - t0);
+            if violated.is_none() {
+                self.watch.keep();
+                return Ok(None);
+            }
+        }
         for n in 1.. {
             h = bracket.inside(h);
             let closed = bracket.is_closed();
@@ -171,8 +167,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         self.method.attempt(problem, mode, t1, h, stats);
         self.method.complete(problem, mode, stats);
         stats.n_retaken += 1;
-        self.watch
-            .violated(problem, mode, t1, self.method.step().y1())
+        self.watch.violated(problem, mode, t1, self.method.step().y1())
     }
 
     /// Among the guards violated at the end of the last attempt (or `guard` if none is), the one
@@ -199,47 +194,41 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
         stats: &mut Stats,
         record: &mut dyn Record<P>,
     ) -> Result<PhaseEnd, Error> {
+        if point.t == t_end {
+            return Ok(PhaseEnd::EndOfTime);
+        }
         let mode = point.mode;
-        let stretch = match self.controller.control() {
-            Control::Fixed(_) => STRETCH_FIXED,
-            Control::Adaptive(_) => STRETCH_ADAPTIVE,
+        let (stretch, least) = match self.controller.control() {
+            Control::Fixed(_) => (STRETCH_FIXED, 0.0),
+            Control::Adaptive(_) => (STRETCH_ADAPTIVE, LEAST_START * point.t.abs()),
         };
         self.method.restart(problem, mode, point.t, &point.y, stats);
         check_finite(point, self.method.step().slope0())?;
-        self.watch.begin(
-            problem,
-            mode,
-            point.t,
-            &point.y,
-            self.method.step().slope0(),
-        );
-        let mut h = match self.h {
-            Some(h) => h.copysign(t_end - point.t),
+        self.watch.begin(problem, mode, point.t, &point.y, self.method.step().slope0());
+        let h = match self.h {
+            Some(h) => h,
             None => self.first_step(problem, point, t_end, stats),
         };
+        let mut h = h.abs().max(least).copysign(t_end - point.t);
         while point.t != t_end {
             let last = (t_end - point.t).abs() <= stretch * h.abs();
             let t1 = if last { t_end } else { point.t + h };
+            if t1 == point.t {
+                return Err(underflow(point, h));
+            }
             // The step that time really takes, so that t and y do not drift apart.
             let h_taken = t1 - point.t;
             self.method.attempt(problem, mode, t1, h_taken, stats);
             let (y0, y1) = (self.method.step().y0(), self.method.step().y1());
             let error = self.method.error();
-            match self
-                .controller
-                .judge(h_taken, error.as_ref(), y0.as_ref(), y1.as_ref())
-            {
+            match self.controller.judge(h_taken, error.as_ref(), y0.as_ref(), y1.as_ref()) {
                 Verdict::Reject(smaller) => {
                     stats.n_rejected += 1;
                     h = smaller;
                     if point.t + 0.1 * h == point.t {
                         check_finite(point, y1)?;
-                        let mode = format!("{mode:?}");
-                        return Err(Error::StepUnderflow {
-                            t: point.t,
-                            h,
-                            mode,
-                        });
+                        check_finite(point, error)?;
+                        return Err(underflow(point, h));
                     }
                     continue;
                 }
@@ -249,9 +238,7 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             self.method.complete(problem, mode, stats);
             check_finite(point, self.method.step().slope1())?;
             let step = self.method.step();
-            let fall = self
-                .watch
-                .first_to_fall(problem, mode, step, PREDICTION, 0.0)?;
+            let fall = self.watch.first_to_fall(problem, mode, step, PREDICTION, 0.0)?;
             let landed_on = match fall {
                 None => None,
                 Some(fall) => self.land(problem, mode, fall, stats)?,
@@ -260,12 +247,7 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             point.t = self.method.step().t1();
             point.y.clone_from(self.method.step().y1());
             let step = self.method.step();
-            let go_on = record.step(&Accepted {
-                mode,
-                step,
-                landed_on,
-                stats,
-            });
+            let go_on = record.step(&Accepted { mode, step, landed_on, stats });
             self.h = Some(h);
             match landed_on {
                 _ if go_on.is_break() => return Ok(PhaseEnd::Interrupted),
@@ -275,4 +257,10 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
         }
         Ok(PhaseEnd::EndOfTime)
     }
+}
+
+/// [`Error::StepUnderflow`] for a step `h` from `point` that time does not resolve.
+fn underflow<P: System>(point: &Point<P>, h: f64) -> Error {
+    let mode = format!("{:?}", point.mode);
+    Error::StepUnderflow { t: point.t, h, mode }
 }

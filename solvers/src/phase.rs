@@ -48,10 +48,8 @@ pub trait PhaseSolver<P: System> {
 pub(crate) fn check_finite<P: System>(point: &Point<P>, y: &P::State<f64>) -> Result<(), Error> {
     match y.as_ref().iter().position(|y| !y.is_finite()) {
         None => Ok(()),
-        Some(component) => Err(Error::NonFinite {
-            t: point.t,
-            mode: format!("{:?}", point.mode),
-            component,
-        }),
+        Some(component) => {
+            Err(Error::NonFinite { t: point.t, mode: format!("{:?}", point.mode), component })
+        }
     }
 }

@@ -94,10 +94,7 @@ impl Real for Dual64 {
 
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = libm::sincos(self.re);
-        (
-            Self::new(sin, cos * self.eps),
-            Self::new(cos, -sin * self.eps),
-        )
+        (Self::new(sin, cos * self.eps), Self::new(cos, -sin * self.eps))
     }
 
     fn exp(self) -> Self {
@@ -110,10 +107,7 @@ impl Real for Dual64 {
     }
 
     fn powf(self, a: f64) -> Self {
-        Self::new(
-            libm::pow(self.re, a),
-            a * libm::pow(self.re, a - 1.0) * self.eps,
-        )
+        Self::new(libm::pow(self.re, a), a * libm::pow(self.re, a - 1.0) * self.eps)
     }
 }
 
@@ -133,16 +127,10 @@ mod tests {
             (Real::exp(d).eps, x.exp()),
             (Real::ln(d).eps, 1.0 / x),
             (Real::powf(d, 1.5).eps, 1.5 * x.sqrt()),
-            (
-                (d * d / (d + 1.0)).eps,
-                (x * x + 2.0 * x) / (x + 1.0).powi(2),
-            ),
+            ((d * d / (d + 1.0)).eps, (x * x + 2.0 * x) / (x + 1.0).powi(2)),
         ];
         for (found, expected) in pairs {
-            assert!(
-                (found - expected).abs() < 1e-15,
-                "{found} against {expected}"
-            );
+            assert!((found - expected).abs() < 1e-15, "{found} against {expected}");
         }
     }
 }

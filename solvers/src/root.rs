@@ -21,11 +21,7 @@ impl Bracket {
 
     /// `x` if it lies strictly inside, else the middle.
     pub fn inside(&self, x: f64) -> f64 {
-        if (x - self.above) * (x - self.below) < 0.0 {
-            x
-        } else {
-            self.middle()
-        }
+        if (x - self.above) * (x - self.below) < 0.0 { x } else { self.middle() }
     }
 
     /// The middle.
@@ -76,7 +72,8 @@ pub fn find_root(mut f: impl FnMut(f64) -> f64, bracket: Bracket, tolerance: f64
         } else {
             0.5
         };
-        let least = 0.5 * tolerance / width;
+        // Never closer to an end than that: the bracket closes from both sides.
+        let least = ((0.5 * tolerance).max(f64::EPSILON * a.abs()) / width).min(0.5);
         fraction = fraction.clamp(least, 1.0 - least);
     }
     bracket.below
@@ -94,11 +91,7 @@ pub fn minimum(mut f: impl FnMut(f64) -> f64, [mut a, mut m, mut b]: [f64; 3]) -
     let width = b - a;
     let mut f_m = f(m);
     while f_m >= 0.0 && b - a > 1e-3 * width {
-        let x = if m - a > b - m {
-            m - GOLDEN * (m - a)
-        } else {
-            m + GOLDEN * (b - m)
-        };
+        let x = if m - a > b - m { m - GOLDEN * (m - a) } else { m + GOLDEN * (b - m) };
         let f_x = f(x);
         let (left, right) = (x.min(m), x.max(m));
         if (f_x < f_m) == (x < m) {
@@ -140,19 +133,9 @@ mod tests {
                 n += 1;
                 f(x)
             };
-            let found = find_root(
-                counted,
-                Bracket {
-                    above: 0.0,
-                    below: 10.0,
-                },
-                0.0,
-            );
+            let found = find_root(counted, Bracket { above: 0.0, below: 10.0 }, 0.0);
             assert!(f(found) <= 0.0);
-            assert!(
-                (found - root).abs() <= 2.0 * f64::EPSILON * root,
-                "{found} for {root}"
-            );
+            assert!((found - root).abs() <= 2.0 * f64::EPSILON * root, "{found} for {root}");
             assert!(n < 70, "{n} evaluations");
         }
     }
@@ -161,10 +144,7 @@ mod tests {
     fn a_step_function_ends_beside_its_jump() {
         let found = find_root(
             |x| if x < 0.3 { 1.0 } else { -1.0 },
-            Bracket {
-                above: 0.0,
-                below: 1.0,
-            },
+            Bracket { above: 0.0, below: 1.0 },
             0.0,
         );
         assert_eq!(found, 0.3);

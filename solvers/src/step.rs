@@ -97,13 +97,9 @@ impl<Y: Vector<f64>, const S: usize> Step<Y> for TableauStep<Y, S> {
         }
         let theta = (t - self.t0) / self.h;
         match self.dense {
-            Dense::Hermite => dense::hermite(
-                theta,
-                self.h,
-                (&self.y0, &self.k[0]),
-                (&self.y1, &self.slope1),
-                y,
-            ),
+            Dense::Hermite => {
+                dense::hermite(theta, self.h, (&self.y0, &self.k[0]), (&self.y1, &self.slope1), y)
+            }
             Dense::Stages { p, .. } => dense::stages(theta, self.h, &self.y0, &self.k, p, y),
         }
     }

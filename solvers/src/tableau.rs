@@ -55,7 +55,7 @@ impl<const S: usize> Tableau<S> {
         self.c[last] == 1.0 && self.b[last] == 0.0 && self.a[last] == &self.b[..last]
     }
 
-    /// `Σ_j a_ij c_jⁿ` for each stage.
+    /// `Σ_j a_ij v_j` for each stage.
     fn a_times(&self, v: &[f64; S]) -> [f64; S] {
         std::array::from_fn(|i| self.a[i].iter().zip(v).map(|(a, v)| a * v).sum())
     }
@@ -97,5 +97,17 @@ impl<const S: usize> Tableau<S> {
             .filter(|(tree_order, ..)| *tree_order <= order)
             .map(|(_, phi, gamma)| b.iter().zip(phi).map(|(b, p)| b * p).sum::<f64>() - 1.0 / gamma)
             .collect()
+    }
+
+    /// Residuals of all that the coefficients promise: the row sums `Σ_j a_ij = c_i`, and the order
+    /// conditions (up to order 5) of `b` up to `order` and of `b_hat` up to `embedded_order`.
+    pub fn residuals(&self) -> Vec<f64> {
+        let row_sums = self.a_times(&[1.0; S]);
+        let mut all: Vec<_> = row_sums.iter().zip(&self.c).map(|(a, c)| a - c).collect();
+        all.extend(self.order_residuals(&self.b, self.order));
+        if let Some(b_hat) = &self.b_hat {
+            all.extend(self.order_residuals(b_hat, self.embedded_order));
+        }
+        all
     }
 }

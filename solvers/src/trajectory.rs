@@ -68,12 +68,7 @@ impl<Y, M> Trajectory<Y, M> {
             Grid::Steps => 0,
             Grid::Times(times) => times.len(),
         };
-        Self {
-            samples: Vec::with_capacity(capacity),
-            events: Vec::new(),
-            grid,
-            next: 0,
-        }
+        Self { samples: Vec::with_capacity(capacity), events: Vec::new(), grid, next: 0 }
     }
 }
 
@@ -81,19 +76,11 @@ impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let (step, mode) = (accepted.step, accepted.mode);
         match &self.grid {
-            Grid::Steps => self.samples.push(Sample {
-                t: step.t1(),
-                mode,
-                y: step.y1().clone(),
-            }),
+            Grid::Steps => self.samples.push(Sample { t: step.t1(), mode, y: step.y1().clone() }),
             Grid::Times(times) => {
                 let forward = step.t1() >= step.t0();
                 let passed = |t: f64| {
-                    if forward {
-                        t <= step.t1()
-                    } else {
-                        t >= step.t1()
-                    }
+                    if forward { t <= step.t1() } else { t >= step.t1() }
                 };
                 while let Some(&t) = times.get(self.next).filter(|&&t| passed(t)) {
                     let mut y = P::State::from_fn(step.y1().as_ref().len(), |_| 0.0);
@@ -107,23 +94,14 @@ impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
     }
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
-        let Event {
-            t,
-            guard,
-            before,
-            after,
-            ..
-        } = *event;
-        self.events.push(Switch {
-            t,
-            guard,
-            before,
-            after,
-        });
-        if let (Next::Mode(mode), Some(last)) = (after, self.samples.last_mut())
+        let Event { t, guard, before, after, .. } = *event;
+        self.events.push(Switch { t, guard, before, after });
+        if let Some(last) = self.samples.last_mut()
             && last.t == t
         {
-            last.mode = mode;
+            if let Next::Mode(mode) = after {
+                last.mode = mode;
+            }
             last.y.clone_from(event.y);
         }
         ControlFlow::Continue(())

@@ -20,6 +20,8 @@ pub(crate) struct Equations<'p, P: System> {
     pub(crate) y0: P::State<f64>,
     pub(crate) n_rhs: Cell<u64>,
     pub(crate) n_jac: Cell<u64>,
+    /// The state whose slope was not finite when last evaluated.
+    pub(crate) non_finite: Cell<Option<usize>>,
     context: NalgebraContext,
 }
 
@@ -32,6 +34,7 @@ impl<'p, P: System> Equations<'p, P> {
             y0,
             n_rhs,
             n_jac,
+            non_finite: Cell::new(None),
             context: NalgebraContext::default(),
         }
     }
@@ -95,9 +98,7 @@ impl<P: System> OdeEquations for Equations<'_, P> {
 
 impl<P: System> ConstantOp for &Equations<'_, P> {
     fn call_inplace(&self, _t: f64, y: &mut V) {
-        y.inner_mut()
-            .as_mut_slice()
-            .copy_from_slice(self.y0.as_ref());
+        y.inner_mut().as_mut_slice().copy_from_slice(self.y0.as_ref());
     }
 }
 
@@ -105,8 +106,9 @@ impl<P: System> NonLinearOp for &Equations<'_, P> {
     fn call_inplace(&self, x: &V, t: f64, y: &mut V) {
         self.n_rhs.set(self.n_rhs.get() + 1);
         let mut dydt = self.y0.clone();
-        self.problem
-            .rhs(self.mode, t, &state(self.problem, x), &mut dydt);
+        self.problem.rhs(self.mode, t, &state(self.problem, x), &mut dydt);
+        let non_finite = dydt.as_ref().iter().position(|d| !d.is_finite());
+        self.non_finite.set(non_finite);
         y.inner_mut().as_mut_slice().copy_from_slice(dydt.as_ref());
     }
 }
@@ -116,15 +118,13 @@ impl<P: System> NonLinearOpJacobian for &Equations<'_, P> {
         let (v, y) = (v.inner(), y.inner_mut());
         y.fill(0.0);
         let x = state(self.problem, x);
-        self.problem
-            .jacobian(self.mode, t, &x, |i, j, entry| y[i] += entry * v[j]);
+        self.problem.jacobian(self.mode, t, &x, |i, j, entry| y[i] += entry * v[j]);
     }
 
     fn jacobian_inplace(&self, x: &V, t: f64, jac: &mut M) {
         self.n_jac.set(self.n_jac.get() + 1);
         let jac = jac.inner_mut();
         let x = state(self.problem, x);
-        self.problem
-            .jacobian(self.mode, t, &x, |i, j, entry| jac[(i, j)] = entry);
+        self.problem.jacobian(self.mode, t, &x, |i, j, entry| jac[(i, j)] = entry);
     }
 }

@@ -24,6 +24,8 @@ use equations::{Equations, M, state};
 /// Depth at which a dip of a guard inside a step is believed, as a fraction of its height: the
 /// interpolant cannot be checked by retaking the step.
 const NOISE: f64 = 1e-3;
+/// Span that `diffsol` takes for none, as a fraction of the time.
+const RESOLUTION: f64 = 100.0 * f64::EPSILON;
 /// Shortest step as a fraction of the time left.
 const LEAST_STEP: f64 = 1e-16;
 
@@ -38,10 +40,48 @@ pub struct DiffsolSolver<P: System> {
 impl<P: System> DiffsolSolver<P> {
     /// BDF on `problem` to `tolerance`.
     pub fn new(problem: &P, tolerance: Tolerance) -> Self {
-        Self {
-            tolerance,
-            watch: GuardWatch::new(problem),
-        }
+        Self { tolerance, watch: GuardWatch::new(problem) }
+    }
+
+    /// Crosses a span below the resolution of `diffsol`, where a straight line is exact to rounding.
+    fn one_euler_step(
+        &mut self,
+        problem: &P,
+        point: &mut Point<P>,
+        t_end: f64,
+        stats: &mut Stats,
+        record: &mut dyn Record<P>,
+    ) -> Result<PhaseEnd, Error> {
+        let (mode, t0, y0) = (point.mode, point.t, point.y.clone());
+        let mut slope = y0.clone();
+        problem.rhs(mode, t0, &y0, &mut slope);
+        check_finite(point, &slope)?;
+        stats.n_rhs += 1;
+        stats.n_accepted += 1;
+        let line = |t: f64, y: &mut P::State<f64>| {
+            let ends = y0.as_ref().iter().zip(slope.as_ref());
+            for (y, (y0, slope)) in y.as_mut().iter_mut().zip(ends) {
+                *y = y0 + (t - t0) * slope;
+            }
+        };
+        line(t_end, &mut point.y);
+        let landed_on = self.watch.violated(problem, mode, t_end, &point.y)?;
+        let step = SolverStep {
+            interpolant: line,
+            t0,
+            t1: t_end,
+            y0: &y0,
+            y1: point.y.clone(),
+            slope0: slope.clone(),
+            slope1: slope.clone(),
+        };
+        point.t = t_end;
+        let go_on = record.step(&Accepted { mode, step: &step, landed_on, stats });
+        Ok(match landed_on {
+            _ if go_on.is_break() => PhaseEnd::Interrupted,
+            Some(guard) => PhaseEnd::Guard(guard),
+            None => PhaseEnd::EndOfTime,
+        })
     }
 
     /// Steps `solver` to `t_end` or the first violated guard.
@@ -60,56 +100,52 @@ impl<P: System> DiffsolSolver<P> {
         let problem = equations.problem;
         let mode = point.mode;
         let before = *stats;
-        solver
-            .set_stop_time(t_end)
-            .map_err(|error| failure(point, &error))?;
+        solver.set_stop_time(t_end).map_err(|error| failure(point, &error))?;
         let mut slope0 = state(problem, solver.state().dy);
         self.watch.begin(problem, mode, point.t, &point.y, &slope0);
         loop {
             let reason = solver.step().map_err(|error| failure(point, &error));
             *stats = before;
             count(solver, equations, stats);
-            let reason = reason?;
-            let (y1, slope1) = {
-                let now = solver.state();
-                (state(problem, now.y), state(problem, now.dy))
-            };
+            if let (Err(_), Some(component)) = (&reason, equations.non_finite.get()) {
+                return Err(Error::NonFinite { t: point.t, mode: format!("{mode:?}"), component });
+            }
+            let at_end = reason? == OdeSolverStopReason::TstopReached;
+            let y1 = state(problem, solver.state().y);
             check_finite(point, &y1)?;
-            let interpolant = |t: f64, y: &mut P::State<f64>| match solver.interpolate(t) {
-                Ok(found) => y.as_mut().copy_from_slice(found.inner().as_slice()),
-                Err(_) => y.as_mut().fill(f64::NAN),
+            // The solver's own slope is a difference quotient, of first order only.
+            let slope = |t: f64| match solver.interpolate_dy(t) {
+                Ok(slope) => Ok(state(problem, &slope)),
+                Err(error) => Err(failure(point, &error)),
             };
-            let (t0, t1, y0) = (point.t, solver.state().t, &point.y);
-            let mut step = SolverStep {
-                interpolant,
-                t0,
-                t1,
-                y0,
-                y1,
-                slope0,
-                slope1,
+            let reached = solver.state().t;
+            let slope1 = slope(reached)?;
+            let interpolant = |t: f64, y: &mut P::State<f64>| {
+                let past = (t - reached) * (t_end - point.t) > 0.0;
+                match solver.interpolate(if past { reached } else { t }) {
+                    Ok(found) => y.as_mut().copy_from_slice(found.inner().as_slice()),
+                    Err(_) => y.as_mut().fill(f64::NAN),
+                }
             };
+            // Its stop is within rounding of the end.
+            let t1 = if at_end { t_end } else { reached };
+            let (t0, y0) = (point.t, &point.y);
+            let mut step = SolverStep { interpolant, t0, t1, y0, y1, slope0, slope1 };
             let mut landed_on = None;
             if let Some(fall) = self.watch.first_to_fall(problem, mode, &step, 0.0, NOISE)? {
                 let mut y = step.y1.clone();
                 step.interpolate(fall.t, &mut y);
                 (step.t1, step.y1) = (fall.t, y);
+                step.slope1 = slope(fall.t)?;
                 landed_on = Some(fall.guard);
             }
-            let go_on = record.step(&Accepted {
-                mode,
-                step: &step,
-                landed_on,
-                stats,
-            });
+            let go_on = record.step(&Accepted { mode, step: &step, landed_on, stats });
             let SolverStep { t1, y1, slope1, .. } = step;
             (point.t, point.y, slope0) = (t1, y1, slope1);
             match landed_on {
                 _ if go_on.is_break() => return Ok(PhaseEnd::Interrupted),
                 Some(guard) => return Ok(PhaseEnd::Guard(guard)),
-                None if reason == OdeSolverStopReason::TstopReached => {
-                    return Ok(PhaseEnd::EndOfTime);
-                }
+                None if at_end => return Ok(PhaseEnd::EndOfTime),
                 None => {}
             }
         }
@@ -129,6 +165,9 @@ impl<P: System> PhaseSolver<P> for DiffsolSolver<P> {
             return Ok(PhaseEnd::EndOfTime);
         }
         let span = t_end - point.t;
+        if span.abs() <= RESOLUTION * (point.t.abs() + span.abs()) {
+            return self.one_euler_step(problem, point, t_end, stats, record);
+        }
         let equations = Equations::new(problem, point.mode, point.y.clone());
         let mut built = OdeBuilder::<M>::new()
             .t0(point.t)
@@ -142,12 +181,11 @@ impl<P: System> PhaseSolver<P> for DiffsolSolver<P> {
             BdfState::new_without_initialise(&built).map_err(|error| failure(point, &error))?;
         check_finite(point, &state(problem, start.as_ref().dy))?;
         let sign = 1_f64.copysign(span);
-        start
-            .as_mut()
-            .set_step_size(sign, &built.atol, built.rtol, &built.eqn, 1);
-        let mut solver = built
-            .bdf_solver::<NalgebraLU<f64>>(start)
-            .map_err(|error| failure(point, &error))?;
+        start.as_mut().set_step_size(sign, &built.atol, built.rtol, &built.eqn, 1);
+        let h = start.as_mut().h;
+        *h = h.abs().min(span.abs()).copysign(span);
+        let mut solver =
+            built.bdf_solver::<NalgebraLU<f64>>(start).map_err(|error| failure(point, &error))?;
         self.advance(&mut solver, point, t_end, stats, record)
     }
 }
@@ -169,11 +207,7 @@ fn count<'a, 'p: 'a, P: System + 'p, S: OdeSolverMethod<'a, Equations<'p, P>>>(
 
 fn failure<P: System>(point: &Point<P>, error: &DiffsolError) -> Error {
     let mode = format!("{:?}", point.mode);
-    Error::Diffsol {
-        t: point.t,
-        mode,
-        message: error.to_string(),
-    }
+    Error::Diffsol { t: point.t, mode, message: error.to_string() }
 }
 
 /// The last step of a `diffsol` solver.
@@ -188,7 +222,7 @@ struct SolverStep<'s, F, Y> {
     slope1: Y,
 }
 
-impl<F: Fn(f64, &mut Y), Y> Step<Y> for SolverStep<'_, F, Y> {
+impl<F: Fn(f64, &mut Y), Y: Clone> Step<Y> for SolverStep<'_, F, Y> {
     fn t0(&self) -> f64 {
         self.t0
     }
@@ -214,6 +248,10 @@ impl<F: Fn(f64, &mut Y), Y> Step<Y> for SolverStep<'_, F, Y> {
     }
 
     fn interpolate(&self, t: f64, y: &mut Y) {
-        (self.interpolant)(t, y);
+        if t == self.t1 {
+            y.clone_from(&self.y1);
+        } else {
+            (self.interpolant)(t, y);
+        }
     }
 }

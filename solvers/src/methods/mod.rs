@@ -72,6 +72,16 @@ impl Method {
         }
     }
 
+    /// Residuals of the conditions that its [tableau](Tableau::residuals) must meet; none where it
+    /// has no tableau.
+    pub fn residuals(&self) -> Vec<f64> {
+        match self.scheme {
+            Scheme::Explicit4(tableau) => tableau.residuals(),
+            Scheme::Explicit7(tableau) => tableau.residuals(),
+            Scheme::DiffsolBdf => Vec::new(),
+        }
+    }
+
     /// The method at work on `problem`, its steps chosen by `control`.
     ///
     /// # Errors
@@ -89,40 +99,26 @@ impl Method {
         let n = problem.dim();
         match &control {
             Control::Adaptive(_) if self.is_fixed_step() => {
-                return Err(Error::BadControl {
-                    method: self.name,
-                    needs: "a fixed step",
-                });
+                return Err(Error::BadControl { method: self.name, needs: "a fixed step" });
             }
             Control::Adaptive(tolerance) => tolerance.check(n)?,
             Control::Fixed(h) if !(h.is_finite() && *h > 0.0) => {
                 let allowed = "a step must be finite and above zero";
-                return Err(Error::BadArgument {
-                    name: "step",
-                    value: *h,
-                    allowed,
-                });
+                return Err(Error::BadArgument { name: "step", value: *h, allowed });
             }
             Control::Fixed(_) => {}
         }
         Ok(match self.scheme {
-            Scheme::Explicit4(tableau) => Box::new(OneStepSolver::new(
-                problem,
-                ExplicitRk::new(tableau, n),
-                control,
-            )),
-            Scheme::Explicit7(tableau) => Box::new(OneStepSolver::new(
-                problem,
-                ExplicitRk::new(tableau, n),
-                control,
-            )),
+            Scheme::Explicit4(tableau) => {
+                Box::new(OneStepSolver::new(problem, ExplicitRk::new(tableau, n), control))
+            }
+            Scheme::Explicit7(tableau) => {
+                Box::new(OneStepSolver::new(problem, ExplicitRk::new(tableau, n), control))
+            }
             Scheme::DiffsolBdf => match control {
                 Control::Adaptive(tolerance) => Box::new(DiffsolSolver::new(problem, tolerance)),
                 Control::Fixed(_) => {
-                    return Err(Error::BadControl {
-                        method: self.name,
-                        needs: "a tolerance",
-                    });
+                    return Err(Error::BadControl { method: self.name, needs: "a tolerance" });
                 }
             },
         })
