@@ -13,9 +13,5 @@ pub(super) struct ConfigArgs {
 }
 
 pub(super) fn run(args: &ConfigArgs) -> Result<(), Failure> {
-    if args.schema {
-        print(&format!("{:#}\n", json_schema()))
-    } else {
-        print(&default_toml())
-    }
+    if args.schema { print(&format!("{:#}\n", json_schema())) } else { print(&default_toml()) }
 }

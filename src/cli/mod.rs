@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use deltazero::config::{Config, ConfigError};
 
 /// Which integrator, at which setting, for this contact?
@@ -76,10 +76,8 @@ enum Failure {
     Usage(String),
     /// The run failed: 1.
     Run(String),
-    /// Interrupted; what was finished is on disk: 130.
-    Interrupted,
-    /// Standard output was closed by its reader: silent, 0.
-    OutputClosed,
+    /// Interrupted, with what is on disk: 130.
+    Interrupted(&'static str),
 }
 
 impl From<ConfigError> for Failure {
@@ -88,24 +86,34 @@ impl From<ConfigError> for Failure {
     }
 }
 
-/// Prints to standard output.
+/// Prints to standard output; a reader that closed it has what it wanted, and the command goes on.
 fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
-    match stdout
-        .write_all(text.as_bytes())
-        .and_then(|()| stdout.flush())
-    {
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Ok(()) => Ok(()),
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Err(Failure::OutputClosed),
-        Err(error) => Err(Failure::Run(format!(
-            "cannot write to standard output: {error}"
-        ))),
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        Err(error) => Err(Failure::Run(format!("cannot write to standard output: {error}"))),
     }
 }
 
 /// Says something on standard error; a closed one is no reason to fail.
 fn say(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
+}
+
+/// A word in the place of CONFIG that is no file: a command misspelt, or put after its options.
+fn misplaced_command(args: &study::StudyArgs) -> Option<Failure> {
+    let word = args.run.config.as_deref()?;
+    let is_word = word.to_str()?.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
+    (is_word && !word.exists()).then(|| {
+        let commands: Vec<_> =
+            Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
+        Failure::Usage(format!(
+            "{}: neither a configuration file nor, in the first place, a command ({})",
+            word.display(),
+            commands.join(", ")
+        ))
+    })
 }
 
 /// Runs the command line; its exit code.
@@ -119,14 +127,15 @@ pub(crate) fn main() -> ExitCode {
             std::process::exit(130);
         }
     });
-    let done = match cli.command.unwrap_or(Command::Study(cli.study)) {
-        Command::Study(args) => study::run(&args, &stop),
-        Command::Simulate(args) => simulate::run(&args, &stop),
-        Command::Methods(args) => methods::run(&args),
-        Command::Config(args) => config::run(&args),
+    let done = match cli.command {
+        None => misplaced_command(&cli.study).map_or_else(|| study::run(&cli.study, &stop), Err),
+        Some(Command::Study(args)) => study::run(&args, &stop),
+        Some(Command::Simulate(args)) => simulate::run(&args, &stop),
+        Some(Command::Methods(args)) => methods::run(&args),
+        Some(Command::Config(args)) => config::run(&args),
     };
     match done {
-        Ok(()) | Err(Failure::OutputClosed) => ExitCode::SUCCESS,
+        Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Usage(message)) => {
             say(&format!("error: {message}"));
             ExitCode::from(2)
@@ -135,8 +144,8 @@ pub(crate) fn main() -> ExitCode {
             say(&format!("error: {message}"));
             ExitCode::from(1)
         }
-        Err(Failure::Interrupted) => {
-            say("interrupted; what was finished is on disk, the same command goes on from there");
+        Err(Failure::Interrupted(what)) => {
+            say(&format!("interrupted; {what}"));
             ExitCode::from(130)
         }
     }

@@ -33,29 +33,20 @@ impl Output {
     pub(super) fn open(dir: &Path, hash: String, force: bool) -> Result<Self, Failure> {
         let refuse = |why: String| Failure::Usage(format!("{}: {why}", dir.display()));
         if dir.exists() && !dir.is_dir() {
-            return Err(refuse(
-                "is a file, not a directory; name another with --out".into(),
-            ));
+            return Err(refuse("is a file, not a directory; name another with --out".into()));
         }
         fs::create_dir_all(dir)
             .map_err(|error| refuse(format!("cannot make the directory: {error}")))?;
-        let output = Self {
-            dir: dir.to_owned(),
-            hash,
-        };
-        if !force {
-            for owner in OWNERS {
-                let known = output.read(owner);
-                if dir.join(owner).exists()
-                    && known.as_ref().and_then(hash_of) != Some(&output.hash)
-                {
-                    return Err(refuse(
-                        "holds results of another configuration; name another directory with \
-                         --out, or overwrite them with --force"
-                            .into(),
-                    ));
-                }
-            }
+        let output = Self { dir: dir.to_owned(), hash };
+        let holds_results = OWNERS.iter().any(|owner| dir.join(owner).exists());
+        // Two commands may share a directory, once the second was forced into it.
+        let own = OWNERS.iter().any(|owner| output.own(owner).is_some());
+        if holds_results && !own && !force {
+            return Err(refuse(
+                "holds results of another configuration; name another directory with --out, or \
+                 overwrite them with --force"
+                    .into(),
+            ));
         }
         let probe = output.dir.join(".deltazero-probe");
         fs::write(&probe, b"")
@@ -66,8 +57,7 @@ impl Output {
 
     /// A JSON file of an earlier run of the same configuration.
     pub(super) fn own(&self, name: &str) -> Option<Value> {
-        self.read(name)
-            .filter(|value| hash_of(value) == Some(&self.hash))
+        self.read(name).filter(|value| hash_of(value) == Some(&self.hash))
     }
 
     fn read(&self, name: &str) -> Option<Value> {

@@ -1,20 +1,26 @@
 //! The progress bar.
 
+use std::cell::Cell;
+use std::ops::ControlFlow;
 use std::time::Duration;
 
+use deltazero::model::Block;
 use deltazero::study::work_precision::Progress;
+use deltazero_solvers::{Accepted, Event, Record};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Work that is done before this shows no bar.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// Steps between two looks at the clock: some hundred microseconds.
+const STEPS_A_LOOK: u32 = 1024;
 
 /// A bar on standard error, hidden where that is no terminal or by wish.
 pub(super) struct Bar(ProgressBar);
 
 impl Bar {
     pub(super) fn new(quiet: bool) -> Self {
-        let target = if quiet {
-            ProgressDrawTarget::hidden()
-        } else {
-            ProgressDrawTarget::stderr()
-        };
+        let target =
+            if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(None, target);
         if let Ok(style) = ProgressStyle::with_template("{elapsed:>4} {wide_bar} {pos}/{len} {msg}")
         {
@@ -43,5 +49,72 @@ impl Bar {
 impl Drop for Bar {
     fn drop(&mut self) {
         self.0.finish_and_clear();
+    }
+}
+
+/// A bar for the time of one run, block after block, that appears once the run takes long.
+pub(super) struct TimeBar {
+    bar: ProgressBar,
+    shown: Cell<bool>,
+    quiet: bool,
+}
+
+impl TimeBar {
+    pub(super) fn new(quiet: bool) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::hidden());
+        if let Ok(style) = ProgressStyle::with_template("{elapsed:>4} {wide_bar} {percent}% {msg}")
+        {
+            bar.set_style(style);
+        }
+        let shown = Cell::new(false);
+        Self { bar, shown, quiet }
+    }
+
+    /// A recorder that shows how far `block`, one of `blocks`, has come to `t_end` [s].
+    pub(super) fn of<'a>(&'a self, block: &Block, blocks: usize, t_end: f64) -> TimeOf<'a> {
+        TimeOf { bar: self, joint: block.joint, blocks, t_end, steps: 0 }
+    }
+
+    fn show(&self, part: f64, message: String) {
+        if self.quiet || self.bar.elapsed() < PATIENCE {
+            return;
+        }
+        if !self.shown.replace(true) {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+        self.bar.set_message(message);
+        self.bar.set_position((1000.0 * part) as u64);
+    }
+}
+
+impl Drop for TimeBar {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// See [`TimeBar::of`].
+pub(super) struct TimeOf<'a> {
+    bar: &'a TimeBar,
+    joint: usize,
+    blocks: usize,
+    t_end: f64,
+    steps: u32,
+}
+
+impl Record<Block> for TimeOf<'_> {
+    fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
+        self.steps = self.steps.wrapping_add(1);
+        if self.steps.is_multiple_of(STEPS_A_LOOK) {
+            let t = accepted.step.t1();
+            let done = (self.joint - 1) as f64 + (t / self.t_end).clamp(0.0, 1.0);
+            let message = format!("joint {}, t = {t:.3e} s", self.joint);
+            self.bar.show(done / self.blocks as f64, message);
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn event(&mut self, _: &Event<'_, Block>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
     }
 }

@@ -8,12 +8,14 @@ use clap::Args;
 use deltazero::config::Config;
 use deltazero::energy_balance::{Balance, EnergyBalance};
 use deltazero::model::{Block, Mechanism};
+use deltazero::reference::counted;
 use deltazero::report;
 use deltazero::run::{BlockRun, BlockTrajectory, Limits, Setting, integrate, mode_changes};
 use deltazero_solvers::{Grid, Outcome, Stats, System, Trajectory};
 use serde_json::{Value, json};
 
 use super::output::{Output, hash};
+use super::progress::{TimeBar, TimeOf};
 use super::{Failure, RunArgs, print, say};
 
 #[derive(Args)]
@@ -35,25 +37,23 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     let config = args.run.load()?;
     let setting = Setting::of(&config)
         .ok_or_else(|| Failure::Usage(format!("no method {}", config.solver.method)))?;
-    let dir = args
-        .run
-        .out
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("deltazero-out/simulate"));
+    let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out/simulate"));
     let output = Output::open(&dir, hash("simulate", &config.to_json()), args.run.force)?;
 
     let mechanism = Mechanism::new(&config);
+    let bar = TimeBar::new(args.run.quiet);
     let blocks: Vec<Simulated<'_>> = mechanism
         .blocks
         .iter()
-        .map(|block| simulate(block, &setting, &config, stop))
+        .map(|block| {
+            let time = bar.of(block, mechanism.blocks.len(), config.run.t_end);
+            simulate(block, &setting, &config, time, stop)
+        })
         .collect();
+    drop(bar);
     let trajectories = || blocks.iter().map(|block| (block.block, &block.trajectory));
     let summary = run_json(&output, &config, &blocks);
-    output.write(
-        "trajectory.csv",
-        report::trajectory_csv(trajectories()).as_bytes(),
-    )?;
+    output.write("trajectory.csv", report::trajectory_csv(trajectories()).as_bytes())?;
     output.write("events.csv", report::events_csv(trajectories()).as_bytes())?;
     output.write("run.json", format!("{summary:#}\n").as_bytes())?;
 
@@ -63,14 +63,11 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
         print(&report_lines(&summary, &blocks))?;
     }
     if !args.run.quiet {
-        say(&format!(
-            "written to {}: trajectory.csv, events.csv, run.json",
-            output.path()
-        ));
+        say(&format!("written to {}: trajectory.csv, events.csv, run.json", output.path()));
     }
     match outcome(&blocks) {
         "failed" => Err(Failure::Run(failure(&summary))),
-        "interrupted" => Err(Failure::Interrupted),
+        "interrupted" => Err(Failure::Interrupted("what was computed until then is written")),
         _ => Ok(()),
     }
 }
@@ -79,27 +76,19 @@ fn simulate<'a>(
     block: &'a Block,
     setting: &Setting,
     config: &Config,
+    time: TimeOf<'_>,
     stop: &AtomicBool,
 ) -> Simulated<'a> {
     let (y0, t_end) = (block.initial_state(), config.run.t_end);
     let balance = EnergyBalance::new(block, block.initial_mode(0.0, &y0), &y0);
     let trajectory = Trajectory::on(Grid::uniform(config.run.sample, t_end));
-    let limits = Limits {
-        max_rhs: u64::MAX,
-        stop,
-    };
-    let mut record = ((trajectory, balance), limits);
+    let limits = Limits { max_rhs: u64::MAX, stop };
+    let mut record = ((trajectory, balance), (time, limits));
     let run = integrate(block, setting, y0, t_end, &mut record);
     let ((trajectory, balance), _) = record;
     let wall = run.wall.saturating_sub(balance.spent);
     let balance = balance.at(run.mode, &run.y);
-    Simulated {
-        block,
-        run,
-        trajectory,
-        balance,
-        wall,
-    }
+    Simulated { block, run, trajectory, balance, wall }
 }
 
 /// `failed` if any block did, else `interrupted`, else `reached_90` if every block did.
@@ -124,7 +113,7 @@ fn run_json(output: &Output, config: &Config, blocks: &[Simulated<'_>]) -> Value
     }
     let n_events: usize = blocks
         .iter()
-        .map(|block| mode_changes(&block.trajectory).len())
+        .map(|block| counted(&mode_changes(&block.trajectory), block.block).len())
         .sum();
     let reached = |block: &Simulated<'_>| {
         let t_s = block.run.reached_90()?;
@@ -161,10 +150,7 @@ fn run_json(output: &Output, config: &Config, blocks: &[Simulated<'_>]) -> Value
 fn failure(summary: &Value) -> String {
     let error = &summary["error"];
     let message = error["message"].as_str().unwrap_or_default();
-    format!(
-        "joint {}: {message}; what was computed until then is written",
-        error["joint"]
-    )
+    format!("joint {}: {message}; what was computed until then is written", error["joint"])
 }
 
 fn report_lines(summary: &Value, blocks: &[Simulated<'_>]) -> String {
@@ -183,7 +169,7 @@ fn report_lines(summary: &Value, blocks: &[Simulated<'_>]) -> String {
         let run = &block.run;
         let angle = match run.reached_90() {
             Some(t) => format!("reached 90 degrees at {t:.6} s"),
-            None => format!("theta = {:.6} rad at t = {:.6} s", run.y[2], run.t),
+            None => format!("theta = {:.6e} rad at t = {:e} s", run.y[2], run.t),
         };
         text += &format!(
             "joint {}: {angle}, {}; energy residual {:.1e} J of {:.1e} J of work\n",

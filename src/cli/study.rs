@@ -17,10 +17,13 @@ use super::output::{Output, hash};
 use super::progress::Bar;
 use super::{Failure, RunArgs, print, say};
 
+/// What an interrupted study leaves.
+const RESUMED: &str = "what was finished is on disk, the same command goes on from there";
+
 #[derive(Args)]
 pub(super) struct StudyArgs {
     #[command(flatten)]
-    run: RunArgs,
+    pub(super) run: RunArgs,
     /// Runs at the same time, instead of study.threads; more than one disturbs the timings
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -28,11 +31,7 @@ pub(super) struct StudyArgs {
 
 pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut config = args.run.load()?;
-    let dir = args
-        .run
-        .out
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("deltazero-out"));
+    let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out"));
     let hash = hash("study", &json_without_threads(&config));
     let output = Output::open(&dir, hash, args.run.force)?;
     if let Some(threads) = args.threads {
@@ -42,17 +41,23 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let known = unfinished_rows(&output);
     let table = match work_precision(&config, &known, stop, &|progress| bar.show(progress)) {
         Ok(table) => table,
-        Err(_) if stop.load(Ordering::Relaxed) => return Err(Failure::Interrupted),
+        Err(_) if stop.load(Ordering::Relaxed) => {
+            return Err(Failure::Interrupted(
+                "the reference is not finished; the same command begins it anew",
+            ));
+        }
         Err(error) => return Err(Failure::Run(error.to_string())),
     };
-    write_tables(&output, &config, &table)?;
+    output.write("study.csv", report::study_csv(&table).as_bytes())?;
+    write_json(&output, &config, &table, false)?;
     if stop.load(Ordering::Relaxed) {
-        return Err(Failure::Interrupted);
+        return Err(Failure::Interrupted(RESUMED));
     }
     bar.say("figures");
     let drawings = write_figures(&output, &config, &table, stop)?;
     let markdown = report::study_markdown(config.reading.name(), &table, &drawings);
     output.write("study.md", markdown.as_bytes())?;
+    write_json(&output, &config, &table, true)?;
     drop(bar);
 
     if args.run.json {
@@ -66,9 +71,7 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if table.rows.iter().any(|row| row.status == Status::Ok) {
         Ok(())
     } else {
-        Err(Failure::Run(
-            "no run reached its end; study.csv says why".into(),
-        ))
+        Err(Failure::Run("no run reached its end; study.csv says why".into()))
     }
 }
 
@@ -79,24 +82,33 @@ fn json_without_threads(config: &Config) -> Value {
     config.to_json()
 }
 
-/// The rows of an earlier study of the same configuration that was interrupted.
+/// The rows of an earlier study of the same configuration that was interrupted; one that was
+/// finished is done anew, which measures its times again.
 fn unfinished_rows(output: &Output) -> Vec<Row> {
     let rows = output.own("study.json").and_then(|mut study| {
+        if study.get("finished")?.as_bool()? {
+            return None;
+        }
         serde_json::from_value::<Vec<Row>>(study.get_mut("rows")?.take()).ok()
     });
-    rows.filter(|rows| rows.iter().any(|row| row.status == Status::Interrupted))
-        .unwrap_or_default()
+    rows.unwrap_or_default()
 }
 
-fn write_tables(output: &Output, config: &Config, table: &WorkPrecision) -> Result<(), Failure> {
+/// `study.json`; `finished` once figures and report are on disk too.
+fn write_json(
+    output: &Output,
+    config: &Config,
+    table: &WorkPrecision,
+    finished: bool,
+) -> Result<(), Failure> {
     let study = json!({
         "hash": output.hash,
         "version": env!("CARGO_PKG_VERSION"),
         "config": config.to_json(),
+        "finished": finished,
         "reference": table.reference,
         "rows": table.rows,
     });
-    output.write("study.csv", report::study_csv(table).as_bytes())?;
     output.write("study.json", format!("{study:#}\n").as_bytes())
 }
 
@@ -106,14 +118,11 @@ fn write_figures(
     table: &WorkPrecision,
     stop: &AtomicBool,
 ) -> Result<Vec<Drawing>, Failure> {
-    let limits = Limits {
-        max_rhs: config.study.max_rhs,
-        stop,
-    };
+    let limits = Limits { max_rhs: config.study.max_rhs, stop };
     let histories = step_histories(config, limits);
     let motion = motion(config, limits);
     if stop.load(Ordering::Relaxed) {
-        return Err(Failure::Interrupted);
+        return Err(Failure::Interrupted(RESUMED));
     }
     output.write("steps.csv", report::steps_csv(&histories).as_bytes())?;
     if let Some(motion) = &motion {
@@ -122,10 +131,7 @@ fn write_figures(
     let drawings = figures::of_study(table, &histories, motion.as_ref());
     for drawing in &drawings {
         let fail = |error| Failure::Run(format!("cannot draw {}: {error}", drawing.name));
-        let (svg, png) = (
-            drawing.figure.svg().map_err(fail)?,
-            drawing.figure.png().map_err(fail)?,
-        );
+        let (svg, png) = (drawing.figure.svg().map_err(fail)?, drawing.figure.png().map_err(fail)?);
         output.write(&format!("figures/{}.svg", drawing.name), svg.as_bytes())?;
         output.write(&format!("figures/{}.png", drawing.name), &png)?;
     }
@@ -141,19 +147,8 @@ fn summarise(output: &Output, table: &WorkPrecision) {
         table.reference.agreement
     ));
     for row in table.rows.iter().filter(|row| row.status != Status::Ok) {
-        let why = row
-            .error
-            .as_deref()
-            .unwrap_or("more than study.max_rhs right-hand sides");
-        say(&format!(
-            "  {} {}, {}: {why}",
-            row.method,
-            row.events,
-            row.setting()
-        ));
+        let why = row.error.as_deref().unwrap_or("more than study.max_rhs right-hand sides");
+        say(&format!("  {} {}, {}: {why}", row.method, row.events, row.setting()));
     }
-    say(&format!(
-        "written to {}: study.md, study.csv, study.json, figures/",
-        output.path()
-    ));
+    say(&format!("written to {}: study.md, study.csv, study.json, figures/", output.path()));
 }

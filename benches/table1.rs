@@ -1,0 +1,46 @@
+//! One run of Table 1, 0–2 s, both joints: each method, located and blind, at two accuracies.
+//!
+//! The pair located/blind is the price of events; `--` a name picks one.
+#![allow(missing_docs, reason = "criterion's macros make undocumented functions")]
+
+use std::hint::black_box;
+use std::sync::atomic::AtomicBool;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use deltazero::config::{Config, Events};
+use deltazero::model::Mechanism;
+use deltazero::run::{Accuracy, Limits, Run, Setting};
+use deltazero_solvers::{Grid, METHODS};
+
+fn table1(criterion: &mut Criterion) {
+    let Ok(config) = Config::table1() else { return };
+    let mechanism = Mechanism::new(&config);
+    let grid = Grid::uniform(config.run.sample, config.run.t_end);
+    let stop = AtomicBool::new(false);
+    let limits = Limits { max_rhs: u64::MAX, stop: &stop };
+    for method in METHODS {
+        for events in [Events::Located, Events::Blind] {
+            let accuracies = if method.is_fixed_step() {
+                [Accuracy::Step(1e-4), Accuracy::Step(2e-5)]
+            } else {
+                [Accuracy::Rtol(1e-6, None), Accuracy::Rtol(1e-9, None)]
+            };
+            for accuracy in accuracies {
+                let setting = Setting { method, events, accuracy };
+                let name = format!("table1/{}/{events}/{accuracy:?}", method.name);
+                criterion.bench_function(&name, |bencher| {
+                    bencher.iter(|| {
+                        black_box(Run::new(&mechanism, &setting, config.run.t_end, &grid, limits))
+                    });
+                });
+            }
+        }
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default().sample_size(10);
+    targets = table1
+}
+criterion_main!(benches);

@@ -1,0 +1,70 @@
+//! A run that cannot reach its end: exit 1, and what was computed is on disk.
+
+use crate::{Scratch, number, with_sets};
+
+/// The explicit method far beyond its stability in contact.
+const DIVERGING: [&str; 3] = ["solver.method=rk4", "solver.step=0.01", "run.t_end=0.3"];
+
+#[test]
+fn a_run_that_fails_says_where_and_what_to_try_and_writes_what_it_has() {
+    let scratch = Scratch::new();
+    let ran = scratch.run(&with_sets(&["simulate", "--out", "out"], &DIVERGING));
+    assert_eq!(ran.code, Some(1), "{}", ran.stderr);
+    let run = scratch.json("out/run.json");
+    assert_eq!(run["outcome"], "failed");
+    let error = &run["error"];
+    let (t, mode) = (error["t"].as_f64().unwrap(), error["mode"].as_str().unwrap());
+    assert_eq!(error["bay"], 1);
+    let joint = error["joint"].as_u64().unwrap() as usize;
+    for part in [&format!("joint {joint}"), mode, "t = ", "smaller step"] {
+        assert!(ran.stderr.contains(part), "no {part:?} in: {}", ran.stderr);
+    }
+    assert!(ran.stderr.contains(error["message"].as_str().unwrap()));
+    let trajectory = scratch.table("out/trajectory.csv");
+    let rows = trajectory.of_joint(joint);
+    assert!(!rows.is_empty());
+    assert!(rows.iter().all(|row| number(row, "t_s") <= t));
+    for row in &trajectory.rows {
+        assert!(trajectory.header[2..].iter().all(|column| number(row, column).is_finite()));
+    }
+    let events = scratch.table("out/events.csv");
+    assert!(events.of_joint(joint).iter().all(|row| number(row, "t_s") <= t));
+    assert_eq!(scratch.files("out"), ["events.csv", "run.json", "trajectory.csv"]);
+}
+
+#[test]
+fn a_failed_method_is_a_row_of_the_study_and_of_its_summary() {
+    let scratch = Scratch::new();
+    let sets = [
+        "run.t_end=0.3",
+        "study.methods=[\"rk45\", \"rk4\"]",
+        "study.events=[\"located\"]",
+        "study.rtol=[1e-6]",
+        "study.steps=[0.01]",
+        "study.repeats=1",
+    ];
+    let ran = scratch.study("out", &sets, &[]);
+    assert!(ran.stderr.contains("1 ok, 1 failed"), "{}", ran.stderr);
+    let table = scratch.table("out/study.csv");
+    let failed = table.rows.iter().find(|row| row["status"] == "failed").unwrap();
+    assert!(failed["error"].contains("smaller step"), "{failed:?}");
+    assert!(ran.stderr.contains(&failed["error"]), "{}", ran.stderr);
+    for column in ["e", "missed", "spurious", "wall_s_min"] {
+        assert_eq!(failed[column], "", "{column}");
+    }
+}
+
+#[test]
+fn a_study_in_which_no_run_reaches_its_end_fails() {
+    let scratch = Scratch::new();
+    let sets = [
+        "run.t_end=0.3",
+        "study.methods=[\"rk4\"]",
+        "study.events=[\"located\"]",
+        "study.steps=[0.01]",
+    ];
+    let ran = scratch.run(&with_sets(&["study", "--out", "out"], &sets));
+    assert_eq!(ran.code, Some(1), "{}", ran.stderr);
+    assert!(ran.stderr.contains("no run reached its end"), "{}", ran.stderr);
+    assert_eq!(scratch.table("out/study.csv").rows.len(), 1);
+}

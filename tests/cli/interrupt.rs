@@ -1,0 +1,106 @@
+//! Ctrl-C: exit 130, whole files, and the same command goes on.
+
+use std::path::Path;
+use std::process::{Child, Command, Output};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use crate::{Scratch, number, with_sets};
+
+/// The longest wait for something that takes milliseconds on an idle machine.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A running command, ended with the test whatever becomes of it.
+struct Running(Option<Child>);
+
+impl Running {
+    fn start(scratch: &Scratch, args: &[&str]) -> Self {
+        Self(Some(scratch.command(args).spawn().unwrap()))
+    }
+
+    /// Waits until `path` exists, then `more`.
+    fn until(&self, path: &Path, more: Duration) {
+        let start = Instant::now();
+        while !path.exists() {
+            assert!(start.elapsed() < PATIENCE, "no {}", path.display());
+            sleep(Duration::from_millis(5));
+        }
+        sleep(more);
+    }
+
+    /// Sends SIGINT and waits for the end.
+    fn interrupt(mut self) -> Output {
+        let child = self.0.as_mut().unwrap();
+        let pid = child.id().to_string();
+        let sent = Command::new("kill").args(["-INT", &pid]).status();
+        assert!(sent.unwrap().success());
+        let start = Instant::now();
+        while child.try_wait().unwrap().is_none() {
+            assert!(start.elapsed() < PATIENCE, "still running");
+            sleep(Duration::from_millis(5));
+        }
+        self.0.take().unwrap().wait_with_output().unwrap()
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if let Some(child) = &mut self.0 {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
+#[test]
+fn an_interrupted_simulation_writes_what_it_has() {
+    let scratch = Scratch::new();
+    // Minutes of work.
+    let sets = ["solver.method=rk4", "solver.step=1e-10", "run.sample=1e-7"];
+    let run = Running::start(&scratch, &with_sets(&["simulate", "--out", "out"], &sets));
+    run.until(&scratch.path("out"), Duration::from_millis(300));
+    let output = run.interrupt();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{stderr}");
+    assert!(stderr.contains("interrupted"), "{stderr}");
+    assert_eq!(scratch.files("out"), ["events.csv", "run.json", "trajectory.csv"]);
+    assert_eq!(scratch.json("out/run.json")["outcome"], "interrupted");
+    let trajectory = scratch.table("out/trajectory.csv");
+    assert!(trajectory.rows.iter().all(|row| number(row, "t_s") < 2.0));
+    scratch.table("out/events.csv");
+}
+
+#[test]
+fn an_interrupted_study_is_finished_by_the_same_command() {
+    let scratch = Scratch::new();
+    // The last run takes about a second, the others and the reference a tenth.
+    let sets = [
+        "run.t_end=0.02",
+        "study.methods=[\"rk45\", \"rk4\"]",
+        "study.events=[\"located\"]",
+        "study.rtol=[1e-4, 1e-6]",
+        "study.steps=[1e-5, 1e-10]",
+        "study.repeats=1",
+        "study.max_rhs=15_000_000",
+    ];
+    let args = with_sets(&["study", "--out", "out"], &sets);
+    let run = Running::start(&scratch, &args);
+    run.until(&scratch.path("out"), Duration::from_millis(300));
+    let output = run.interrupt();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{stderr}");
+    let left = scratch.files("out");
+    assert!(!left.iter().any(|name| name.ends_with(".partial")), "{left:?}");
+    // Where the reference was done before, the table is there and says what is missing.
+    if scratch.path("out/study.csv").exists() {
+        let table = scratch.table("out/study.csv");
+        assert_eq!(table.rows.len(), 4);
+        assert!(!scratch.path("out/study.md").exists());
+        assert_eq!(scratch.json("out/study.json")["finished"], false);
+    }
+    scratch.succeed(&args);
+    let statuses: Vec<String> =
+        scratch.table("out/study.csv").rows.iter().map(|row| row["status"].clone()).collect();
+    assert_eq!(statuses, ["ok", "ok", "ok", "cut"]);
+    assert_eq!(scratch.json("out/study.json")["finished"], true);
+}

@@ -1,0 +1,42 @@
+//! `methods`, `config`, `--help`: what they print.
+
+use serde_json::Value;
+
+use crate::Scratch;
+
+#[test]
+fn methods_are_listed_for_readers_and_for_machines() {
+    let scratch = Scratch::new();
+    let text = scratch.succeed(&["methods"]).stdout;
+    let json = scratch.succeed(&["methods", "--json"]).stdout;
+    let list: Vec<Value> = serde_json::from_str(&json).unwrap();
+    for name in ["rk4", "rk45", "bdf"] {
+        assert!(list.iter().any(|method| method["method"] == name), "{json}");
+    }
+    for method in &list {
+        let name = method["method"].as_str().unwrap();
+        assert!(text.lines().any(|line| line.starts_with(name)), "{text}");
+        assert!(method["fixed_step"].is_boolean());
+    }
+}
+
+#[test]
+fn the_schema_is_json_and_knows_every_table() {
+    let scratch = Scratch::new();
+    let schema: Value =
+        serde_json::from_str(&scratch.succeed(&["config", "--schema"]).stdout).unwrap();
+    for table in ["strut", "drive", "joint", "contact", "friction", "run", "solver"] {
+        assert!(schema["properties"][table].is_object(), "{table}");
+    }
+}
+
+#[test]
+fn help_names_every_command_and_version_is_a_number() {
+    let scratch = Scratch::new();
+    let help = scratch.succeed(&["--help"]).stdout;
+    for command in ["study", "simulate", "methods", "config"] {
+        assert!(help.contains(command), "{help}");
+    }
+    let version = scratch.succeed(&["--version"]).stdout;
+    assert!(version.contains(env!("CARGO_PKG_VERSION")), "{version}");
+}

@@ -1,0 +1,245 @@
+//! `simulate`: what its files say, and that they agree with each other.
+
+use serde_json::{Value, json};
+
+use crate::{Scratch, Table, number};
+
+const TRAJECTORY: [&str; 10] =
+    ["bay", "joint", "t_s", "mode", "d1_m", "d2_m", "theta_rad", "v1_m_s", "v2_m_s", "omega_rad_s"];
+const EVENTS: [&str; 5] = ["bay", "joint", "t_s", "mode_before", "mode_after"];
+const SHORT: &str = "run.t_end=0.15";
+
+/// What holds for the files of every run.
+fn check_files(trajectory: &Table, events: &Table) {
+    assert_eq!(trajectory.header[..10], TRAJECTORY);
+    assert_eq!(events.header, EVENTS);
+    for row in &trajectory.rows {
+        assert!(["-1", "0", "1", "2"].contains(&row["mode"].as_str()));
+        for column in TRAJECTORY[4..].iter().chain(&["t_s"]) {
+            let x = number(row, column);
+            assert!(x.is_finite(), "{row:?}");
+            assert_eq!(format!("{x:e}"), row[*column], "the same bits");
+        }
+    }
+    let place = |row| (number(row, "joint"), number(row, "bay"), number(row, "t_s"));
+    assert!(trajectory.rows.iter().map(place).is_sorted());
+    let place = |row| (number(row, "t_s"), number(row, "bay"), number(row, "joint"));
+    assert!(events.rows.iter().map(place).is_sorted());
+    for joint in [1, 2] {
+        let events = events.of_joint(joint);
+        for pair in events.windows(2) {
+            assert_eq!(pair[0]["mode_after"], pair[1]["mode_before"]);
+        }
+        assert!(events.iter().all(|row| row["mode_before"] != row["mode_after"]));
+        for row in trajectory.of_joint(joint) {
+            let until = |event: &&&_| number(event, "t_s") <= number(row, "t_s");
+            let last = events.iter().take_while(until).last();
+            let expected = last.map_or("0", |event| event["mode_after"].as_str());
+            assert_eq!(row["mode"], expected, "joint {joint}, t = {}", row["t_s"]);
+        }
+    }
+}
+
+fn counts(run: &Value, name: &str) -> usize {
+    run["counts"][name].as_u64().unwrap() as usize
+}
+
+/// Rows of `events.csv` that count: all but the first of each joint, which leaves δ = 0.
+fn counted(events: &Table) -> usize {
+    [1, 2].map(|joint| events.of_joint(joint).len().saturating_sub(1)).iter().sum()
+}
+
+#[test]
+fn samples_lie_on_the_grid_and_carry_the_mode_after_the_events_before_them() {
+    let scratch = Scratch::new();
+    scratch.simulate("out", &[SHORT, "run.sample=0.01"]);
+    let (trajectory, events) =
+        (scratch.table("out/trajectory.csv"), scratch.table("out/events.csv"));
+    check_files(&trajectory, &events);
+    for joint in [1, 2] {
+        let times: Vec<f64> =
+            trajectory.of_joint(joint).iter().map(|row| number(row, "t_s")).collect();
+        let expected: Vec<f64> = (1..=15).map(|k| 0.01 * f64::from(k)).collect();
+        assert!(
+            times.iter().zip(&expected).all(|(t, x)| (t - x).abs() <= x.next_up() - x),
+            "{times:?}"
+        );
+        assert_eq!(times.len(), expected.len());
+    }
+    assert!(!events.of_joint(1).is_empty());
+}
+
+#[test]
+fn the_summary_agrees_with_the_files() {
+    let scratch = Scratch::new();
+    let ran = scratch.succeed(&["simulate", "--json", "--set", SHORT]);
+    assert_eq!(
+        scratch.files("deltazero-out/simulate"),
+        ["events.csv", "run.json", "trajectory.csv"]
+    );
+    let run = scratch.json("deltazero-out/simulate/run.json");
+    assert_eq!(serde_json::from_str::<Value>(&ran.stdout).unwrap(), run);
+    let events = scratch.table("deltazero-out/simulate/events.csv");
+    assert_eq!(counts(&run, "n_events"), counted(&events));
+    for name in ["n_rhs", "n_accepted", "n_rejected", "n_jac", "n_lin_solves"] {
+        assert!(run["counts"][name].is_u64(), "{name}");
+    }
+    for name in ["work", "kinetic", "elastic", "dissipated", "residual"] {
+        assert!(run["energy"][name].is_f64(), "{name}");
+    }
+    assert!(run["wall_s"].as_f64().unwrap() > 0.0);
+    assert!(run["version"].is_string());
+    assert_eq!(run["config"]["run"]["t_end"], 0.15);
+    assert_eq!(run["config"]["contact"]["stiffness"], 1e7);
+    assert_eq!(run["outcome"], "finished");
+    assert_eq!(run["reached_90_s"], json!([]));
+    assert_eq!(run["error"], Value::Null);
+}
+
+#[test]
+fn sample_zero_writes_every_accepted_step() {
+    for (dir, method) in [("a", "solver.method=rk45"), ("b", "solver.method=bdf")] {
+        let scratch = Scratch::new();
+        let step = ["run.sample=0", SHORT, method];
+        scratch.simulate(dir, &step);
+        let trajectory = scratch.table(&format!("{dir}/trajectory.csv"));
+        check_files(&trajectory, &scratch.table(&format!("{dir}/events.csv")));
+        let run = scratch.json(&format!("{dir}/run.json"));
+        assert_eq!(trajectory.rows.len(), counts(&run, "n_accepted"), "{method}");
+    }
+}
+
+#[test]
+fn a_grid_coarser_than_the_run_has_no_samples() {
+    let scratch = Scratch::new();
+    scratch.simulate("out", &["run.t_end=0.01", "run.sample=1"]);
+    assert!(scratch.table("out/trajectory.csv").rows.is_empty());
+}
+
+#[test]
+fn every_method_reading_and_treatment_of_events_writes_sound_files() {
+    let scratch = Scratch::new();
+    for method in ["rk45", "bdf", "rk4"] {
+        for reading in ["pin", "full", "centroid", "printed", "cosine"] {
+            for treatment in ["located", "blind"] {
+                let sets = [
+                    format!("solver.method={method}"),
+                    format!("reading={reading}"),
+                    format!("solver.events={treatment}"),
+                ];
+                let mut sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+                sets.push(SHORT);
+                let out = format!("{method}-{reading}-{treatment}");
+                scratch.simulate(&out, &sets);
+                let trajectory = scratch.table(&format!("{out}/trajectory.csv"));
+                let events = scratch.table(&format!("{out}/events.csv"));
+                check_files(&trajectory, &events);
+                if treatment == "blind" {
+                    assert!(events.rows.iter().all(|row| row["mode_after"] != "2"), "{out}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn limits_of_the_model_write_sound_files() {
+    let scratch = Scratch::new();
+    let cases: [&[&str]; 10] = [
+        &["friction.coefficient=0", SHORT],
+        &["contact.damping=0", SHORT],
+        &["contact.adhesion=false", SHORT],
+        &["contact.exponent=1.5", SHORT],
+        &["solver.rtol=1e-14", "run.t_end=0.05"],
+        &["solver.rtol=0.1", "run.t_end=0.05"],
+        &["run.t_end=1e-9"],
+        &["joint.clearance=1e-12", "run.t_end=0.01"],
+        &["contact.stiffness=1e13", "run.t_end=1e-3"],
+        &["strut.radius=1e3", SHORT],
+    ];
+    for (i, sets) in cases.iter().enumerate() {
+        let out = i.to_string();
+        scratch.simulate(&out, sets);
+        check_files(
+            &scratch.table(&format!("{out}/trajectory.csv")),
+            &scratch.table(&format!("{out}/events.csv")),
+        );
+        let energy = &scratch.json(&format!("{out}/run.json"))["energy"];
+        let finite = energy.as_object().unwrap().values().all(Value::is_f64);
+        assert!(finite, "{sets:?}: {energy}");
+    }
+}
+
+#[test]
+fn without_clearance_there_is_mode_0_and_no_event() {
+    let scratch = Scratch::new();
+    scratch.simulate("out", &["joint.clearance=0", SHORT]);
+    let trajectory = scratch.table("out/trajectory.csv");
+    assert!(!trajectory.rows.is_empty());
+    for row in &trajectory.rows {
+        assert_eq!((row["mode"].as_str(), number(row, "d1_m")), ("0", 0.0));
+    }
+    assert!(scratch.table("out/events.csv").rows.is_empty());
+    assert_eq!(counts(&scratch.json("out/run.json"), "n_events"), 0);
+}
+
+#[test]
+fn a_joint_that_differs_leaves_the_other_as_it_was() {
+    let scratch = Scratch::new();
+    scratch.simulate("same", &[SHORT]);
+    scratch.simulate("other", &[SHORT, "joint2.contact.stiffness=2e7"]);
+    let (same, other) =
+        (scratch.table("same/trajectory.csv"), scratch.table("other/trajectory.csv"));
+    assert_eq!(same.of_joint(1), other.of_joint(1));
+    assert_ne!(same.of_joint(2), other.of_joint(2));
+    let config = &scratch.json("other/run.json")["config"];
+    assert_eq!(config["joint2"]["contact"]["stiffness"], 2e7);
+}
+
+#[test]
+fn a_block_ends_at_90_degrees_with_its_time_in_the_summary() {
+    let scratch = Scratch::new();
+    scratch.simulate("out", &["run.t_end=20", "joint.clearance=0"]);
+    let run = scratch.json("out/run.json");
+    assert_eq!(run["outcome"], "reached_90");
+    let reached = run["reached_90_s"].as_array().unwrap();
+    assert_eq!(reached.len(), 2);
+    let trajectory = scratch.table("out/trajectory.csv");
+    for (joint, end) in [1, 2].into_iter().zip(reached) {
+        assert_eq!((&end["bay"], &end["joint"]), (&json!(1), &json!(joint)));
+        let last = trajectory.of_joint(joint).last().map(|row| number(row, "t_s"));
+        let after = end["t_s"].as_f64().unwrap() - last.unwrap();
+        assert!((0.0..=0.01).contains(&after), "{after}");
+    }
+    assert!(scratch.table("out/events.csv").rows.is_empty());
+}
+
+#[test]
+fn the_same_configuration_gives_the_same_bytes() {
+    let scratch = Scratch::new();
+    for method in ["rk45", "bdf"] {
+        let sets = [SHORT, &format!("solver.method={method}")];
+        scratch.simulate("first", &[&sets[..], &["reading=full"]].concat());
+        scratch.simulate("second", &[&["reading=full"], &sets[..]].concat());
+        for name in ["trajectory.csv", "events.csv"] {
+            let text = |dir| scratch.text(&format!("{dir}/{name}"));
+            assert!(text("first") == text("second"), "{method}, {name}");
+        }
+        for dir in ["first", "second"] {
+            std::fs::remove_dir_all(scratch.path(dir)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn the_configuration_in_the_summary_is_the_one_of_the_listing() {
+    let scratch = Scratch::new();
+    let listing = scratch.succeed(&["config"]).stdout;
+    std::fs::write(scratch.path("listed.toml"), listing).unwrap();
+    scratch.simulate("plain", &["run.t_end=0.01"]);
+    let args = ["simulate", "listed.toml", "--out", "listed", "--set", "run.t_end=0.01"];
+    scratch.succeed(&args);
+    let [plain, listed] = ["plain", "listed"].map(|dir| scratch.json(&format!("{dir}/run.json")));
+    assert_eq!(plain["config"], listed["config"]);
+    assert_eq!(plain["hash"], listed["hash"]);
+}

@@ -1,0 +1,159 @@
+//! `study`: its table, its files, and going on after an interruption.
+
+use std::fs;
+
+use serde_json::{Value, json};
+
+use crate::{Scratch, Table, number};
+
+const COLUMNS: [&str; 19] = [
+    "reading",
+    "method",
+    "events",
+    "rtol",
+    "step",
+    "status",
+    "e",
+    "event_time_error_s",
+    "n_events",
+    "missed",
+    "spurious",
+    "horizon_s",
+    "n_rhs",
+    "n_accepted",
+    "n_rejected",
+    "n_jac",
+    "n_lin_solves",
+    "wall_s_min",
+    "wall_s_median",
+];
+const SHORT: [&str; 5] = [
+    "run.t_end=0.12",
+    "study.methods=[\"rk45\", \"rk4\", \"bdf\"]",
+    "study.rtol=[1e-4, 1e-7]",
+    "study.steps=[1e-4]",
+    "study.repeats=1",
+];
+
+/// The rows without what differs from one measurement to the next.
+fn without_times(table: &Table) -> Vec<Vec<(&String, &String)>> {
+    let timeless = |(column, _): &(&String, &String)| !column.starts_with("wall_");
+    let rows = table.rows.iter();
+    rows.map(|row| row.iter().filter(timeless).collect()).collect()
+}
+
+#[test]
+fn without_a_command_the_study_is_done_and_every_run_is_a_row() {
+    let scratch = Scratch::new();
+    let sets: Vec<&str> = SHORT.iter().flat_map(|set| ["--set", set]).collect();
+    let ran = scratch.succeed(&sets);
+    assert!(ran.stderr.contains("10 runs: 10 ok, 0 failed"), "{}", ran.stderr);
+    let table = scratch.table("deltazero-out/study.csv");
+    assert_eq!(table.header[..19], COLUMNS);
+    assert!(table.header.iter().any(|column| column == "error"));
+    assert_eq!(table.rows.len(), 10);
+    for row in &table.rows {
+        assert_eq!((row["reading"].as_str(), row["status"].as_str()), ("pin", "ok"));
+        assert_eq!(row["method"] == "rk4", row["rtol"].is_empty(), "{row:?}");
+        assert_ne!(row["step"].is_empty(), row["rtol"].is_empty(), "{row:?}");
+        assert!(number(row, "e") < 0.1, "{row:?}");
+        assert!(number(row, "wall_s_min") <= number(row, "wall_s_median"));
+        let tight = row["events"] == "located" && row["rtol"] == "1e-7";
+        assert!(!tight || number(row, "missed") + number(row, "spurious") == 0.0, "{row:?}");
+    }
+    let study = scratch.json("deltazero-out/study.json");
+    assert_eq!(study["rows"].as_array().unwrap().len(), 10);
+    assert!(study["reference"].is_object());
+    assert_eq!(study["config"]["run"]["t_end"], 0.12);
+    assert_eq!(study["finished"], true);
+    for (row, line) in study["rows"].as_array().unwrap().iter().zip(&table.rows) {
+        assert_eq!(row["e"].as_f64().unwrap(), number(line, "e"));
+        assert_eq!(row["n_rhs"].as_f64().unwrap(), number(line, "n_rhs"));
+    }
+    let files = scratch.files("deltazero-out");
+    assert!(files.iter().any(|name| name == "study.md"));
+    for svg in files.iter().filter(|name| name.ends_with(".svg")) {
+        assert!(files.contains(&svg.replace(".svg", ".png")), "{files:?}");
+    }
+    assert!(!files.iter().any(|name| name.ends_with(".partial")), "{files:?}");
+}
+
+#[test]
+fn threads_change_no_number_but_times() {
+    let scratch = Scratch::new();
+    scratch.study("one", &SHORT, &["--threads", "1"]);
+    let ran = scratch.study("two", &SHORT, &["--threads", "2", "--json", "--quiet"]);
+    assert_eq!(ran.stderr, "");
+    let printed: Value = serde_json::from_str(&ran.stdout).unwrap();
+    assert_eq!(printed["rows"].as_array().unwrap().len(), 10);
+    let [one, two] = ["one", "two"].map(|dir| scratch.table(&format!("{dir}/study.csv")));
+    assert_eq!(without_times(&one), without_times(&two));
+    for name in ["steps.csv", "motion.csv"] {
+        assert!(scratch.text(&format!("one/{name}")) == scratch.text(&format!("two/{name}")));
+    }
+    let [one, two] = ["one", "two"].map(|dir| scratch.json(&format!("{dir}/study.json")));
+    assert_eq!(one["hash"], two["hash"], "threads are no part of what results are of");
+}
+
+#[test]
+fn an_interrupted_study_takes_what_was_finished_and_does_the_rest() {
+    let scratch = Scratch::new();
+    scratch.study("out", &SHORT, &[]);
+    let whole = scratch.table("out/study.csv");
+    // As an interruption leaves it; the times of the finished runs tell that they are not redone.
+    let mut study = scratch.json("out/study.json");
+    study["finished"] = json!(false);
+    let rows = study["rows"].as_array_mut().unwrap();
+    for row in rows.iter_mut() {
+        row["wall_s_min"] = json!(1234.5);
+    }
+    for row in &mut rows[6..] {
+        row["status"] = json!("interrupted");
+        row["e"] = Value::Null;
+    }
+    fs::write(scratch.path("out/study.json"), study.to_string()).unwrap();
+    scratch.study("out", &SHORT, &["--threads", "2"]);
+    let resumed = scratch.table("out/study.csv");
+    assert_eq!(without_times(&whole), without_times(&resumed));
+    for (i, row) in resumed.rows.iter().enumerate() {
+        assert_eq!(number(row, "wall_s_min") == 1234.5, i < 6, "{row:?}");
+    }
+}
+
+#[test]
+fn a_study_interrupted_before_its_figures_redoes_no_run_and_a_finished_one_all() {
+    let scratch = Scratch::new();
+    scratch.study("out", &SHORT, &[]);
+    for finished in [false, true] {
+        let mut study = scratch.json("out/study.json");
+        study["finished"] = json!(finished);
+        for row in study["rows"].as_array_mut().unwrap() {
+            row["wall_s_min"] = json!(1234.5);
+        }
+        fs::write(scratch.path("out/study.json"), study.to_string()).unwrap();
+        fs::remove_file(scratch.path("out/study.md")).unwrap();
+        scratch.study("out", &SHORT, &[]);
+        assert!(scratch.path("out/study.md").exists());
+        for row in scratch.table("out/study.csv").rows {
+            assert_eq!(number(&row, "wall_s_min") == 1234.5, !finished, "{row:?}");
+        }
+    }
+}
+
+#[test]
+fn a_run_beyond_the_limit_of_work_is_cut_and_the_summary_counts_it() {
+    let scratch = Scratch::new();
+    let sets = [
+        "run.t_end=0.01",
+        "study.methods=[\"rk45\", \"rk4\"]",
+        "study.events=[\"located\"]",
+        "study.rtol=[1e-6]",
+        "study.steps=[1e-8]",
+        "study.max_rhs=100_000",
+    ];
+    let ran = scratch.study("out", &sets, &[]);
+    assert!(ran.stderr.contains("1 ok, 0 failed, 1 cut"), "{}", ran.stderr);
+    let table = scratch.table("out/study.csv");
+    let cut = table.rows.iter().find(|row| row["method"] == "rk4").unwrap();
+    assert_eq!((cut["status"].as_str(), cut["e"].as_str()), ("cut", ""));
+}
