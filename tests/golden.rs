@@ -1,4 +1,5 @@
 //! The golden runs of Table 1 are reproduced by three methods, events and all.
+#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
 mod common;
 

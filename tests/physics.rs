@@ -1,4 +1,5 @@
 //! What must hold of any run: energy, limits, symmetries, all readings to their end.
+#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
 mod common;
 

@@ -1,52 +1,76 @@
 //! The event-blind baseline: the mode is read off the state at every stage.
 
+use std::fmt;
 use std::ops::ControlFlow;
 
+use crate::real::Real;
 use crate::record::{Accepted, Event, Record};
 use crate::system::{ModeOfState, Next, System};
 
-/// A system without guards whose right-hand side looks up its mode in the state, as a model
-/// written with `if` statements does.
+/// A system whose right-hand side looks up its mode in the state, as a model written with `if`
+/// statements does; of its guards only the one that [ends](ModeOfState::end) a run is left.
 ///
 /// A step whose stages straddle a surface has order one or two, whatever the method; this is what
 /// [located](crate::integrate) runs are compared with.
 #[derive(Clone, Copy, Debug)]
 pub struct Blind<'a, P>(pub &'a P);
 
+/// The one mode of a [`Blind`] system.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct OfState;
+
+impl fmt::Debug for OfState {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("(read off the state)")
+    }
+}
+
 impl<P: ModeOfState> System for Blind<'_, P> {
-    type Mode = ();
-    type State<S: crate::Real> = P::State<S>;
-    type Guards<S: crate::Real> = [S; 0];
+    type Mode = OfState;
+    type State<S: Real> = P::State<S>;
+    type Guards<S: Real> = [S; 1];
 
     fn dim(&self) -> usize {
         self.0.dim()
     }
 
     fn n_guards(&self) -> usize {
-        0
+        1
     }
 
-    fn initial_mode(&self, _t: f64, _y: &Self::State<f64>) {}
+    fn initial_mode(&self, _t: f64, _y: &Self::State<f64>) -> OfState {
+        OfState
+    }
 
-    fn rhs<S: crate::Real>(&self, (): (), t: S, y: &Self::State<S>, dydt: &mut Self::State<S>) {
+    fn rhs<S: Real>(&self, _: OfState, t: S, y: &Self::State<S>, dydt: &mut Self::State<S>) {
         self.0.rhs(self.0.mode_of_state(t, y), t, y, dydt);
     }
 
-    fn guards<S: crate::Real>(&self, (): (), _t: S, _y: &Self::State<S>, _g: &mut [S; 0]) {}
+    fn guards<S: Real>(&self, _: OfState, t: S, y: &Self::State<S>, g: &mut [S; 1]) {
+        *g = [self.0.end(t, y)];
+    }
 
-    fn guard_bounds(&self, (): (), _t: f64, _y: &Self::State<f64>, _bounds: &mut [f64; 0]) {}
+    fn guard_bounds(&self, _: OfState, _t: f64, _y: &Self::State<f64>, bounds: &mut [f64; 1]) {
+        *bounds = [self.0.end_bound()];
+    }
 
-    fn transition<S: crate::Real>(
+    fn transition<S: Real>(
         &self,
-        (): (),
+        _: OfState,
         _guard: usize,
         _t: S,
         _y: &mut Self::State<S>,
-    ) -> Next<()> {
-        Next::Mode(())
+    ) -> Next<OfState> {
+        Next::Stop
     }
 
-    fn jacobian(&self, (): (), t: f64, y: &Self::State<f64>, entry: impl FnMut(usize, usize, f64)) {
+    fn jacobian(
+        &self,
+        _: OfState,
+        t: f64,
+        y: &Self::State<f64>,
+        entry: impl FnMut(usize, usize, f64),
+    ) {
         self.0.jacobian(self.0.mode_of_state(t, y), t, y, entry);
     }
 }
@@ -80,7 +104,8 @@ impl<'a, P: ModeOfState, R: Record<P>> Record<Blind<'a, P>> for Unblind<'a, P, R
         self.record.event(&Event { t, guard: 0, before, after: Next::Mode(after), y })
     }
 
-    fn event(&mut self, _: &Event<'_, Blind<'a, P>>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
+    fn event(&mut self, event: &Event<'_, Blind<'a, P>>) -> ControlFlow<()> {
+        let (t, guard, y) = (event.t, event.guard, event.y);
+        self.record.event(&Event { t, guard, before: self.mode, after: Next::Stop, y })
     }
 }

@@ -13,7 +13,7 @@ use crate::system::{Next, System};
 const CHATTER: usize = 16;
 /// That many events in a row …
 const STORM: usize = 100;
-/// … within this fraction of the run's time are held to accumulate.
+/// … within this fraction of the time since the run's start are held to accumulate.
 const STORM_SPAN: f64 = 1e-9;
 
 /// An integration of one system: where it stands and what it has cost.
@@ -27,6 +27,7 @@ pub struct Integration<'a, P: System> {
     pub stats: Stats,
     watch: GuardWatch<P>,
     last_events: VecDeque<f64>,
+    t_start: f64,
 }
 
 impl<'a, P: System> Integration<'a, P> {
@@ -39,6 +40,7 @@ impl<'a, P: System> Integration<'a, P> {
             stats: Stats::default(),
             watch: GuardWatch::new(problem),
             last_events: VecDeque::with_capacity(STORM),
+            t_start: t,
         }
     }
 
@@ -60,11 +62,11 @@ impl<'a, P: System> Integration<'a, P> {
             return Err(Error::BadArgument { name: "t_end", value: t_end, allowed });
         }
         check_finite(&self.point, &self.point.y)?;
-        let storm_span = STORM_SPAN * (t_end - self.point.t).abs();
+        self.t_start = self.point.t;
         let mut guard = self.violated()?;
         loop {
             if let Some(guard) = guard
-                && let Some(outcome) = self.switch(guard, storm_span, record)?
+                && let Some(outcome) = self.switch(guard, record)?
             {
                 return Ok(outcome);
             }
@@ -87,7 +89,6 @@ impl<'a, P: System> Integration<'a, P> {
     fn switch(
         &mut self,
         mut guard: usize,
-        storm_span: f64,
         record: &mut dyn Record<P>,
     ) -> Result<Option<Outcome>, Error> {
         for _ in 0..CHATTER {
@@ -101,7 +102,7 @@ impl<'a, P: System> Integration<'a, P> {
             let event = Event { t: *t, guard, before, after, y };
             let go_on = record.event(&event);
             check_finite(&self.point, &self.point.y)?;
-            self.check_storm(storm_span)?;
+            self.check_storm()?;
             if after == Next::Stop {
                 return Ok(Some(Outcome::Stopped));
             }
@@ -117,14 +118,14 @@ impl<'a, P: System> Integration<'a, P> {
         Err(Error::Chatter { t: self.point.t, n: CHATTER, mode, guard })
     }
 
-    fn check_storm(&mut self, storm_span: f64) -> Result<(), Error> {
+    fn check_storm(&mut self) -> Result<(), Error> {
         let t = self.point.t;
         self.last_events.push_back(t);
         if self.last_events.len() < STORM {
             return Ok(());
         }
         let span = self.last_events.pop_front().map_or(f64::INFINITY, |first| (t - first).abs());
-        if span <= storm_span {
+        if span <= STORM_SPAN * (t - self.t_start).abs() {
             let mode = format!("{:?}", self.point.mode);
             return Err(Error::EventStorm { t, n: STORM, span, mode });
         }

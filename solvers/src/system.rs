@@ -128,4 +128,15 @@ pub trait System {
 pub trait ModeOfState: System {
     /// The mode that the signs of `(t, y)` name.
     fn mode_of_state<S: Real>(&self, t: S, y: &Self::State<S>) -> Self::Mode;
+
+    /// A guard that ends a run in whatever mode, positive until then; a blind run keeps it alone.
+    /// The default never falls.
+    fn end<S: Real>(&self, _t: S, _y: &Self::State<S>) -> S {
+        S::cst(1.0)
+    }
+
+    /// A bound of the rounding error of [`end`](Self::end), above zero.
+    fn end_bound(&self) -> f64 {
+        f64::EPSILON
+    }
 }

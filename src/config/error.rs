@@ -156,6 +156,22 @@ pub enum ConfigError {
         /// Largest number of samples.
         most: f64,
     },
+    /// More fixed steps than a run can take.
+    #[error(
+        "{place}: solver.step = {step:e} s up to run.t_end = {t_end:e} s makes {:.1e} steps, at most \
+         {most:e}; raise solver.step",
+        t_end / step
+    )]
+    TooManySteps {
+        /// Where the offending one of the two was given.
+        place: Place,
+        /// Step \[s\].
+        step: f64,
+        /// End of the run \[s\].
+        t_end: f64,
+        /// Largest number of steps.
+        most: f64,
+    },
     /// The table of keys and the types do not agree: a mistake in this program, excluded by a test.
     #[error("mistake in the table of keys, at {part}: {message}")]
     Table {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use deltazero_solvers::Method;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
@@ -14,6 +15,9 @@ use super::{Config, JointConfig};
 
 /// Largest number of samples of a run: at some 150 bytes a row and two joints, 30 GB of output.
 const MOST_SAMPLES: f64 = 1e8;
+
+/// Largest number of fixed steps of a run, 1e12: some three days.
+const MOST_STEPS: f64 = 1e12;
 
 /// Checked values by path, each with the place it came from.
 pub(super) struct Settings {
@@ -103,6 +107,15 @@ impl Settings {
                 place => place,
             };
             return Err(ConfigError::TooManySamples { place, sample, t_end, most: MOST_SAMPLES });
+        }
+        let step = config.solver.step;
+        let is_fixed = Method::named(&config.solver.method).is_some_and(Method::is_fixed_step);
+        if is_fixed && t_end / step > MOST_STEPS {
+            let place = match self.place("solver.step") {
+                Place::Default => self.place("run.t_end"),
+                place => place,
+            };
+            return Err(ConfigError::TooManySteps { place, step, t_end, most: MOST_STEPS });
         }
         Ok(())
     }

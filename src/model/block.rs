@@ -4,7 +4,7 @@ use deltazero_solvers::{ModeOfState, Next, Real, System};
 
 use super::contact::{NormalLaw, PinPose};
 use super::inertia::{Arrow, BlockInertia};
-use super::mode::{Mode, delta_bound};
+use super::mode::{ANGLE_BOUND, Mode, delta_bound};
 use super::reading::Reading;
 
 /// State of a block: X, Y [m], θ [rad] and their rates. X is the pin displacement whose arm goes
@@ -135,6 +135,14 @@ impl ModeOfState for Block {
         } else {
             Mode::Apart
         }
+    }
+
+    fn end<S: Real>(&self, _t: S, y: &State<S>) -> S {
+        self.below_90(y)
+    }
+
+    fn end_bound(&self) -> f64 {
+        ANGLE_BOUND
     }
 }
 

@@ -88,9 +88,7 @@ impl Block {
     #[inline(always)]
     pub(super) fn guards_of<S: Real>(&self, mode: Mode, y: &State<S>) -> [S; 4] {
         let mut g = [S::cst(1.0); 4];
-        if self.stop_at_90 {
-            g[GUARD_90] = -(y[2] - FRAC_PI_2);
-        }
+        g[GUARD_90] = self.below_90(y);
         match mode {
             Mode::Pinned => {}
             // (c² − ρ²)/2c is −δ at the surface, and smooth at the bush's centre too.
@@ -123,12 +121,17 @@ impl Block {
         g
     }
 
+    /// `π/2 − θ` [rad] where the block ends at 90°.
+    pub(super) fn below_90<S: Real>(&self, y: &State<S>) -> S {
+        if self.stop_at_90 { -(y[2] - FRAC_PI_2) } else { S::cst(1.0) }
+    }
+
     /// Bounds of the guards' rounding errors.
     pub(super) fn guard_bounds_of(&self, mode: Mode, y: &State<f64>) -> [f64; 4] {
         let eps = 4.0 * f64::EPSILON;
         let delta = delta_bound(self.clearance);
         let speed = y[3].abs() + y[4].abs() + y[5].abs() * self.pin_radius;
-        let mut bounds = [eps * FRAC_PI_2, delta, delta, delta];
+        let mut bounds = [ANGLE_BOUND, delta, delta, delta];
         if mode.is_contact() || mode == Mode::Relaxing {
             let pose = self.pose(y);
             let force = self.normal.slope(pose.delta) * delta
@@ -207,6 +210,9 @@ impl Block {
         }
     }
 }
+
+/// Rounding error of `π/2 − θ` near 90° [rad].
+pub(super) const ANGLE_BOUND: f64 = 4.0 * f64::EPSILON * FRAC_PI_2;
 
 /// Rounding error of `ρ − c` for ρ near c [m].
 pub(super) fn delta_bound(clearance: f64) -> f64 {

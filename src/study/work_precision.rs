@@ -256,7 +256,15 @@ impl Contest<'_> {
         if status == Status::Ok {
             self.compare(&first, &mut row);
             let mut walls = vec![first.wall()];
-            walls.extend((1..self.config.study.repeats).map(|_| run().wall()));
+            for _ in 1..self.config.study.repeats {
+                let repeat = run();
+                // A time that was broken off is no time.
+                if repeat.is_broken_off() {
+                    row.status = Status::Interrupted;
+                    return row;
+                }
+                walls.push(repeat.wall());
+            }
             walls.sort_unstable();
             row.wall_s_min = walls.first().map(std::time::Duration::as_secs_f64);
             row.wall_s_median = walls.get(walls.len() / 2).map(std::time::Duration::as_secs_f64);

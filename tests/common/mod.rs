@@ -1,5 +1,6 @@
 //! Golden runs, and runs to compare with them.
 #![allow(dead_code, unreachable_pub, missing_docs, reason = "each test target uses its part")]
+#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
 use std::sync::atomic::AtomicBool;
 

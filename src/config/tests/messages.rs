@@ -1,6 +1,7 @@
 //! The messages, word for word.
 
 use super::{refusal, set_refusal};
+use crate::config::Config;
 
 #[test]
 fn an_unknown_key_names_the_nearest() {
@@ -167,6 +168,16 @@ fn a_list_of_the_wrong_length_names_the_right_one() {
         "bad.toml:1: solver.atol = [1, 2] has 2 entries: \
          expected a list of 6 entries, each a number (greater than 0)"
     );
+}
+
+#[test]
+fn more_fixed_steps_than_a_run_can_take_are_refused_for_fixed_step_methods_alone() {
+    let sets = |method: &str| [format!("solver.method={method}"), "solver.step=1e-300".to_owned()];
+    let message = Config::load(None, &sets("rk4")).unwrap_err().to_string();
+    let text = "--set solver.step=1e-300: solver.step = 1e-300 s up to run.t_end = 2e0 s makes \
+                2.0e300 steps, at most 1e12; raise solver.step";
+    assert_eq!(message, text);
+    assert!(Config::load(None, &sets("rk45")).is_ok());
 }
 
 #[test]
