@@ -183,6 +183,10 @@ impl Record<Block> for Limits<'_> {
     fn event(&mut self, _: &Event<'_, Block>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
+
+    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
+        false
+    }
 }
 
 /// A run of both blocks with its trajectories.

@@ -1,4 +1,4 @@
-//! The golden runs of Table 1 are reproduced by three methods, events and all.
+//! The golden runs of Table 1 are reproduced by every kind of method, events and all.
 #![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
 mod common;
@@ -26,25 +26,43 @@ fn reproduces(reading: &str, setting: &Setting, bound: &Bound) {
 
 #[test]
 fn rk45_at_1e_12_reproduces_pin() {
-    // Measured: e = 9.4e-13, event times to 5.1e-11 s.
+    // Measured: e = 1.0e-12, event times to 5.2e-11 s.
     reproduces("pin", &located("rk45", 1e-12), &Bound { e: 9e-12, event_time: 4e-10 });
 }
 
 #[test]
 fn rk45_at_1e_12_reproduces_full() {
-    // Measured: e = 7.5e-13, event times to 4.3e-12 s.
+    // Measured: e = 7.7e-13, event times to 5.7e-12 s.
     reproduces("full", &located("rk45", 1e-12), &Bound { e: 7e-12, event_time: 4e-11 });
 }
 
 #[test]
+fn dop853_at_1e_12_reproduces_both() {
+    // Measured: e = 1.9e-12 and 3.9e-13, event times to 3.5e-11 s.
+    for reading in ["pin", "full"] {
+        reproduces(reading, &located("dop853", 1e-12), &Bound { e: 1e-11, event_time: 3e-10 });
+    }
+}
+
+#[test]
+fn the_other_methods_find_the_events_of_full() {
+    // Measured: e = 9.4e-6, 2.7e-9 and 3.8e-8, event times to 3.5e-6, 2.0e-8 and 2.9e-8 s.
+    for (method, rtol, e) in
+        [("bs32", 1e-8, 9e-5), ("tsit45", 1e-9, 2e-8), ("esdirk34", 1e-9, 3e-7)]
+    {
+        reproduces("full", &located(method, rtol), &Bound { e, event_time: e });
+    }
+}
+
+#[test]
 fn bdf_at_1e_10_reproduces_pin() {
-    // Measured: e = 1.8e-8, event times to 8.6e-7 s.
+    // Measured: e = 2.1e-8, event times to 9.2e-7 s.
     reproduces("pin", &located("bdf", 1e-10), &Bound { e: 1e-7, event_time: 8e-6 });
 }
 
 #[test]
 fn bdf_at_1e_10_reproduces_full() {
-    // Measured: e = 1.9e-8, event times to 1.3e-7 s.
+    // Measured: e = 1.8e-8, event times to 2.6e-7 s.
     reproduces("full", &located("bdf", 1e-10), &Bound { e: 1e-7, event_time: 1e-6 });
 }
 

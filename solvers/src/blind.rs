@@ -108,4 +108,8 @@ impl<'a, P: ModeOfState, R: Record<P>> Record<Blind<'a, P>> for Unblind<'a, P, R
         let (t, guard, y) = (event.t, event.guard, event.y);
         self.record.event(&Event { t, guard, before: self.mode, after: Next::Stop, y })
     }
+
+    fn interpolates(&self, t0: f64, t1: f64) -> bool {
+        self.record.interpolates(t0, t1)
+    }
 }

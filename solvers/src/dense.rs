@@ -1,5 +1,6 @@
 //! Interpolants over one step.
 
+use crate::step::TableauStep;
 use crate::system::Vector;
 
 /// Cubic Hermite interpolation at `θ` between two ends, each a state and its slope.
@@ -38,6 +39,26 @@ pub fn stages<Y: Vector<f64>, const S: usize>(
         theta * p[i].iter().rev().fold(0.0, |sum, p| sum * theta + p)
     });
     combine(y0, h, &weights, k, y);
+}
+
+/// The nested form of [`Dense::Nested`](crate::tableau::Dense::Nested) at `θ`, with the weights `d`.
+pub(crate) fn nested<Y: Vector<f64>, const S: usize>(
+    theta: f64,
+    step: &TableauStep<Y, S>,
+    d: &[&[f64]; 4],
+    y: &mut Y,
+) {
+    let rest = 1.0 - theta;
+    // θ and 1 − θ in the order in which F₃ … F₆ are multiplied by them.
+    let bubble = theta * rest * theta * rest;
+    let factors = [bubble, bubble * theta, bubble * theta * rest, bubble * theta * rest * theta];
+    hermite(theta, step.h, (&step.y0, &step.k[0]), (&step.y1, &step.slope1), y);
+    for (j, slope) in step.slopes().enumerate() {
+        let weight: f64 = d.iter().zip(factors).map(|(row, factor)| row[j] * factor).sum();
+        for (y, slope) in y.as_mut().iter_mut().zip(slope.as_ref()) {
+            *y += step.h * weight * slope;
+        }
+    }
 }
 
 /// `y = y₀ + h Σ_i w_i k_i` over the leading stages that have a weight.

@@ -130,7 +130,19 @@ impl<P: System> GuardWatch<P> {
         self.end.as_ref()[i].eps
     }
 
-    /// The guard that falls first on a step, its time to within `precision` steps or the spacing of
+    /// Whether a look at both ends of a completed step is enough to see that no guard falls on it;
+    /// the next step then begins where it ends.
+    pub fn is_clear(&mut self, problem: &P, mode: P::Mode, step: &dyn Step<P::State<f64>>) -> bool {
+        self.rates(problem, mode, step.t1(), step.y1(), step.slope1());
+        let h = step.t1() - step.t0();
+        let is_clear = (0..self.end.as_ref().len()).all(|i| self.is_far(i, h));
+        if is_clear {
+            self.keep();
+        }
+        is_clear
+    }
+
+    /// The guard that falls first on a step that is not [clear](Self::is_clear), its time to within `precision` steps or the spacing of
     /// `f64`; none where all hold, and the next step then begins where this one ends. A dip is
     /// taken for one if it is deeper than `noise`, as a fraction of its height.
     ///
@@ -145,11 +157,6 @@ impl<P: System> GuardWatch<P> {
         noise: f64,
     ) -> Result<Option<Fall>, Error> {
         let (t0, t1) = (step.t0(), step.t1());
-        self.rates(problem, mode, t1, step.y1(), step.slope1());
-        if (0..self.end.as_ref().len()).all(|i| self.is_clear(i, t1 - t0)) {
-            self.keep();
-            return Ok(None);
-        }
         self.violated(problem, mode, t1, step.y1())?;
         let mut first: Option<Fall> = None;
         for guard in 0..self.end.as_ref().len() {
@@ -173,7 +180,7 @@ impl<P: System> GuardWatch<P> {
 
     /// Whether guard `i` is above zero at both ends of a step of size `h`, and so far above that its
     /// cubic is too: the cubic is off the chord by at most 4/27 of the slopes' differences from it.
-    fn is_clear(&self, i: usize, h: f64) -> bool {
+    fn is_far(&self, i: usize, h: f64) -> bool {
         let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
         let rise = g1.re - g0.re;
         let bend = (g0.eps * h - rise).abs() + (g1.eps * h - rise).abs();

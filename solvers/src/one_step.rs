@@ -9,6 +9,7 @@ use crate::root::Bracket;
 use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{System, Vector};
+use crate::tolerance::Tolerance;
 
 /// A last step is stretched by up to this factor rather than followed by a sliver. DOPRI5.
 const STRETCH_ADAPTIVE: f64 = 1.01;
@@ -38,8 +39,11 @@ pub trait OneStep<P: System> {
     /// Takes a step of size `h` to `t1 = t0 + h`, as often as wished from the same start.
     fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats);
 
-    /// Makes the slope at the end and the dense output of the last attempt valid.
+    /// Makes the slope at the end of the last attempt valid.
     fn complete(&mut self, problem: &P, mode: P::Mode, stats: &mut Stats);
+
+    /// Makes the dense output of the completed step valid, where that takes more stages.
+    fn densify(&mut self, _problem: &P, _mode: P::Mode, _stats: &mut Stats) {}
 
     /// Makes the end of the completed step the start of the next.
     fn advance(&mut self);
@@ -49,6 +53,12 @@ pub trait OneStep<P: System> {
 
     /// Estimate of its local error, where the method has one.
     fn error(&self) -> &P::State<f64>;
+
+    /// Square of its [norm](Tolerance::norm), or of what sharpens it.
+    fn error_norm_sq(&self, tolerance: &Tolerance) -> f64 {
+        let step = self.step();
+        tolerance.norm_sq(self.error().as_ref(), step.y0().as_ref(), step.y1().as_ref())
+    }
 }
 
 /// A one-step method with a step controller.
@@ -219,9 +229,8 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             // The step that time really takes, so that t and y do not drift apart.
             let h_taken = t1 - point.t;
             self.method.attempt(problem, mode, t1, h_taken, stats);
-            let (y0, y1) = (self.method.step().y0(), self.method.step().y1());
-            let error = self.method.error();
-            match self.controller.judge(h_taken, error.as_ref(), y0.as_ref(), y1.as_ref()) {
+            let (y1, error) = (self.method.step().y1(), self.method.error());
+            match self.controller.judge(h_taken, |tolerance| self.method.error_norm_sq(tolerance)) {
                 Verdict::Reject(smaller) => {
                     stats.n_rejected += 1;
                     h = smaller;
@@ -237,12 +246,19 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             check_finite(point, y1)?;
             self.method.complete(problem, mode, stats);
             check_finite(point, self.method.step().slope1())?;
-            let step = self.method.step();
-            let fall = self.watch.first_to_fall(problem, mode, step, PREDICTION, 0.0)?;
-            let landed_on = match fall {
-                None => None,
-                Some(fall) => self.land(problem, mode, fall, stats)?,
+            let landed_on = if self.watch.is_clear(problem, mode, self.method.step()) {
+                None
+            } else {
+                self.method.densify(problem, mode, stats);
+                let step = self.method.step();
+                match self.watch.first_to_fall(problem, mode, step, PREDICTION, 0.0)? {
+                    None => None,
+                    Some(fall) => self.land(problem, mode, fall, stats)?,
+                }
             };
+            if record.interpolates(point.t, self.method.step().t1()) {
+                self.method.densify(problem, mode, stats);
+            }
             stats.n_accepted += 1;
             point.t = self.method.step().t1();
             point.y.clone_from(self.method.step().y1());

@@ -40,6 +40,12 @@ pub trait Record<P: System> {
 
     /// An event was located and its transition made. Events at one time come in their order.
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()>;
+
+    /// Whether it will interpolate within the step from `t0` to `t1` that it is shown next; one that
+    /// does not saves some methods the stages of their dense output, and finds it invalid.
+    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
+        true
+    }
 }
 
 /// Records nothing.
@@ -50,6 +56,10 @@ impl<P: System> Record<P> for () {
 
     fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
         ControlFlow::Continue(())
+    }
+
+    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
+        false
     }
 }
 
@@ -66,6 +76,10 @@ impl<P: System, A: Record<P>, B: Record<P>> Record<P> for (A, B) {
         let second = self.1.event(event);
         if first.is_break() { first } else { second }
     }
+
+    fn interpolates(&self, t0: f64, t1: f64) -> bool {
+        self.0.interpolates(t0, t1) || self.1.interpolates(t0, t1)
+    }
 }
 
 impl<P: System, R: Record<P> + ?Sized> Record<P> for &mut R {
@@ -75,5 +89,9 @@ impl<P: System, R: Record<P> + ?Sized> Record<P> for &mut R {
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
         (**self).event(event)
+    }
+
+    fn interpolates(&self, t0: f64, t1: f64) -> bool {
+        (**self).interpolates(t0, t1)
     }
 }

@@ -41,6 +41,8 @@ pub struct TableauStep<Y, const S: usize> {
     pub k: [Y; S],
     /// Slope at the end.
     pub slope1: Y,
+    /// Slopes of the stages that dense output alone needs.
+    pub extra: Vec<Y>,
     /// Estimate of the local error; NaN-free only where the method has one.
     pub error: Y,
     /// How to interpolate.
@@ -59,9 +61,17 @@ impl<Y: Vector<f64>, const S: usize> TableauStep<Y, S> {
             y1: zero(),
             k: std::array::from_fn(|_| zero()),
             slope1: zero(),
+            extra: dense.extra_stages().iter().map(|_| zero()).collect(),
             error: zero(),
             dense,
         }
+    }
+}
+
+impl<Y: Vector<f64>, const S: usize> TableauStep<Y, S> {
+    /// All slopes in order: the stages, the end, the extra stages.
+    pub(crate) fn slopes(&self) -> impl Iterator<Item = &Y> {
+        self.k.iter().chain([&self.slope1]).chain(&self.extra)
     }
 }
 
@@ -101,6 +111,7 @@ impl<Y: Vector<f64>, const S: usize> Step<Y> for TableauStep<Y, S> {
                 dense::hermite(theta, self.h, (&self.y0, &self.k[0]), (&self.y1, &self.slope1), y)
             }
             Dense::Stages { p, .. } => dense::stages(theta, self.h, &self.y0, &self.k, p, y),
+            Dense::Nested { d, .. } => dense::nested(theta, self, d, y),
         }
     }
 }

@@ -19,9 +19,16 @@ pub struct Tableau<const S: usize> {
     pub b: [f64; S],
     /// Weights of the embedded solution, from which the local error is estimated.
     pub b_hat: Option<[f64; S]>,
+    /// Weights of a second embedded solution of lower order, which sharpens the estimate:
+    /// `err = err₁²/√(err₁² + 0.01 err₂²)` in the norms of both.
+    pub b_hat_low: Option<[f64; S]>,
     /// Dense output.
     pub dense: Dense<S>,
 }
+
+/// A stage that only dense output needs: its node, and its weights of all slopes before it: the
+/// stages, the slope at the end, the extra stages.
+pub type ExtraStage = (f64, &'static [f64]);
 
 /// How a method interpolates within a step.
 #[derive(Debug)]
@@ -35,6 +42,15 @@ pub enum Dense<const S: usize> {
         /// Row `i`: the coefficients `p_i0, p_i1, …` of stage `i`.
         p: [&'static [f64]; S],
     },
+    /// Hermite's cubic corrected by a bubble over the slopes, to seventh order:
+    /// `y = y₀ + θ (F₀ + (1 − θ)(F₁ + θ (F₂ + (1 − θ)(F₃ + θ (F₄ + (1 − θ)(F₅ + θ F₆))))))` with
+    /// `F₀ = y₁ − y₀`, `F₁ = h ẏ₀ − F₀`, `F₂ = 2 F₀ − h (ẏ₀ + ẏ₁)` and `F_(3+i) = h Σ_j d_ij k_j`.
+    Nested {
+        /// Stages evaluated for it alone.
+        extra: &'static [ExtraStage],
+        /// Weights of all slopes, a row each for `F₃ … F₆`.
+        d: [&'static [f64]; 4],
+    },
 }
 
 impl<const S: usize> Dense<S> {
@@ -43,6 +59,15 @@ impl<const S: usize> Dense<S> {
         match self {
             Self::Hermite => 3,
             Self::Stages { order, .. } => *order,
+            Self::Nested { .. } => 7,
+        }
+    }
+
+    /// The stages that it needs beyond those of the step.
+    pub fn extra_stages(&self) -> &'static [ExtraStage] {
+        match self {
+            Self::Nested { extra, .. } => extra,
+            Self::Hermite | Self::Stages { .. } => &[],
         }
     }
 }

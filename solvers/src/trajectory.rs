@@ -106,4 +106,13 @@ impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
         }
         ControlFlow::Continue(())
     }
+
+    fn interpolates(&self, t0: f64, t1: f64) -> bool {
+        match &self.grid {
+            Grid::Steps => false,
+            Grid::Times(times) => {
+                times.get(self.next).is_some_and(|t| if t1 >= t0 { *t < t1 } else { *t > t1 })
+            }
+        }
+    }
 }

@@ -11,6 +11,10 @@ use deltazero_solvers::{
     Record, System, Tolerance, Trajectory,
 };
 
+/// What rounding may do to times and states of constant slope: diffsol's methods add up hundreds of
+/// steps to 2.5e-14.
+const ROUNDING: f64 = 2e-13;
+
 /// A system of modes written as data: `ẋ = 1`, `ż = rate[mode]`, guards `p(x) + a z`.
 struct Script {
     rate: Vec<f64>,
@@ -176,8 +180,8 @@ fn expect_events(script: &Script, t_end: f64, expected: &[f64]) {
         let (log, outcome, t, [x, _]) = run(script, &setting, (0.0, [0.0, 0.0]), t_end);
         assert_eq!(outcome, Ok(Outcome::Finished), "{name}");
         assert_eq!(t, t_end, "{name}");
-        // Measured: 1.1e-15.
-        at_most("state at the end", (x - t).abs(), 1e-14);
+        // Measured: 1.1e-15 for ours, 2.5e-14 for those of diffsol, which add up their steps.
+        at_most("state at the end", (x - t).abs(), ROUNDING);
         let times = log.times();
         assert_eq!(times.len(), expected.len(), "{name}: {times:?}");
         for (t, expected) in times.iter().zip(expected) {
@@ -256,7 +260,7 @@ fn two_guards_at_one_instant_switch_one_after_the_other() {
         let times = log.times();
         let modes: Vec<_> = log.events.iter().map(|event| event.3).collect();
         assert_eq!(*modes.last().unwrap(), Next::Mode(2), "{modes:?}");
-        assert!(modes.len() <= 2 && times.iter().all(|t| (t - 0.7).abs() < 1e-14), "{times:?}");
+        assert!(modes.len() <= 2 && times.iter().all(|t| (t - 0.7).abs() < ROUNDING), "{times:?}");
     }
 }
 
@@ -328,10 +332,10 @@ fn a_mass_that_sticks_stays() {
         assert_eq!(log.events.len(), oscillator.n_half_periods(), "{name}");
         assert_eq!(log.events.last().unwrap().3, Next::Mode(FrictionMode::Stick));
         let exact = oscillator.state(20.0);
-        // Measured: 1.0e-2 m for rk4 and 1.8e-4 m for rk45 at ω h = 0.75; with rtol = 1e-8
-        // 2.2e-8 m for rk45 and 4.4e-7 m for bdf.
+        // Measured: 8.6e-2 m for bs32, 1.0e-2 m for rk4 and 1.8e-4 m for rk45 at ω h = 0.75; with rtol = 1e-8
+        // 2.2e-8 m for rk45, 4.4e-7 m for bdf and 3.5e-6 m for esdirk34.
         let is_fixed = matches!(setting.1, Control::Fixed(_));
-        let bound = if is_fixed { 5e-2 } else { 2e-6 };
+        let bound = if is_fixed { 0.5 } else { 2e-5 };
         at_most(name, (y[0] - exact[0]).abs(), bound);
         assert_eq!(y[1], 0.0, "{name}");
     }
@@ -353,11 +357,13 @@ fn a_state_slides_on_a_surface_until_it_is_let_go() {
         assert_eq!(outcome, Ok(Outcome::Finished));
         let times = log.times();
         assert!(
-            times.len() == 2 && (times[0] - 0.5).abs() < 1e-14 && (times[1] - 1.25).abs() < 1e-14,
+            times.len() == 2
+                && (times[0] - 0.5).abs() < ROUNDING
+                && (times[1] - 1.25).abs() < ROUNDING,
             "{}: {times:?}",
             setting.0.name
         );
-        assert!((z - 0.75).abs() < 1e-13);
+        assert!((z - 0.75).abs() < ROUNDING);
     }
 }
 
@@ -384,7 +390,8 @@ fn two_modes_that_push_against_each_other_are_an_error_and_not_a_hang() {
         let error = outcome.unwrap_err();
         let expected = matches!(error, Error::Chatter { .. } | Error::EventStorm { .. });
         assert!(expected, "{}: {error}", setting.0.name);
-        assert!(error.to_string().contains("t = 0.5"), "{error}");
+        let (Error::Chatter { t, .. } | Error::EventStorm { t, .. }) = error else { continue };
+        assert!((t - 0.5).abs() < ROUNDING, "{error}");
     }
 }
 
@@ -460,7 +467,7 @@ fn a_slope_that_is_not_a_number_is_an_error_that_names_the_place() {
             panic!("{name}: {outcome:?}");
         };
         assert_eq!((*at, mode.as_str()), (t, "\"only\""), "{name}");
-        assert!(t < 1.0 + 1e-15 && y[1].is_finite(), "{name}: {t}");
+        assert!(t < 1.0 + ROUNDING && y[1].is_finite(), "{name}: {t}");
         // From the very start.
         let (_, outcome, ..) = run(&Breaks { in_rhs: true }, &setting, (0.0, [1.5, 0.0]), 2.0);
         let expected = matches!(outcome, Err(Error::NonFinite { t: 0.0, component: 1, .. }));
@@ -477,7 +484,7 @@ fn a_guard_that_is_not_a_number_is_an_error_that_names_the_place() {
             panic!("{name}: {outcome:?}");
         };
         assert_eq!(mode, "\"only\"", "{name}");
-        assert!(t <= 1.0 && *at > 1.0 && y[1].is_finite(), "{name}: {t}, {at}");
+        assert!(t <= 1.0 + ROUNDING && *at >= 1.0 && y[1].is_finite(), "{name}: {t}, {at}");
     }
 }
 
@@ -499,7 +506,7 @@ fn a_terminal_event_stops_the_run() {
     for setting in settings() {
         let (log, outcome, t, [x, _]) = run(&script, &setting, (0.0, [0.0; 2]), 2.0);
         assert_eq!(outcome, Ok(Outcome::Stopped), "{}", setting.0.name);
-        assert!((t - 0.7).abs() < 1e-14 && (x - 0.7).abs() < 1e-14, "{t} {x}");
+        assert!((t - 0.7).abs() < ROUNDING && (x - 0.7).abs() < ROUNDING, "{t} {x}");
         assert_eq!(log.times(), [t]);
         assert_eq!(log.steps.last().unwrap().1, t);
     }
@@ -514,9 +521,10 @@ fn events_are_located_backward_in_time() {
         assert_eq!((outcome, t), (Ok(Outcome::Finished), 0.0), "{name}");
         let times = log.times();
         assert_eq!(times.len(), 2, "{name}: {times:?}");
-        // Measured: 2e-16.
-        assert!((times[0] - 1.1).abs() < 2e-15 && (times[1] - 0.35).abs() < 2e-15, "{times:?}");
-        assert!(x.abs() < 2e-15, "{name}: {x}");
+        // Measured: 2e-16 for ours, 1.7e-14 for those of diffsol.
+        let late = (times[0] - 1.1).abs().max((times[1] - 0.35).abs());
+        assert!(late < ROUNDING, "{name}: {times:?}");
+        assert!(x.abs() < ROUNDING, "{name}: {x}");
         assert!(log.steps.iter().all(|(t0, t1, _)| t1 < t0), "{name}");
     }
 }
@@ -760,8 +768,8 @@ fn a_landing_has_the_slope_of_where_it_lands() {
         let mut solver = method.solver(&ball, control).unwrap();
         let mut integration = Integration::new(&ball, 0.0, ball.start());
         integration.run(3.0, &mut *solver, &mut landings).unwrap();
-        // Measured: 0, for bdf 1.3e-15 m/s.
-        let bound = if steps_itself(method, &ball) { 1e-14 } else { 0.0 };
+        // Measured: 0, for diffsol's at most 3.2e-13 m/s (tsit45).
+        let bound = if steps_itself(method, &ball) { 3e-12 } else { 0.0 };
         at_most(method.name, landings.0, bound);
     }
 }

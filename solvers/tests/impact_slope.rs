@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{at_most, distance, end_state, log_slope, near, steps_itself, tolerance};
+use common::{at_most, distance, end_state, log_slope, near, slack, steps_itself, tolerance};
 use deltazero_solvers::problems::{CompliantBall, Exit};
 use deltazero_solvers::{Blind, Control, METHODS, Method};
 
@@ -51,9 +51,12 @@ fn located_events_keep_the_order_through_impacts() {
         let ball = ball(exit);
         assert_eq!(ball.solution(T_END).1.len(), 6);
         for method in one_step_methods(&ball) {
-            let points = envelope(200, 4, |n| located_error(&ball, method, n));
-            // Measured: 3.93 and 3.92 for rk4, 5.17 and 5.17 for rk45.
-            near(method.name, log_slope(&points), method.order as f64, 0.2);
+            // For high orders few enough steps to stay above rounding.
+            let (first, octaves) = if method.order > 5 { (64, 2) } else { (200, 4) };
+            let points = envelope(first, octaves, |n| located_error(&ball, method, n));
+            // Measured: 3.93 and 3.92 for rk4, 3.04 and 3.04 for bs32, 5.17 and 5.17 for rk45, 8.03
+            // and 7.92 for dop853.
+            near(method.name, log_slope(&points), method.order as f64, slack(method));
         }
     }
 }
@@ -95,7 +98,7 @@ fn adaptive_runs_follow_their_tolerance_through_impacts() {
                 (rtol, distance(&y, &exact))
             });
             // Measured: 1.00 and 0.95 for rk45, 0.80 and 0.71 for bdf.
-            near(method.name, log_slope(&points), 0.9, 0.3);
+            near(method.name, log_slope(&points), 0.9, if method.order > 5 { 0.5 } else { 0.3 });
         }
     }
 }
@@ -111,8 +114,11 @@ fn contacts_lose_speed_by_the_closed_form() {
             };
             let y = end_state(&ball, method, control, (0.0, ball.start), T_END, &mut ());
             let lost = ball.restitution().powi(3) * ball.start[1];
-            // Measured: 1.9e-10 for rk4, 2.0e-12 for rk45, 8.2e-11 for bdf.
-            at_most(method.name, (y[1].abs() - lost).abs(), 1e-9);
+            // Measured: 1.9e-10 for rk4, 2.0e-12 for rk45, 8.2e-11 for bdf, 7.2e-9 for tr_bdf2
+            // and 1.8e-9 for esdirk34.
+            let is_of_low_order = steps_itself(method, &ball) && method.order < 5;
+            let bound = if is_of_low_order { 7e-8 } else { 1e-9 };
+            at_most(method.name, (y[1].abs() - lost).abs(), bound);
         }
     }
 }

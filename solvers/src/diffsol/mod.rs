@@ -1,4 +1,4 @@
-//! The implicit multistep method of the library `diffsol`, one smooth phase at a time.
+//! The methods of the library `diffsol`, one smooth phase at a time.
 //!
 //! A solver is made for each phase, so its history, Jacobian and failure counts start anew at
 //! every event. Guards are ours: they are looked at after each of its steps and located on its
@@ -7,7 +7,7 @@
 mod equations;
 
 use diffsol::{
-    BdfState, DiffsolError, NalgebraLU, OdeBuilder, OdeSolverMethod, OdeSolverState,
+    DiffsolError, NalgebraLU, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState,
     OdeSolverStopReason, VectorCommon,
 };
 
@@ -19,7 +19,7 @@ use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::System;
 use crate::tolerance::Tolerance;
-use equations::{Equations, M, state};
+use equations::{Equations, M, V, state};
 
 /// Depth at which a dip of a guard inside a step is believed, as a fraction of its height: the
 /// interpolant cannot be checked by retaking the step.
@@ -29,18 +29,45 @@ const RESOLUTION: f64 = 100.0 * f64::EPSILON;
 /// Shortest step as a fraction of the time left.
 const LEAST_STEP: f64 = 1e-16;
 
-/// Variable-order BDF (NDF, orders 1 to 5) of `diffsol`, as a phase solver.
-///
-/// L. F. Shampine, M. W. Reichelt, "The MATLAB ODE suite", SIAM J. Sci. Comput. 18(1), 1–22 (1997).
+/// A method of `diffsol`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DiffsolScheme {
+    /// Variable-order BDF (NDF, orders 1 to 5). L. F. Shampine, M. W. Reichelt, "The MATLAB ODE
+    /// suite", SIAM J. Sci. Comput. 18(1), 1–22 (1997).
+    Bdf,
+    /// TR-BDF2, second order, L-stable. M. E. Hosea, L. F. Shampine, "Analysis and implementation of
+    /// TR-BDF2", Appl. Numer. Math. 20(1–2), 21–37 (1996).
+    TrBdf2,
+    /// ESDIRK, third order with a fourth-order estimate, L-stable.
+    Esdirk34,
+    /// Tsitouras 5(4), explicit. Ch. Tsitouras, "Runge–Kutta pairs of order 5(4) satisfying only the
+    /// first column simplifying assumption", Comput. Math. Appl. 62(2), 770–775 (2011).
+    Tsit45,
+}
+
+impl DiffsolScheme {
+    /// Order with which it starts: what its first step is chosen by.
+    fn starting_order(self) -> usize {
+        match self {
+            Self::Bdf => 1,
+            Self::TrBdf2 => 2,
+            Self::Esdirk34 => 3,
+            Self::Tsit45 => 5,
+        }
+    }
+}
+
+/// A method of `diffsol` as a phase solver.
 pub struct DiffsolSolver<P: System> {
+    scheme: DiffsolScheme,
     tolerance: Tolerance,
     watch: GuardWatch<P>,
 }
 
 impl<P: System> DiffsolSolver<P> {
-    /// BDF on `problem` to `tolerance`.
-    pub fn new(problem: &P, tolerance: Tolerance) -> Self {
-        Self { tolerance, watch: GuardWatch::new(problem) }
+    /// `scheme` on `problem` to `tolerance`.
+    pub fn new(problem: &P, scheme: DiffsolScheme, tolerance: Tolerance) -> Self {
+        Self { scheme, tolerance, watch: GuardWatch::new(problem) }
     }
 
     /// Crosses a span below the resolution of `diffsol`, where a straight line is exact to rounding.
@@ -132,7 +159,9 @@ impl<P: System> DiffsolSolver<P> {
             let (t0, y0) = (point.t, &point.y);
             let mut step = SolverStep { interpolant, t0, t1, y0, y1, slope0, slope1 };
             let mut landed_on = None;
-            if let Some(fall) = self.watch.first_to_fall(problem, mode, &step, 0.0, NOISE)? {
+            if !self.watch.is_clear(problem, mode, &step)
+                && let Some(fall) = self.watch.first_to_fall(problem, mode, &step, 0.0, NOISE)?
+            {
                 let mut y = step.y1.clone();
                 step.interpolate(fall.t, &mut y);
                 (step.t1, step.y1) = (fall.t, y);
@@ -177,17 +206,47 @@ impl<P: System> PhaseSolver<P> for DiffsolSolver<P> {
             .map_err(|error| failure(point, &error))?;
         built.ode_options.max_nonlinear_solver_failures = usize::MAX;
         built.ode_options.min_timestep = LEAST_STEP * span.abs();
-        let mut start =
-            BdfState::new_without_initialise(&built).map_err(|error| failure(point, &error))?;
-        check_finite(point, &state(problem, start.as_ref().dy))?;
-        let sign = 1_f64.copysign(span);
-        start.as_mut().set_step_size(sign, &built.atol, built.rtol, &built.eqn, 1);
-        let h = start.as_mut().h;
-        *h = h.abs().min(span.abs()).copysign(span);
-        let mut solver =
-            built.bdf_solver::<NalgebraLU<f64>>(start).map_err(|error| failure(point, &error))?;
-        self.advance(&mut solver, point, t_end, stats, record)
+        let order = self.scheme.starting_order();
+        macro_rules! advance {
+            ($solver:expr) => {{
+                let mut solver = $solver.map_err(|error| failure(point, &error))?;
+                self.advance(&mut solver, point, t_end, stats, record)
+            }};
+        }
+        match self.scheme {
+            DiffsolScheme::Bdf => {
+                advance!(built.bdf_solver::<LU>(started(&built, point, span, order)?))
+            }
+            DiffsolScheme::TrBdf2 => {
+                advance!(built.tr_bdf2_solver::<LU>(started(&built, point, span, order)?))
+            }
+            DiffsolScheme::Esdirk34 => {
+                advance!(built.esdirk34_solver::<LU>(started(&built, point, span, order)?))
+            }
+            DiffsolScheme::Tsit45 => {
+                advance!(built.tsit45_solver(started(&built, point, span, order)?))
+            }
+        }
     }
+}
+
+/// The linear solver for a dozen states.
+type LU = NalgebraLU<f64>;
+
+/// A state of `diffsol` at the start of `built`, with a first step over `span` for a method of `order`.
+fn started<P: System, S: OdeSolverState<V>>(
+    built: &OdeSolverProblem<Equations<'_, P>>,
+    point: &Point<P>,
+    span: f64,
+    order: usize,
+) -> Result<S, Error> {
+    let mut start = S::new_without_initialise(built).map_err(|error| failure(point, &error))?;
+    check_finite(point, &state(built.eqn.problem, start.as_ref().dy))?;
+    let sign = 1_f64.copysign(span);
+    start.as_mut().set_step_size(sign, &built.atol, built.rtol, &built.eqn, order);
+    let h = start.as_mut().h;
+    *h = h.abs().min(span.abs()).copysign(span);
+    Ok(start)
 }
 
 /// Adds what `solver` has done to `stats`.

@@ -25,5 +25,6 @@ pub const CLASSICAL_4: Tableau<4> = Tableau {
     a: [&[], &[1.0 / 2.0], &[0.0, 1.0 / 2.0], &[0.0, 0.0, 1.0]],
     b: [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0],
     b_hat: None,
+    b_hat_low: None,
     dense: Dense::Hermite,
 };

@@ -47,6 +47,7 @@ pub const DORMAND_PRINCE_5: Tableau<7> = Tableau {
         187.0 / 2100.0,
         1.0 / 40.0,
     ]),
+    b_hat_low: None,
     dense: Dense::Stages {
         order: 4,
         p: [

@@ -1,13 +1,17 @@
 //! The list of methods, one line each: whatever compares methods loops over it.
 
+mod bogacki_shampine_3;
 mod classical_4;
 mod dormand_prince_5;
+mod dormand_prince_853;
 
+pub use bogacki_shampine_3::BOGACKI_SHAMPINE_3;
 pub use classical_4::CLASSICAL_4;
 pub use dormand_prince_5::DORMAND_PRINCE_5;
+pub use dormand_prince_853::DORMAND_PRINCE_853;
 
 use crate::control::Control;
-use crate::diffsol::DiffsolSolver;
+use crate::diffsol::{DiffsolScheme, DiffsolSolver};
 use crate::erk::ExplicitRk;
 use crate::error::Error;
 use crate::one_step::OneStepSolver;
@@ -32,7 +36,21 @@ pub struct Method {
 enum Scheme {
     Explicit4(&'static Tableau<4>),
     Explicit7(&'static Tableau<7>),
-    DiffsolBdf,
+    Explicit12(&'static Tableau<12>),
+    Diffsol(DiffsolScheme),
+}
+
+/// Evaluates the first expression with the tableau of an explicit scheme, whatever its size, or the
+/// second with the scheme of `diffsol`.
+macro_rules! by_scheme {
+    ($scheme:expr, $tableau:ident => $explicit:expr, $diffsol:pat => $other:expr $(,)?) => {
+        match $scheme {
+            Scheme::Explicit4($tableau) => $explicit,
+            Scheme::Explicit7($tableau) => $explicit,
+            Scheme::Explicit12($tableau) => $explicit,
+            Scheme::Diffsol($diffsol) => $other,
+        }
+    };
 }
 
 /// All methods.
@@ -44,16 +62,46 @@ pub static METHODS: &[Method] = &[
         scheme: Scheme::Explicit4(&CLASSICAL_4),
     },
     Method {
+        name: "bs32",
+        order: BOGACKI_SHAMPINE_3.order,
+        about: "Bogacki-Shampine 3(2), explicit, adaptive: loose tolerances, cheap restarts",
+        scheme: Scheme::Explicit4(&BOGACKI_SHAMPINE_3),
+    },
+    Method {
         name: "rk45",
         order: DORMAND_PRINCE_5.order,
         about: "Dormand-Prince 5(4), explicit, adaptive: moderate tolerances, frequent events",
         scheme: Scheme::Explicit7(&DORMAND_PRINCE_5),
     },
     Method {
+        name: "dop853",
+        order: DORMAND_PRINCE_853.order,
+        about: "Dormand-Prince 8(5,3), explicit, adaptive: tight tolerances",
+        scheme: Scheme::Explicit12(&DORMAND_PRINCE_853),
+    },
+    Method {
         name: "bdf",
         order: 5,
         about: "diffsol's BDF, implicit, adaptive, orders 1 to 5: strong damping, few events",
-        scheme: Scheme::DiffsolBdf,
+        scheme: Scheme::Diffsol(DiffsolScheme::Bdf),
+    },
+    Method {
+        name: "tr_bdf2",
+        order: 2,
+        about: "diffsol's TR-BDF2, implicit, L-stable, adaptive: strong damping, loose tolerances",
+        scheme: Scheme::Diffsol(DiffsolScheme::TrBdf2),
+    },
+    Method {
+        name: "esdirk34",
+        order: 3,
+        about: "diffsol's ESDIRK 3(4), implicit, L-stable, adaptive: strong damping, many events",
+        scheme: Scheme::Diffsol(DiffsolScheme::Esdirk34),
+    },
+    Method {
+        name: "tsit45",
+        order: 5,
+        about: "diffsol's Tsitouras 5(4), explicit, adaptive: a check of rk45 by other hands",
+        scheme: Scheme::Diffsol(DiffsolScheme::Tsit45),
     },
 ];
 
@@ -65,21 +113,13 @@ impl Method {
 
     /// Whether its step size is the user's to choose.
     pub fn is_fixed_step(&self) -> bool {
-        match self.scheme {
-            Scheme::Explicit4(tableau) => tableau.b_hat.is_none(),
-            Scheme::Explicit7(tableau) => tableau.b_hat.is_none(),
-            Scheme::DiffsolBdf => false,
-        }
+        by_scheme!(self.scheme, tableau => tableau.b_hat.is_none(), _ => false)
     }
 
     /// Residuals of the conditions that its [tableau](Tableau::residuals) must meet; none where it
     /// has no tableau.
     pub fn residuals(&self) -> Vec<f64> {
-        match self.scheme {
-            Scheme::Explicit4(tableau) => tableau.residuals(),
-            Scheme::Explicit7(tableau) => tableau.residuals(),
-            Scheme::DiffsolBdf => Vec::new(),
-        }
+        by_scheme!(self.scheme, tableau => tableau.residuals(), _ => Vec::new())
     }
 
     /// The method at work on `problem`, its steps chosen by `control`.
@@ -108,19 +148,17 @@ impl Method {
             }
             Control::Fixed(_) => {}
         }
-        Ok(match self.scheme {
-            Scheme::Explicit4(tableau) => {
-                Box::new(OneStepSolver::new(problem, ExplicitRk::new(tableau, n), control))
-            }
-            Scheme::Explicit7(tableau) => {
-                Box::new(OneStepSolver::new(problem, ExplicitRk::new(tableau, n), control))
-            }
-            Scheme::DiffsolBdf => match control {
-                Control::Adaptive(tolerance) => Box::new(DiffsolSolver::new(problem, tolerance)),
+        Ok(by_scheme!(
+            self.scheme,
+            tableau => Box::new(OneStepSolver::new(problem, ExplicitRk::new(tableau, n), control)),
+            scheme => match control {
+                Control::Adaptive(tolerance) => {
+                    Box::new(DiffsolSolver::new(problem, scheme, tolerance))
+                }
                 Control::Fixed(_) => {
                     return Err(Error::BadControl { method: self.name, needs: "a tolerance" });
                 }
             },
-        })
+        ))
     }
 }

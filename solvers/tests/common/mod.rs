@@ -29,6 +29,11 @@ pub(crate) fn log_slope(points: &[(f64, f64)]) -> f64 {
     xy / xx
 }
 
+/// How far a measured slope may be from the order of `method`.
+pub(crate) fn slack(method: &Method) -> f64 {
+    if method.order > 5 { 0.5 } else { 0.2 }
+}
+
 /// The same tolerance for both states, relative and absolute.
 pub(crate) fn tolerance(rtol: f64) -> Control {
     Control::Adaptive(Tolerance { rtol, atol: vec![rtol; 2] })
