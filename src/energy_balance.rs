@@ -1,7 +1,6 @@
 //! The energy balance of a run: a recorder that integrates powers over each step.
 
 use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
 
 use deltazero_solvers::{Accepted, Event, Next, Record};
 use serde::Serialize;
@@ -49,8 +48,6 @@ pub struct EnergyBalance<'a> {
     start: f64,
     work: f64,
     dissipated: f64,
-    /// Time spent in this recorder, which is no part of the integration's.
-    pub spent: Duration,
 }
 
 impl<'a> EnergyBalance<'a> {
@@ -58,7 +55,7 @@ impl<'a> EnergyBalance<'a> {
     pub fn new(block: &'a Block, mode: Mode, y0: &State<f64>) -> Self {
         let energy = block.energy(mode, y0);
         let start = energy.kinetic + energy.elastic;
-        Self { block, start, work: 0.0, dissipated: 0.0, spent: Duration::ZERO }
+        Self { block, start, work: 0.0, dissipated: 0.0 }
     }
 
     /// The balance at the end of the run, at `y` in `mode`.
@@ -72,7 +69,6 @@ impl<'a> EnergyBalance<'a> {
 
 impl Record<Block> for EnergyBalance<'_> {
     fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
-        let entered = Instant::now();
         let step = accepted.step;
         let h = step.t1() - step.t0();
         self.work += self.block.torque * (step.y1()[2] - step.y0()[2]);
@@ -81,7 +77,6 @@ impl Record<Block> for EnergyBalance<'_> {
             step.interpolate(step.t0() + node * h, &mut y);
             self.dissipated += weight * h * self.block.power(accepted.mode, &y).dissipated;
         }
-        self.spent += entered.elapsed();
         ControlFlow::Continue(())
     }
 

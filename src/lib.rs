@@ -1,7 +1,7 @@
 //! Which integrator, at which setting, for this contact?
 //!
 //! A pin rattles in a bush with clearance c: free flight, then contact through a stiff spring with
-//! damping and friction, dozens of times a second, each change at the zero crossing δ = 0. The
+//! damping and friction, some fifteen times a second, each change at the zero crossing δ = 0. The
 //! mechanism is a deployable strut bay with two such joints; joint 1 carries (x01, y01, θ1),
 //! joint 2 (y02, z02, θ2), and the two share no term. In the coordinates (X, Y, θ) of one of them
 //!
@@ -41,8 +41,8 @@
 //! | [`model`] | the mechanism as two hybrid systems; no time, no loop |
 //! | [`run`] | one run by one method at one setting |
 //! | [`energy_balance`] | a recorder: where the energy of a run went |
-//! | [`reference`](mod@reference) | the run that errors are measured against, and its own error |
 //! | [`metrics`] | errors of states, event sequences and event times |
+//! | [`reference`](mod@reference) | the run that errors are measured against, and its own error |
 //! | [`study`] | the experiments, each a function from a configuration to a table |
 //! | [`figures`] | the figures, each a function from a table to a chart |
 //! | [`report`] | tables to CSV and Markdown |

@@ -17,7 +17,7 @@ pub struct ErrorScale {
 
 /// `e` of one sample: the larger of `|Δpin|/c` (Euclidean) and `|Δθ|/θ_s`; in any order of X and Y.
 pub fn sample_error(y: &State<f64>, reference: &State<f64>, scale: ErrorScale) -> f64 {
-    let pin = (y[0] - reference[0]).hypot(y[1] - reference[1]) / scale.clearance;
+    let pin = libm::hypot(y[0] - reference[0], y[1] - reference[1]) / scale.clearance;
     let theta = (y[2] - reference[2]).abs() / scale.theta;
     // Not `max`, which would drop a NaN.
     if pin.is_nan() || pin > theta { pin } else { theta }

@@ -59,11 +59,11 @@ pub struct BlockReference {
     pub times: Vec<f64>,
     /// Mode changes; the first one may be the start's own, see [`counted`].
     pub events: Vec<ModeChange>,
-    /// When θ reached 90° [s].
-    pub reached_90: Option<f64>,
-    /// First sample time at which a last-bit change of the start exceeds [`HORIZON_ERROR`], or the
-    /// end [s].
-    pub horizon: f64,
+    /// First sample time at which a last-bit change of the start exceeds [`HORIZON_ERROR`] [s];
+    /// infinite where none does.
+    pub lost_at: f64,
+    /// The end of the run [s].
+    pub t_end: f64,
     /// Scales of its errors.
     pub scale: ErrorScale,
 }
@@ -157,14 +157,14 @@ impl Reference {
             agreement,
             event_time_agreement_s: event_agreement,
             theta_scale_rad: theta,
-            horizon_s: blocks.iter().map(|block| block.horizon).collect(),
+            horizon_s: blocks.iter().map(BlockReference::horizon).collect(),
         };
         Ok(Self { blocks, summary })
     }
 
     /// The shortest horizon of its blocks [s].
     pub fn horizon(&self) -> f64 {
-        self.blocks.iter().fold(f64::INFINITY, |least, block| least.min(block.horizon))
+        self.blocks.iter().fold(f64::INFINITY, |least, block| least.min(block.horizon()))
     }
 }
 
@@ -192,27 +192,32 @@ fn block_reference(
     let clearance = if block.clearance > 0.0 { block.clearance } else { 1e-4 };
     let scale = ErrorScale { clearance, theta };
     let pairs = trajectory.samples.iter().zip(&nudged.samples);
-    let horizon = pairs
+    let lost_at = pairs
         .filter(|(a, b)| sample_error(&b.y, &a.y, scale).total_cmp(&HORIZON_ERROR).is_gt())
         .map(|(a, _)| a.t)
         .next()
-        .unwrap_or(run.t);
+        .unwrap_or(f64::INFINITY);
     BlockReference {
         joint: block.joint,
         samples: trajectory.samples.iter().map(|sample| sample.y).collect(),
         times: trajectory.samples.iter().map(|sample| sample.t).collect(),
         events: mode_changes(trajectory),
-        reached_90: run.reached_90(),
-        horizon,
+        lost_at,
+        t_end: run.t,
         scale,
     }
 }
 
 impl BlockReference {
+    /// The time up to which the run is predictable: where it is lost, or its end [s].
+    pub fn horizon(&self) -> f64 {
+        self.lost_at.min(self.t_end)
+    }
+
     /// Largest `e` of a run's samples, on the same times, within the horizon.
     pub fn error(&self, run: &BlockTrajectory) -> f64 {
         let pairs = self.times.iter().zip(&self.samples).zip(&run.samples);
-        let within = pairs.filter(|((t, _), _)| **t <= self.horizon);
+        let within = pairs.filter(|((t, _), _)| **t < self.lost_at);
         let errors = within.map(|((_, y), sample)| sample_error(&sample.y, y, self.scale));
         errors.fold(0.0, |worst, e| if e <= worst { worst } else { e })
     }
@@ -220,7 +225,7 @@ impl BlockReference {
     /// A run's events against its own, within the horizon.
     pub fn matched(&self, block: &Block, run: &BlockTrajectory) -> crate::metrics::EventMatch {
         let within = |events: Vec<ModeChange>| -> Vec<ModeChange> {
-            events.into_iter().filter(|event| event.t <= self.horizon).collect()
+            events.into_iter().filter(|event| event.t < self.lost_at).collect()
         };
         let run = within(counted(&mode_changes(run), block));
         crate::metrics::match_events(&run, &within(counted(&self.events, block)))

@@ -5,10 +5,7 @@ use std::fmt::Write as _;
 use crate::figures::Drawing;
 use crate::model::Block;
 use crate::run::{BlockTrajectory, mode_changes};
-use crate::study::work_precision::{Row, WorkPrecision, cheapest};
-
-/// Errors at which the cheapest run is named.
-pub const ACCURACIES: [f64; 3] = [1e-3, 1e-6, 1e-9];
+use crate::study::work_precision::{ACCURACIES, Row, WorkPrecision, cheapest};
 
 /// A number as it reads back to the same bits; empty for none.
 fn exact(x: Option<f64>) -> String {
@@ -76,6 +73,14 @@ pub fn answer(table: &WorkPrecision) -> String {
          |---|---|---|---|---|---|---|\n",
     );
     for e in ACCURACIES {
+        if !table.can_decide(e) {
+            let good = table.reference.agreement;
+            let _ = writeln!(
+                text,
+                "| {e:e} | not decidable | the reference is good to {good:.1e} | | | | |"
+            );
+            continue;
+        }
         let _ = match cheapest(&table.rows, e) {
             None => writeln!(text, "| {e:e} | none reached it | | | | | |"),
             Some(row) => writeln!(
@@ -175,10 +180,12 @@ pub fn trajectory_csv<'a>(
             let [d1, d2, theta, v1, v2, omega] = block.in_paper_order(&sample.y);
             let forces = block.forces(sample.mode, &sample.y, &block.pose(&sample.y));
             let (joint, t, mode) = (block.joint, sample.t, sample.mode.code());
+            // A diverging state may be finite where its forces are not.
+            let [f_n, f_t] =
+                [forces.normal, forces.tangential].map(|f| exact(f.is_finite().then_some(f)));
             let _ = writeln!(
                 csv,
-                "1,{joint},{t:e},{mode},{d1:e},{d2:e},{theta:e},{v1:e},{v2:e},{omega:e},{:e},{:e}",
-                forces.normal, forces.tangential
+                "1,{joint},{t:e},{mode},{d1:e},{d2:e},{theta:e},{v1:e},{v2:e},{omega:e},{f_n},{f_t}"
             );
         }
     }

@@ -3,9 +3,13 @@
 
 mod common;
 
+use std::sync::atomic::AtomicBool;
+
 use common::{Golden, config, located, run, setting};
 use deltazero::config::Events;
-use deltazero::run::{Accuracy, Setting};
+use deltazero::model::Mechanism;
+use deltazero::run::{Accuracy, Limits, Run, Setting};
+use deltazero_solvers::Grid;
 
 struct Bound {
     e: f64,
@@ -86,10 +90,33 @@ fn rk45_finds_every_event_from_1e_6_on() {
 
 #[test]
 fn work_on_table_1_is_pinned() {
-    let counts = |method, rtol| {
-        let stats = run(&config(&[]), &located(method, rtol)).1.stats();
+    let counts = |setting: &Setting| {
+        let stats = run(&config(&[]), setting).1.stats();
         (stats.n_rhs, stats.n_accepted, stats.n_rejected, stats.n_events)
     };
-    assert_eq!(counts("rk45", 1e-6), (83_412, 13_616, 117, 62));
-    assert_eq!(counts("rk45", 1e-9), (326_652, 54_158, 149, 62));
+    let rk4 = setting("rk4", Events::Located, Accuracy::Step(1e-4));
+    assert_eq!(counts(&rk4), (160_648, 40_033, 0, 62));
+    assert_eq!(counts(&located("rk45", 1e-6)), (83_412, 13_616, 117, 62));
+    assert_eq!(counts(&located("rk45", 1e-9)), (326_652, 54_158, 149, 62));
+    assert_eq!(counts(&located("dop853", 1e-9)), (171_542, 13_797, 364, 62));
+    assert_eq!(counts(&located("bdf", 1e-9)), (68_954, 42_254, 3_682, 62));
+}
+
+#[test]
+fn work_does_not_depend_on_what_is_recorded() {
+    let work = |sample: &str| {
+        let config = config(&[&format!("run.sample={sample}")]);
+        let mechanism = Mechanism::new(&config);
+        let limits = Limits { max_rhs: u64::MAX, stop: &AtomicBool::new(false) };
+        let grid = Grid::uniform(config.run.sample, config.run.t_end);
+        ["rk4", "rk45", "dop853", "bdf"].map(|method| {
+            let setting = match method {
+                "rk4" => setting(method, Events::Located, Accuracy::Step(1e-4)),
+                _ => located(method, 1e-7),
+            };
+            Run::new(&mechanism, &setting, config.run.t_end, &grid, limits).stats()
+        })
+    };
+    assert_eq!(work("0.01"), work("0.0007"));
+    assert_eq!(work("0.01"), work("0"));
 }

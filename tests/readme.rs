@@ -1,6 +1,7 @@
 //! The numbers of the README are those of a study that the program wrote.
 #![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
+use deltazero::config::Config;
 use deltazero::report;
 use deltazero::study::work_precision::WorkPrecision;
 
@@ -15,9 +16,18 @@ fn the_answer_in_the_readme_is_that_of_the_committed_study() {
 }
 
 #[test]
-fn the_readme_names_every_method() {
-    let readme = file("README.md");
-    for method in deltazero_solvers::METHODS {
-        assert!(readme.contains(&format!("`{}`", method.name)), "{}", method.name);
+fn the_committed_study_is_the_default_one() {
+    let study: serde_json::Value = serde_json::from_str(&file("docs/table1/study.json")).unwrap();
+    let mut config = Config::from_json(&study["config"]).unwrap();
+    config.study.repeats = 3;
+    assert_eq!(config, Config::table1().unwrap());
+}
+
+#[test]
+fn readme_and_crate_docs_name_every_method() {
+    for text in [file("README.md"), file("solvers/src/lib.rs")] {
+        for method in deltazero_solvers::METHODS {
+            assert!(text.contains(&format!("`{}`", method.name)), "{}", method.name);
+        }
     }
 }

@@ -6,8 +6,8 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use common::config;
-use deltazero::figures;
 use deltazero::study::work_precision::{Status, WorkPrecision, cheapest, work_precision};
+use deltazero::{figures, report};
 use deltazero_solvers::METHODS;
 
 fn study(sets: &[&str]) -> WorkPrecision {
@@ -33,6 +33,17 @@ fn the_reference_is_confirmed_by_its_second_method() {
     // Measured: e = 3.4e-13, event times to 1.1e-12 s.
     assert!(reference.agreement < 3e-12, "{:e}", reference.agreement);
     assert!(reference.event_time_agreement_s.is_some_and(|t| t < 1e-11));
+}
+
+#[test]
+fn an_accuracy_beyond_the_reference_is_not_decided() {
+    // Without damping the motion is chaotic: the reference loses its digits within the run.
+    let table = study(&["run.t_end=2", "contact.damping=0", "study.methods=[\"rk45\"]"]);
+    let reference = &table.reference;
+    assert!(reference.agreement > 1e-9, "{:e}", reference.agreement);
+    assert!(!table.can_decide(1e-9));
+    assert!(report::answer(&table).contains("| 1e-9 | not decidable |"));
+    assert!(reference.horizon_s.iter().any(|t| *t < 2.0), "{:?}", reference.horizon_s);
 }
 
 #[test]

@@ -60,11 +60,13 @@ impl StepController {
     /// Judges a step of size `h` from `y0` to `y1` by its local error estimate.
     ///
     /// ```text
-    /// h ← h · clamp(0.9 err^−(1/(q+1) − 0.75 β) · err_last^β),  β = 0.04
+    /// accepted:  h ← h · clamp(0.9 err^−(1/(q+1) − 0.75 β) · err_last^β),  β = 0.04
+    /// rejected:  h ← h · max(0.2, 0.9 err^−1/(q+1))
     /// ```
     ///
     /// K. Gustafsson, "Control theoretic techniques for stepsize selection in explicit
-    /// Runge–Kutta methods", ACM TOMS 17(4), 533–554 (1991), as in DOPRI5. An error that is not a
+    /// Runge–Kutta methods", ACM TOMS 17(4), 533–554 (1991), with the constants of DOPRI5 for every method;
+    /// DOPRI5 keeps the 0.75 β in a rejection too. An error that is not a
     /// number is refused.
     #[inline]
     pub fn judge(&mut self, h: f64, err_sq: impl FnOnce(&Tolerance) -> f64) -> Verdict {

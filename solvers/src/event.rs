@@ -43,6 +43,8 @@ pub struct GuardWatch<P: System> {
     values: P::Guards<f64>,
     bounds: P::Guards<f64>,
     y: P::State<f64>,
+    /// Guards whose dip inside the present step was the interpolant's alone.
+    disproved: Vec<bool>,
 }
 
 impl<P: System> GuardWatch<P> {
@@ -56,6 +58,7 @@ impl<P: System> GuardWatch<P> {
             values: Vector::from_fn(n, |_| 0.0),
             bounds: Vector::from_fn(n, |_| 0.0),
             y: Vector::from_fn(problem.dim(), |_| 0.0),
+            disproved: vec![false; n],
         }
     }
 
@@ -111,6 +114,7 @@ impl<P: System> GuardWatch<P> {
         dydt: &P::State<f64>,
     ) {
         along_flow(problem, mode, t, y, dydt, &mut self.start);
+        self.disproved.fill(false);
     }
 
     /// Evaluates the rates `dg_i/dt` of all guards along the flow.
@@ -158,6 +162,7 @@ impl<P: System> GuardWatch<P> {
     ) -> Result<Option<Fall>, Error> {
         let (t0, t1) = (step.t0(), step.t1());
         self.violated(problem, mode, t1, step.y1())?;
+        self.rates(problem, mode, t1, step.y1(), step.slope1());
         let mut first: Option<Fall> = None;
         for guard in 0..self.end.as_ref().len() {
             let violated_at = match self.dip(problem, mode, step, noise, guard) {
@@ -189,9 +194,15 @@ impl<P: System> GuardWatch<P> {
         least > (1.0 + NEAR) * 4.0 / 27.0 * bend + NEAR * rise.abs()
     }
 
+    /// Takes note that guard `i` does not dip inside the present step, whatever its dense output says.
+    pub fn disprove_dip(&mut self, i: usize) {
+        self.disproved[i] = true;
+    }
+
     /// Keeps the step last looked at: the next one begins where it ends.
     pub fn keep(&mut self) {
         std::mem::swap(&mut self.start, &mut self.end);
+        self.disproved.fill(false);
     }
 
     /// A time inside the step at which guard `i` is violated, where one is found.
@@ -203,6 +214,9 @@ impl<P: System> GuardWatch<P> {
         noise: f64,
         i: usize,
     ) -> Option<f64> {
+        if self.disproved[i] {
+            return None;
+        }
         let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
         let (t0, h) = (step.t0(), step.t1() - step.t0());
         let (theta, least) = cubic_minimum([g0.re, g1.re], [g0.eps * h, g1.eps * h])?;

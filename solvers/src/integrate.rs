@@ -91,8 +91,10 @@ impl<'a, P: System> Integration<'a, P> {
         mut guard: usize,
         record: &mut dyn Record<P>,
     ) -> Result<Option<Outcome>, Error> {
+        let mut last = (self.point.mode, guard);
         for _ in 0..CHATTER {
             let before = self.point.mode;
+            last = (before, guard);
             let Point { t, y, mode } = &mut self.point;
             let after = self.problem.transition(before, guard, *t, y);
             self.stats.n_events += 1;
@@ -114,8 +116,8 @@ impl<'a, P: System> Integration<'a, P> {
                 Some(next) => guard = next,
             }
         }
-        let mode = format!("{:?}", self.point.mode);
-        Err(Error::Chatter { t: self.point.t, n: CHATTER, mode, guard })
+        let (mode, guard) = last;
+        Err(Error::Chatter { t: self.point.t, n: CHATTER, mode: format!("{mode:?}"), guard })
     }
 
     fn check_storm(&mut self) -> Result<(), Error> {

@@ -40,8 +40,13 @@
 //! | name | method | order | step |
 //! |---|---|---|---|
 //! | `rk4` | [classical Runge–Kutta](methods::CLASSICAL_4) | 4 | fixed |
+//! | `bs32` | [Bogacki–Shampine 3(2)](methods::BOGACKI_SHAMPINE_3) | 3 | fixed or adaptive |
 //! | `rk45` | [Dormand–Prince 5(4)](methods::DORMAND_PRINCE_5) | 5 | fixed or adaptive |
+//! | `dop853` | [Dormand–Prince 8(5,3)](methods::DORMAND_PRINCE_853) | 8 | fixed or adaptive |
 //! | `bdf` | [BDF of the library `diffsol`](diffsol) | 1 to 5 | adaptive |
+//! | `tr_bdf2` | its TR-BDF2 | 2 | adaptive |
+//! | `esdirk34` | its ESDIRK 3(4) | 3 | adaptive |
+//! | `tsit45` | its Tsitouras 5(4) | 5 | adaptive |
 //!
 //! # Modules, in the order in which data flow
 //!

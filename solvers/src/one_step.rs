@@ -78,24 +78,25 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         let embedded_order = method.embedded_order().unwrap_or(0);
         Self {
             method,
-            h: match control {
-                Control::Fixed(h) => Some(h),
-                Control::Adaptive(_) => None,
-            },
+            h: None,
             controller: StepController::new(control, embedded_order),
             watch: GuardWatch::new(problem),
             error_order: embedded_order + 1,
         }
     }
 
-    /// A first step size: one that changes the slope by about one per cent of the tolerated error.
+    /// A first step size: one whose local error is about one per cent of the tolerated, judged by the
+    /// slope and its change over a trial step.
     ///
     /// E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.4.
-    fn first_step(&self, problem: &P, point: &Point<P>, t_end: f64, stats: &mut Stats) -> f64 {
-        let tolerance = match self.controller.control() {
-            Control::Fixed(h) => return h.copysign(t_end - point.t),
-            Control::Adaptive(tolerance) => tolerance,
-        };
+    fn first_step(
+        &self,
+        tolerance: &Tolerance,
+        problem: &P,
+        point: &Point<P>,
+        t_end: f64,
+        stats: &mut Stats,
+    ) -> f64 {
         let (y, slope) = (point.y.as_ref(), self.method.step().slope0().as_ref());
         let span = t_end - point.t;
         let (d0, d1) = (tolerance.norm(y, y, y), tolerance.norm(slope, y, y));
@@ -119,8 +120,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     }
 
     /// Retakes the step so that it ends just past the surface of the guard that falls first; that
-    /// guard. None where a dip of the dense output is none of the method and no guard is violated
-    /// at the end: the step is then whole again.
+    /// guard. None where a dip of the dense output is none of the method: the step is then whole
+    /// again.
     ///
     /// Newton's iteration on `g(y(t₀ + h))`, with `dg/dh` from the slope at the end, inside a
     /// bracket. It ends where the guard is at or below zero and within its rounding bound, or
@@ -134,19 +135,15 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     ) -> Result<Option<usize>, Error> {
         let (t0, t1) = (self.method.step().t0(), self.method.step().t1());
         let mut bracket = Bracket { above: 0.0, below: fall.violated_at - t0 };
-        let (mut guard, mut h) = (fall.guard, fall.t - t0);
         if fall.violated_at != t1
             && self.retake(problem, mode, t0 + bracket.below, bracket.below, stats)?.is_none()
         {
-            bracket.below = t1 - t0;
-            let violated = self.retake(problem, mode, t1, t1 - t0, stats)?;
-            (guard, h) = self.newton(problem, mode, guard, t1 - t0);
-            if violated.is_none() {
-                self.watch.keep();
-                return Ok(None);
-            }
+            self.retake(problem, mode, t1, t1 - t0, stats)?;
+            return Ok(None);
         }
-        for n in 1.. {
+        let (mut guard, mut h) = (fall.guard, fall.t - t0);
+        let mut n = 0;
+        loop {
             h = bracket.inside(h);
             let closed = bracket.is_closed();
             if closed {
@@ -158,11 +155,31 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             }
             bracket.narrow(h, if violated.is_some() { -1.0 } else { 1.0 });
             (guard, h) = self.newton(problem, mode, guard, h);
+            n += 1;
             if n > NEWTON_RETAKES && n % 2 == 0 {
                 h = bracket.middle();
             }
         }
-        Ok(Some(guard))
+    }
+
+    /// Lands on the guard that falls first on a step that is not clear; none where no guard does.
+    fn locate(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        stats: &mut Stats,
+    ) -> Result<Option<usize>, Error> {
+        loop {
+            self.method.densify(problem, mode, stats);
+            let step = self.method.step();
+            let Some(fall) = self.watch.first_to_fall(problem, mode, step, PREDICTION, 0.0)? else {
+                return Ok(None);
+            };
+            if let Some(guard) = self.land(problem, mode, fall, stats)? {
+                return Ok(Some(guard));
+            }
+            self.watch.disprove_dip(fall.guard);
+        }
     }
 
     /// Takes the step again, with another size; the first guard violated at its end.
@@ -215,9 +232,11 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
         self.method.restart(problem, mode, point.t, &point.y, stats);
         check_finite(point, self.method.step().slope0())?;
         self.watch.begin(problem, mode, point.t, &point.y, self.method.step().slope0());
-        let h = match self.h {
-            Some(h) => h,
-            None => self.first_step(problem, point, t_end, stats),
+        let h = match (self.h, self.controller.control()) {
+            (Some(h), _) | (None, &Control::Fixed(h)) => h,
+            (None, Control::Adaptive(tolerance)) => {
+                self.first_step(tolerance, problem, point, t_end, stats)
+            }
         };
         let mut h = h.abs().max(least).copysign(t_end - point.t);
         while point.t != t_end {
@@ -249,15 +268,11 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             let landed_on = if self.watch.is_clear(problem, mode, self.method.step()) {
                 None
             } else {
-                self.method.densify(problem, mode, stats);
-                let step = self.method.step();
-                match self.watch.first_to_fall(problem, mode, step, PREDICTION, 0.0)? {
-                    None => None,
-                    Some(fall) => self.land(problem, mode, fall, stats)?,
-                }
+                self.locate(problem, mode, stats)?
             };
             if record.interpolates(point.t, self.method.step().t1()) {
-                self.method.densify(problem, mode, stats);
+                // What sampling costs is no part of the work.
+                self.method.densify(problem, mode, &mut Stats::default());
             }
             stats.n_accepted += 1;
             point.t = self.method.step().t1();

@@ -40,17 +40,24 @@ impl Bracket {
 /// of `f64`.
 ///
 /// Inverse quadratic interpolation where it is safe, bisection elsewhere and in every fourth
-/// evaluation: never more than four times those of bisection. T. R. Chandrupatla, "A new hybrid quadratic/bisection algorithm
-/// for finding the zero of a nonlinear function without using derivatives", Adv. Eng. Softw.
-/// 28(3), 145–149 (1997).
+/// evaluation: never more than four times those of bisection. It ends beside `above` where `f`
+/// is not above zero there, and at the last good `below` where `f` is not a number.
+///
+/// T. R. Chandrupatla, "A new hybrid quadratic/bisection algorithm for finding the zero of a
+/// nonlinear function without using derivatives", Adv. Eng. Softw. 28(3), 145–149 (1997).
 pub fn find_root(mut f: impl FnMut(f64) -> f64, bracket: Bracket, tolerance: f64) -> f64 {
     let (mut a, mut b) = (bracket.below, bracket.above);
     let (mut fa, mut fb) = (f(a), f(b));
     let mut bracket = bracket;
     let mut fraction = 0.5;
-    for n in 1_u32.. {
+    let mut n = 0_u32;
+    loop {
+        n += 1;
         let x = a + fraction * (b - a);
         let fx = f(x);
+        if fx.is_nan() {
+            return bracket.below;
+        }
         bracket.narrow(x, fx);
         let (c, fc);
         if (fx > 0.0) == (fa > 0.0) {
@@ -61,7 +68,7 @@ pub fn find_root(mut f: impl FnMut(f64) -> f64, bracket: Bracket, tolerance: f64
         }
         (a, fa) = (x, fx);
         let width = (b - a).abs();
-        if width <= tolerance || fx == 0.0 || bracket.is_closed() || !fx.is_finite() {
+        if width <= tolerance || fx == 0.0 || bracket.is_closed() {
             return bracket.below;
         }
         let xi = (a - b) / (c - b);
@@ -76,7 +83,6 @@ pub fn find_root(mut f: impl FnMut(f64) -> f64, bracket: Bracket, tolerance: f64
         let least = ((0.5 * tolerance).max(f64::EPSILON * a.abs()) / width).min(0.5);
         fraction = fraction.clamp(least, 1.0 - least);
     }
-    bracket.below
 }
 
 /// Section of a golden-section search, (3 − √5)/2.
@@ -138,6 +144,17 @@ mod tests {
             assert!((found - root).abs() <= 2.0 * f64::EPSILON * root, "{found} for {root}");
             assert!(n < 70, "{n} evaluations");
         }
+    }
+
+    #[test]
+    fn an_end_without_a_sign_and_a_value_that_is_no_number_end_the_search() {
+        let bracket = Bracket { above: 0.0, below: 1.0 };
+        let found = find_root(|x| -x - 1e-20, bracket, f64::EPSILON);
+        assert!(found > 0.0 && found <= 2.0 * f64::EPSILON, "{found:e}");
+        assert_eq!(
+            find_root(|x| if x < 1.0 { (0.0_f64 / 0.0) + x } else { -1.0 }, bracket, 0.0),
+            1.0
+        );
     }
 
     #[test]

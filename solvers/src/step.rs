@@ -43,7 +43,7 @@ pub struct TableauStep<Y, const S: usize> {
     pub slope1: Y,
     /// Slopes of the stages that dense output alone needs.
     pub extra: Vec<Y>,
-    /// Estimate of the local error; NaN-free only where the method has one.
+    /// Estimate of the local error; zero where the method has none.
     pub error: Y,
     /// How to interpolate.
     pub dense: &'static Dense<S>,

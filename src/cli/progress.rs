@@ -14,41 +14,44 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Steps between two looks at the clock: some hundred microseconds.
 const STEPS_A_LOOK: u32 = 1024;
 
-/// A bar on standard error, hidden where that is no terminal or by wish.
-pub(super) struct Bar(ProgressBar);
+/// A bar on standard error that appears once the work takes long; none where that is no terminal,
+/// or by wish.
+pub(super) struct Bar {
+    bar: ProgressBar,
+    quiet: bool,
+}
 
 impl Bar {
     pub(super) fn new(quiet: bool) -> Self {
-        let target =
-            if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(None, target);
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
         if let Ok(style) = ProgressStyle::with_template("{elapsed:>4} {wide_bar} {pos}/{len} {msg}")
         {
             bar.set_style(style);
         }
-        bar.set_message("reference");
-        bar.enable_steady_tick(Duration::from_millis(200));
-        Self(bar)
+        Self { bar, quiet }
     }
 
     pub(super) fn show(&self, progress: Progress) {
         match progress {
-            Progress::Runs(n) => self.0.set_length(n as u64),
+            Progress::Runs(n) => self.bar.set_length(n as u64),
             Progress::Done(what) => {
-                self.0.inc(1);
-                self.0.set_message(what);
+                self.bar.inc(1);
+                self.bar.set_message(what);
             }
+        }
+        if !self.quiet && self.bar.is_hidden() && self.bar.elapsed() >= PATIENCE {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
         }
     }
 
     pub(super) fn say(&self, what: &'static str) {
-        self.0.set_message(what);
+        self.bar.set_message(what);
     }
 }
 
 impl Drop for Bar {
     fn drop(&mut self) {
-        self.0.finish_and_clear();
+        self.bar.finish_and_clear();
     }
 }
 
@@ -116,5 +119,9 @@ impl Record<Block> for TimeOf<'_> {
 
     fn event(&mut self, _: &Event<'_, Block>) -> ControlFlow<()> {
         ControlFlow::Continue(())
+    }
+
+    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
+        false
     }
 }

@@ -24,6 +24,9 @@ pub(super) struct SimulateArgs {
     run: RunArgs,
 }
 
+/// A run beyond this is not repeated for its time: audit and progress are then part of it.
+const REPLAY: Duration = Duration::from_secs(5);
+
 /// One block of a simulation.
 struct Simulated<'a> {
     block: &'a Block,
@@ -86,7 +89,13 @@ fn simulate<'a>(
     let mut record = ((trajectory, balance), (time, limits));
     let run = integrate(block, setting, y0, t_end, &mut record);
     let ((trajectory, balance), _) = record;
-    let wall = run.wall.saturating_sub(balance.spent);
+    let wall = if run.outcome == Ok(Outcome::Interrupted) || run.wall > REPLAY {
+        run.wall
+    } else {
+        // The integration alone: the same run without audit and progress.
+        let mut plain = Trajectory::on(Grid::uniform(config.run.sample, t_end));
+        integrate(block, setting, y0, t_end, &mut plain).wall
+    };
     let balance = balance.at(run.mode, &run.y);
     Simulated { block, run, trajectory, balance, wall }
 }

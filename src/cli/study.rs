@@ -86,7 +86,8 @@ fn json_without_threads(config: &Config) -> Value {
 /// finished is done anew, which measures its times again.
 fn unfinished_rows(output: &Output) -> Vec<Row> {
     let rows = output.own("study.json").and_then(|mut study| {
-        if study.get("finished")?.as_bool()? {
+        let is_of_this_version = study.get("version")?.as_str()? == env!("CARGO_PKG_VERSION");
+        if study.get("finished")?.as_bool()? || !is_of_this_version {
             return None;
         }
         serde_json::from_value::<Vec<Row>>(study.get_mut("rows")?.take()).ok()

@@ -3,16 +3,17 @@
 use deltazero_plots::{Axis, Figure, LineChart, Size};
 
 use super::{Drawing, curve, groups};
-use crate::study::work_precision::{Row, WorkPrecision, cheapest};
-
-/// Errors at which the caption names the cheapest run.
-const ASKED: [f64; 3] = [1e-3, 1e-6, 1e-9];
+use crate::study::work_precision::{ACCURACIES, Row, WorkPrecision, cheapest};
 
 /// `e` against the shortest time of each run.
 pub(super) fn against_time(table: &WorkPrecision) -> Drawing {
     let chart =
         chart(table, "time of the integration [ms]", |row| row.wall_s_min.map(|wall| 1e3 * wall));
-    let winners: Vec<String> = ASKED.iter().map(|e| winner(&table.rows, *e)).collect();
+    let winners: Vec<String> = ACCURACIES
+        .iter()
+        .filter(|e| table.can_decide(**e))
+        .map(|e| winner(&table.rows, *e))
+        .collect();
     let caption = format!(
         "Error e against the shortest time of each run; down and left is better. Cheapest {}. \
          Filled: events located; hollow: event-blind. Times depend on the machine, their ratios less.",

@@ -217,3 +217,32 @@ impl System for Block {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::Config;
+    use crate::model::Mechanism;
+
+    #[test]
+    fn guard_bounds_are_above_zero_at_rest_in_every_mode() {
+        let mut config = Config::table1().unwrap();
+        for exponent in [1.0, 1.5] {
+            for adhesion in [true, false] {
+                for joint in &mut config.joints {
+                    joint.contact.exponent = exponent;
+                    joint.contact.adhesion = adhesion;
+                    joint.contact.damping = 0.0;
+                }
+                config.drive.m1 = 0.0;
+                for block in &Mechanism::new(&config).blocks {
+                    use Mode::{Apart, Relaxing, SlipMinus, SlipPlus, Stick};
+                    for mode in [Apart, Relaxing, SlipPlus, SlipMinus, Stick] {
+                        let bounds = block.guard_bounds_of(mode, &block.initial_state());
+                        assert!(bounds.iter().all(|bound| *bound > 0.0), "{mode}: {bounds:?}");
+                    }
+                }
+            }
+        }
+    }
+}

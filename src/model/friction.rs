@@ -79,7 +79,7 @@ impl Block {
         self.v_t_dot(pose, a).value()
     }
 
-    /// Makes v_T exactly zero by moving the pin's centre along t.
+    /// Makes v_T zero, to rounding, by changing the velocity of the pin's centre along t.
     pub(super) fn project_v_t<S: Real>(&self, y: &mut State<S>) {
         let pose = self.pose(y);
         let v_t = self.v_t(&pose, y);

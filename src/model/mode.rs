@@ -130,12 +130,16 @@ impl Block {
     pub(super) fn guard_bounds_of(&self, mode: Mode, y: &State<f64>) -> [f64; 4] {
         let eps = 4.0 * f64::EPSILON;
         let delta = delta_bound(self.clearance);
-        let speed = y[3].abs() + y[4].abs() + y[5].abs() * self.pin_radius;
+        // Above zero at rest too: a bound of zero would have an event sought to the last bit.
+        let least = self.rounding_floor();
+        let speed = (y[3].abs() + y[4].abs() + y[5].abs() * self.pin_radius).max(least.speed);
         let mut bounds = [ANGLE_BOUND, delta, delta, delta];
         if mode.is_contact() || mode == Mode::Relaxing {
             let pose = self.pose(y);
             let force = self.normal.slope(pose.delta) * delta
-                + eps * (self.normal.force(pose.delta, 0.0).abs() + self.normal.damping * speed);
+                + eps
+                    * (self.normal.force(pose.delta, 0.0).abs() + self.normal.damping * speed)
+                        .max(least.force);
             if mode == Mode::Relaxing || !self.normal.adhesion {
                 bounds[GUARD_CONTACT] = force;
             }

@@ -15,4 +15,18 @@ impl Block {
         let l = self.strut_length;
         [c, c, c / l, v, v, v / l]
     }
+
+    /// Speed and force that are nothing beside those of the motion: a millionth of their scales.
+    pub(super) fn rounding_floor(&self) -> RoundingFloor {
+        let force = self.torque.abs().max(1e-3) / self.strut_length;
+        RoundingFloor { speed: 1e-6 * self.scale()[3], force: 1e-6 * force }
+    }
+}
+
+/// See [`Block::rounding_floor`].
+pub(super) struct RoundingFloor {
+    /// [m/s].
+    pub(super) speed: f64,
+    /// [N].
+    pub(super) force: f64,
 }

@@ -72,6 +72,6 @@ pub fn step_histories(config: &Config, limits: Limits<'_>) -> Vec<StepHistory> {
 
 fn shown_step(config: &Config) -> Option<f64> {
     let wanted = config.run.t_end / FIXED_STEPS;
-    let distance = |step: &f64| (step / wanted).ln().abs();
+    let distance = |step: &f64| libm::log(step / wanted).abs();
     config.study.steps.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }

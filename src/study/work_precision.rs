@@ -296,6 +296,16 @@ impl Contest<'_> {
     }
 }
 
+/// Errors at which a study names the cheapest run.
+pub const ACCURACIES: [f64; 3] = [1e-3, 1e-6, 1e-9];
+
+impl WorkPrecision {
+    /// Whether the reference is good enough to tell which runs reach an error `e`.
+    pub fn can_decide(&self, e: f64) -> bool {
+        self.reference.agreement <= 0.1 * e
+    }
+}
+
 /// The cheapest run, by shortest time, among those whose error is at most `e`.
 pub fn cheapest(rows: &[Row], e: f64) -> Option<&Row> {
     let reaching = rows.iter().filter(|row| row.e.is_some_and(|own| own <= e));

@@ -160,10 +160,12 @@ impl<P: System> DiffsolSolver<P> {
             let mut step = SolverStep { interpolant, t0, t1, y0, y1, slope0, slope1 };
             let mut landed_on = None;
             if !self.watch.is_clear(problem, mode, &step)
-                && let Some(fall) = self.watch.first_to_fall(problem, mode, &step, 0.0, NOISE)?
+                && let Some(fall) =
+                    self.watch.first_to_fall(problem, mode, &step, f64::EPSILON, NOISE)?
             {
                 let mut y = step.y1.clone();
                 step.interpolate(fall.t, &mut y);
+                check_finite(point, &y)?;
                 (step.t1, step.y1) = (fall.t, y);
                 step.slope1 = slope(fall.t)?;
                 landed_on = Some(fall.guard);
