@@ -14,9 +14,14 @@ const CONTACT: usize = 2;
 pub(super) fn drawing(motion: &Motion) -> Drawing {
     let whole: Vec<&MotionRow> = motion.rows.iter().filter(|row| row.joint == 1).collect();
     let zoom: Vec<&MotionRow> = motion.zoom.iter().collect();
+    let (title, shown) = if motion.zooms_on_flight {
+        ("one flight and impact", "one flight and the impact after it")
+    } else {
+        ("the start", "the start, for there is no flight")
+    };
     let panels = vec![
         delta_panel("whole run", &whole, Vec::new()),
-        delta_panel("one impact", &zoom, contact_bands(motion)),
+        delta_panel(title, &zoom, contact_bands(motion)),
         force_panel(&whole, Vec::new()),
         force_panel(&zoom, contact_bands(motion)),
     ];
@@ -25,8 +30,8 @@ pub(super) fn drawing(motion: &Motion) -> Drawing {
     let hardest = whole.iter().fold(0.0_f64, |most, row| most.max(row.f_n_n));
     let caption = format!(
         "Joint 1, {}: penetration δ (below zero the gap) and normal force F_N. Deepest {:.2e} m, \
-         widest gap {:.2e} m, largest force {:.2} N among the points shown. Right: one flight and \
-         the impact after it; shaded: contact.",
+         widest gap {:.2e} m, largest force {:.2} N among the points shown. Right: {shown}; \
+         shaded: contact.",
         motion.method, deepest, widest, hardest
     );
     let figure = Figure {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::config::{Config, Events};
 use crate::model::{Block, Mechanism, Mode, State};
 use crate::reference::counted;
-use crate::run::{Accuracy, BlockTrajectory, Limits, Setting, integrate, mode_changes};
+use crate::run::{Accuracy, BlockTrajectory, Limits, ModeChange, Setting, integrate, mode_changes};
 
 /// Tolerance of the run that is shown: beyond what a picture can tell.
 const RTOL: f64 = 1e-10;
@@ -44,8 +44,11 @@ pub struct MotionRow {
 pub struct Motion {
     /// The whole run, joint by joint.
     pub rows: Vec<MotionRow>,
-    /// One impact of joint 1: the end of a contact, a flight, and the contact after it.
+    /// Joint 1 around its first flight: the end of a contact, the flight, and the contact after it;
+    /// the first part of the run if there is none.
     pub zoom: Vec<MotionRow>,
+    /// Whether the zoom is on a flight.
+    pub zooms_on_flight: bool,
     /// Mode changes of joint 1 within the zoom: time [s], code of the mode after.
     pub zoom_modes: Vec<(f64, i8)>,
     /// Clearance of each joint [m].
@@ -75,7 +78,8 @@ pub fn motion(config: &Config, limits: Limits<'_>) -> Option<Motion> {
     }
     let joint_1 = &mechanism.blocks[0];
     let events = mode_changes(&run(joint_1, Vec::new(), t_end));
-    let (from, to) = zoom_window(&counted(&events, joint_1), t_end);
+    let flight = flight_window(&counted(&events, joint_1), t_end);
+    let (from, to) = flight.unwrap_or((0.0, FIRST_PART * t_end));
     let spacing = (to - from) / f64::from(ZOOM_POINTS);
     let times = (0..=ZOOM_POINTS).map(|k| from + spacing * f64::from(k)).collect();
     let trajectory = run(joint_1, times, to);
@@ -83,20 +87,18 @@ pub fn motion(config: &Config, limits: Limits<'_>) -> Option<Motion> {
     Some(Motion {
         rows,
         zoom: trajectory.samples.iter().map(|sample| row(joint_1, sample)).collect(),
+        zooms_on_flight: flight.is_some(),
         zoom_modes: inside.map(|event| (event.t, event.after)).collect(),
         clearance_m: mechanism.blocks.iter().map(|block| block.clearance).collect(),
         method: format!("rk45 located, rtol {RTOL:e}"),
     })
 }
 
-/// From before the first flight to after it.
-fn zoom_window(events: &[crate::run::ModeChange], t_end: f64) -> (f64, f64) {
-    let flight = events.windows(2).find(|pair| pair[0].after == 0 && pair[1].before == 0);
-    let Some([left, back]) = flight else {
-        return (0.0, FIRST_PART * t_end);
-    };
-    let margin = MARGIN * (back.t - left.t);
-    ((left.t - margin).max(0.0), (back.t + 2.0 * margin).min(t_end))
+/// From before the first flight to after it, if there is one.
+fn flight_window(events: &[ModeChange], t_end: f64) -> Option<(f64, f64)> {
+    let flight = events.windows(2).find(|pair| pair[0].after == 0 && pair[1].before == 0)?;
+    let margin = MARGIN * (flight[1].t - flight[0].t);
+    Some(((flight[0].t - margin).max(0.0), (flight[1].t + 2.0 * margin).min(t_end)))
 }
 
 fn row(block: &Block, sample: &Sample<State<f64>, Mode>) -> MotionRow {
