@@ -28,9 +28,9 @@ pub(super) fn run(args: &MethodsArgs) -> Result<(), Failure> {
             .collect();
         return print(&format!("{:#}\n", json!(list)));
     }
-    let mut text = String::from("method  order  about\n");
+    let mut text = String::from("method    order  about\n");
     for method in METHODS {
-        text += &format!("{:<7} {:<6} {}\n", method.name, method.order, method.about);
+        text += &format!("{:<9} {:<6} {}\n", method.name, method.order, method.about);
     }
     print(&text)
 }
