@@ -19,8 +19,12 @@ pub struct ErrorScale {
 pub fn sample_error(y: &State<f64>, reference: &State<f64>, scale: ErrorScale) -> f64 {
     let pin = libm::hypot(y[0] - reference[0], y[1] - reference[1]) / scale.clearance;
     let theta = (y[2] - reference[2]).abs() / scale.theta;
-    // Not `max`, which would drop a NaN.
-    if pin.is_nan() || pin > theta { pin } else { theta }
+    worse(pin, theta)
+}
+
+/// The larger of two errors; not a number where either is not, which `f64::max` would drop.
+pub fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
 }
 
 /// A run's events against the reference's.

@@ -4,7 +4,7 @@ use deltazero_solvers::{Grid, Method, Outcome, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::config::Events;
-use crate::metrics::{ErrorScale, sample_error};
+use crate::metrics::{ErrorScale, sample_error, worse};
 use crate::model::{Block, Mechanism, State};
 use crate::run::{
     Accuracy, BlockRun, BlockTrajectory, Limits, ModeChange, Setting, integrate, mode_changes,
@@ -117,22 +117,23 @@ impl Reference {
         let method = |name| Method::named(name).ok_or(ReferenceError::NoMethod(name));
         let (tight, second) = (method("rk45")?, method("rk4")?);
         let grid = Grid::Times(times.to_vec());
-        let run = |block: &Block, y0, method, accuracy| {
-            let setting = Setting { method, events: Events::Located, accuracy };
+        let located = |method, accuracy| Setting { method, events: Events::Located, accuracy };
+        let tight = located(tight, Accuracy::Rtol(RTOL, None));
+        let run = |block: &Block, y0, setting: Setting| {
             let mut record = (Trajectory::on(grid.clone()), limits);
             let run = integrate(block, &setting, y0, t_end, &mut record);
-            checked(&run, method.name, limits.max_rhs)?;
+            checked(&run, setting.method.name, limits.max_rhs)?;
             Ok((run, record.0))
         };
-        let accuracy = Accuracy::Rtol(RTOL, None);
         let mut runs = Vec::new();
         for block in &mechanism.blocks {
             let y0 = block.initial_state();
-            let (reference, trajectory) = run(block, y0, tight, accuracy)?;
+            let (reference, trajectory) = run(block, y0, tight)?;
             let nudge = |y: f64| if y == 0.0 { y } else { y.next_up() };
-            let (_, nudged) = run(block, y0.map(nudge), tight, accuracy)?;
+            let (_, nudged) = run(block, y0.map(nudge), tight)?;
             let steps = (CHECK_STEPS * reference.stats.n_accepted) as f64;
-            let (_, check) = run(block, y0, second, Accuracy::Step(reference.t / steps))?;
+            let check = located(second, Accuracy::Step(reference.t / steps));
+            let (_, check) = run(block, y0, check)?;
             runs.push((reference, trajectory, nudged, check));
         }
         let theta = runs
@@ -144,7 +145,7 @@ impl Reference {
         let mut blocks = Vec::new();
         for (block, (run, trajectory, nudged, check)) in mechanism.blocks.iter().zip(&runs) {
             let reference = block_reference(block, run, trajectory, nudged, theta);
-            agreement = agreement.max(reference.error(check));
+            agreement = worse(agreement, reference.error(check));
             let times = reference.matched(block, check);
             let whole = times.missed == 0 && times.spurious == 0;
             event_agreement =
@@ -152,7 +153,7 @@ impl Reference {
             blocks.push(reference);
         }
         let summary = ReferenceSummary {
-            method: format!("rk45 located, rtol {RTOL:e}"),
+            method: tight.to_string(),
             check: format!("rk4 located, {CHECK_STEPS} times as many steps"),
             agreement,
             event_time_agreement_s: event_agreement,
@@ -219,7 +220,7 @@ impl BlockReference {
         let pairs = self.times.iter().zip(&self.samples).zip(&run.samples);
         let within = pairs.filter(|((t, _), _)| **t < self.lost_at);
         let errors = within.map(|((_, y), sample)| sample_error(&sample.y, y, self.scale));
-        errors.fold(0.0, |worst, e| if e <= worst { worst } else { e })
+        errors.fold(0.0, worse)
     }
 
     /// A run's events against its own, within the horizon.

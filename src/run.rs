@@ -1,5 +1,6 @@
 //! One run: a mechanism, block by block, by one method at one setting.
 
+use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -21,6 +22,15 @@ pub enum Accuracy {
     Step(f64),
 }
 
+impl fmt::Display for Accuracy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Rtol(rtol, _) => write!(f, "rtol {rtol:e}"),
+            Self::Step(step) => write!(f, "h {step:e} s"),
+        }
+    }
+}
+
 /// A method with all that is chosen about it.
 #[derive(Clone, Copy, Debug)]
 pub struct Setting {
@@ -30,6 +40,12 @@ pub struct Setting {
     pub events: Events,
     /// Its tolerance or step.
     pub accuracy: Accuracy,
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}, {}", self.method.name, self.events, self.accuracy)
+    }
 }
 
 impl Setting {

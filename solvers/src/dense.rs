@@ -55,9 +55,14 @@ pub(crate) fn nested<Y: Vector<f64>, const S: usize>(
     hermite(theta, step.h, (&step.y0, &step.k[0]), (&step.y1, &step.slope1), y);
     for (j, slope) in step.slopes().enumerate() {
         let weight: f64 = d.iter().zip(factors).map(|(row, factor)| row[j] * factor).sum();
-        for (y, slope) in y.as_mut().iter_mut().zip(slope.as_ref()) {
-            *y += step.h * weight * slope;
-        }
+        add(y, step.h * weight, slope);
+    }
+}
+
+/// `y ← y + w k`.
+pub(crate) fn add<Y: Vector<f64>>(y: &mut Y, w: f64, k: &Y) {
+    for (y, k) in y.as_mut().iter_mut().zip(k.as_ref()) {
+        *y += w * k;
     }
 }
 

@@ -1,6 +1,6 @@
 //! The stage loop of explicit tableau methods.
 
-use crate::dense::combine;
+use crate::dense::{add, combine};
 use crate::one_step::OneStep;
 use crate::stats::Stats;
 use crate::step::TableauStep;
@@ -106,9 +106,7 @@ impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
         for (i, (c, a)) in step.dense.extra_stages().iter().enumerate() {
             self.y_stage.clone_from(&step.y0);
             for (a, slope) in a.iter().zip(step.slopes()) {
-                for (y, slope) in self.y_stage.as_mut().iter_mut().zip(slope.as_ref()) {
-                    *y += step.h * a * slope;
-                }
+                add(&mut self.y_stage, step.h * a, slope);
             }
             problem.rhs(mode, step.t0 + c * step.h, &self.y_stage, &mut step.extra[i]);
             stats.n_rhs += 1;

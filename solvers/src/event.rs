@@ -146,9 +146,10 @@ impl<P: System> GuardWatch<P> {
         is_clear
     }
 
-    /// The guard that falls first on a step that is not [clear](Self::is_clear), its time to within `precision` steps or the spacing of
-    /// `f64`; none where all hold, and the next step then begins where this one ends. A dip is
-    /// taken for one if it is deeper than `noise`, as a fraction of its height.
+    /// The guard that falls first on the step that [`is_clear`](Self::is_clear) found not to be, its
+    /// time to within `precision` steps or the spacing of `f64`; none where all hold, and the next
+    /// step then begins where this one ends. A dip is taken for one if it is deeper than `noise`, as
+    /// a fraction of its height.
     ///
     /// # Errors
     /// [`Error::NonFiniteGuard`].
@@ -162,7 +163,6 @@ impl<P: System> GuardWatch<P> {
     ) -> Result<Option<Fall>, Error> {
         let (t0, t1) = (step.t0(), step.t1());
         self.violated(problem, mode, t1, step.y1())?;
-        self.rates(problem, mode, t1, step.y1(), step.slope1());
         let mut first: Option<Fall> = None;
         for guard in 0..self.end.as_ref().len() {
             let violated_at = match self.dip(problem, mode, step, noise, guard) {

@@ -110,7 +110,7 @@ impl<Y: Vector<f64>, const S: usize> Step<Y> for TableauStep<Y, S> {
             Dense::Hermite => {
                 dense::hermite(theta, self.h, (&self.y0, &self.k[0]), (&self.y1, &self.slope1), y)
             }
-            Dense::Stages { p, .. } => dense::stages(theta, self.h, &self.y0, &self.k, p, y),
+            Dense::Stages { p } => dense::stages(theta, self.h, &self.y0, &self.k, p, y),
             Dense::Nested { d, .. } => dense::nested(theta, self, d, y),
         }
     }

@@ -37,8 +37,6 @@ pub enum Dense<const S: usize> {
     Hermite,
     /// `y(t + θh) = y + h Σ_i k_i (p_i0 θ + p_i1 θ² + …)`, a row of coefficients a stage.
     Stages {
-        /// Order of the interpolant.
-        order: usize,
         /// Row `i`: the coefficients `p_i0, p_i1, …` of stage `i`.
         p: [&'static [f64]; S],
     },
@@ -54,15 +52,6 @@ pub enum Dense<const S: usize> {
 }
 
 impl<const S: usize> Dense<S> {
-    /// Order of the interpolant: its error within a step is O(h^(order + 1)).
-    pub fn order(&self) -> usize {
-        match self {
-            Self::Hermite => 3,
-            Self::Stages { order, .. } => *order,
-            Self::Nested { .. } => 7,
-        }
-    }
-
     /// The stages that it needs beyond those of the step.
     pub fn extra_stages(&self) -> &'static [ExtraStage] {
         match self {

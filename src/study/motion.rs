@@ -90,7 +90,7 @@ pub fn motion(config: &Config, limits: Limits<'_>) -> Option<Motion> {
         zooms_on_flight: flight.is_some(),
         zoom_modes: inside.map(|event| (event.t, event.after)).collect(),
         clearance_m: mechanism.blocks.iter().map(|block| block.clearance).collect(),
-        method: format!("rk45 located, rtol {RTOL:e}"),
+        method: setting.to_string(),
     })
 }
 

@@ -57,11 +57,7 @@ pub fn step_histories(config: &Config, limits: Limits<'_>) -> Vec<StepHistory> {
             Accuracy::Rtol(RTOL, config.solver.atol)
         };
         let setting = Setting { method, events: Events::Located, accuracy };
-        let chosen = match accuracy {
-            Accuracy::Rtol(rtol, _) => format!("rtol {rtol:e}"),
-            Accuracy::Step(step) => format!("h {step:e} s"),
-        };
-        let title = format!("{}, {chosen}", method.name);
+        let title = format!("{}, {accuracy}", method.name);
         let empty = StepHistory { title, steps: Vec::new(), events: Vec::new() };
         let mut record = (Steps(empty), limits);
         integrate(block, &setting, block.initial_state(), config.run.t_end, &mut record);

@@ -7,6 +7,7 @@ use deltazero_solvers::{Grid, Method};
 use serde::{Deserialize, Serialize};
 
 use crate::config::{Config, Events, ReadingName};
+use crate::metrics::worse;
 use crate::model::Mechanism;
 use crate::reference::{Reference, ReferenceError, ReferenceSummary, counted};
 use crate::run::{Accuracy, Limits, Run, Setting, mode_changes};
@@ -95,11 +96,11 @@ impl Row {
 
     /// Tolerance or step as text: `rtol 1e-6`, `h 1e-4 s`.
     pub fn setting(&self) -> String {
-        match (self.rtol, self.step) {
-            (Some(rtol), _) => format!("rtol {rtol:e}"),
-            (None, Some(step)) => format!("h {step:e} s"),
-            (None, None) => String::new(),
-        }
+        let accuracy = match (self.rtol, self.step) {
+            (Some(rtol), _) => Some(Accuracy::Rtol(rtol, None)),
+            (None, step) => step.map(Accuracy::Step),
+        };
+        accuracy.map_or_else(String::new, |accuracy| accuracy.to_string())
     }
 
     /// Whether it is the run of this setting.
@@ -279,7 +280,7 @@ impl Contest<'_> {
         let blocks = self.mechanism.blocks.iter().zip(&self.reference.blocks);
         for ((block, reference), trajectory) in blocks.zip(&run.trajectories) {
             let own = reference.error(trajectory);
-            e = if own <= e { e } else { own };
+            e = worse(e, own);
             let events = reference.matched(block, trajectory);
             n_events += counted(&mode_changes(trajectory), block).len();
             missed += events.missed;

@@ -49,7 +49,6 @@ pub const DORMAND_PRINCE_5: Tableau<7> = Tableau {
     ]),
     b_hat_low: None,
     dense: Dense::Stages {
-        order: 4,
         p: [
             &[
                 1.0,
