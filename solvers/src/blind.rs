@@ -64,6 +64,16 @@ impl<P: ModeOfState> System for Blind<'_, P> {
         Next::Stop
     }
 
+    fn time_derivative(
+        &self,
+        _: OfState,
+        t: f64,
+        y: &Self::State<f64>,
+        dfdt: &mut Self::State<f64>,
+    ) {
+        self.0.time_derivative(self.0.mode_of_state(t, y), t, y, dfdt);
+    }
+
     fn jacobian(
         &self,
         _: OfState,

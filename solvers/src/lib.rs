@@ -43,6 +43,7 @@
 //! | `bs32` | [Bogacki–Shampine 3(2)](methods::BOGACKI_SHAMPINE_3) | 3 | fixed or adaptive |
 //! | `rk45` | [Dormand–Prince 5(4)](methods::DORMAND_PRINCE_5) | 5 | fixed or adaptive |
 //! | `dop853` | [Dormand–Prince 8(5,3)](methods::DORMAND_PRINCE_853) | 8 | fixed or adaptive |
+//! | `rodas5p` | [Rodas5P](methods::RODAS_5P), implicit | 5 | fixed or adaptive |
 //! | `bdf` | [BDF of the library `diffsol`](diffsol) | 1 to 5 | adaptive |
 //! | `tr_bdf2` | its TR-BDF2 | 2 | adaptive |
 //! | `esdirk34` | its ESDIRK 3(4) | 3 | adaptive |
@@ -52,7 +53,8 @@
 //!
 //! - What is asked: [`system`], the scalar it is written over ([`real`]), [`problems`] with closed
 //!   forms, and the event-blind baseline ([`blind`]).
-//! - What answers: [`methods`], the list; [`tableau`]s and their stage loop ([`erk`]), or
+//! - What answers: [`methods`], the list; [`tableau`]s and their stage loop ([`erk`]), implicit ones
+//!   without iteration ([`rosenbrock`]), both checked by [`order_conditions`], or
 //!   [`diffsol`](mod@diffsol).
 //! - One step: [`step`] with its [`dense`] output, judged by [`control`] to a [`tolerance`].
 //! - Events: [`event`] looks at guards over a step, [`root`] closes on their roots.
@@ -69,13 +71,16 @@ pub mod erk;
 pub mod error;
 pub mod event;
 pub mod integrate;
+mod linear;
 pub mod methods;
 pub mod one_step;
+pub mod order_conditions;
 pub mod phase;
 pub mod problems;
 pub mod real;
 pub mod record;
 pub mod root;
+pub mod rosenbrock;
 pub mod stats;
 pub mod step;
 pub mod system;

@@ -16,6 +16,8 @@ pub struct Stats {
     pub n_events: u64,
     /// Jacobians.
     pub n_jac: u64,
+    /// Factorisations of an iteration matrix.
+    pub n_factorisations: u64,
     /// Linear systems solved.
     pub n_lin_solves: u64,
 }
@@ -28,6 +30,7 @@ impl std::ops::AddAssign for Stats {
         self.n_retaken += other.n_retaken;
         self.n_events += other.n_events;
         self.n_jac += other.n_jac;
+        self.n_factorisations += other.n_factorisations;
         self.n_lin_solves += other.n_lin_solves;
     }
 }

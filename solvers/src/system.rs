@@ -122,6 +122,28 @@ pub trait System {
             }
         }
     }
+
+    /// Writes the derivative `∂f_mode/∂t` at a fixed state to `dfdt`.
+    ///
+    /// The default differentiates [`rhs`](Self::rhs) with a dual number; an autonomous system may
+    /// write zeros.
+    fn time_derivative(
+        &self,
+        mode: Self::Mode,
+        t: f64,
+        y: &Self::State<f64>,
+        dfdt: &mut Self::State<f64>,
+    ) where
+        Self: Sized,
+    {
+        let n = self.dim();
+        let y = Self::State::<Dual64>::from_fn(n, |i| Dual64::from_re(y.as_ref()[i]));
+        let mut dydt = Self::State::<Dual64>::from_fn(n, |_| Dual64::from_re(0.0));
+        self.rhs(mode, Dual64::new(t, 1.0), &y, &mut dydt);
+        for (dfdt, d) in dfdt.as_mut().iter_mut().zip(dydt.as_ref()) {
+            *dfdt = d.eps;
+        }
+    }
 }
 
 /// A [`System`] whose mode can be read off its state, as an event-blind integration needs it.

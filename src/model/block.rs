@@ -216,6 +216,10 @@ impl System for Block {
             }
         }
     }
+
+    fn time_derivative(&self, _mode: Mode, _t: f64, _y: &State<f64>, dfdt: &mut State<f64>) {
+        *dfdt = [0.0; 6];
+    }
 }
 
 #[cfg(test)]

@@ -263,6 +263,7 @@ fn count<'a, 'p: 'a, P: System + 'p, S: OdeSolverMethod<'a, Equations<'p, P>>>(
     stats.n_accepted += done.number_of_steps as u64;
     stats.n_rejected += rejected as u64;
     stats.n_jac += equations.n_jac.get();
+    stats.n_factorisations += done.number_of_linear_solver_setups as u64;
     stats.n_lin_solves += done.number_of_nonlinear_solver_iterations as u64;
 }
 

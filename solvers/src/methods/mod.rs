@@ -4,11 +4,13 @@ mod bogacki_shampine_3;
 mod classical_4;
 mod dormand_prince_5;
 mod dormand_prince_853;
+mod rodas_5p;
 
 pub use bogacki_shampine_3::BOGACKI_SHAMPINE_3;
 pub use classical_4::CLASSICAL_4;
 pub use dormand_prince_5::DORMAND_PRINCE_5;
 pub use dormand_prince_853::DORMAND_PRINCE_853;
+pub use rodas_5p::RODAS_5P;
 
 use crate::control::Control;
 use crate::diffsol::{DiffsolScheme, DiffsolSolver};
@@ -16,6 +18,7 @@ use crate::erk::ExplicitRk;
 use crate::error::Error;
 use crate::one_step::OneStepSolver;
 use crate::phase::PhaseSolver;
+use crate::rosenbrock::{Rosenbrock, RosenbrockMethod};
 use crate::system::System;
 use crate::tableau::Tableau;
 
@@ -37,17 +40,24 @@ enum Scheme {
     Explicit4(&'static Tableau<4>),
     Explicit7(&'static Tableau<7>),
     Explicit12(&'static Tableau<12>),
+    Rosenbrock8(&'static Rosenbrock<8>),
     Diffsol(DiffsolScheme),
 }
 
-/// Evaluates the first expression with the tableau of an explicit scheme, whatever its size, or the
-/// second with the scheme of `diffsol`.
+/// Evaluates the first expression with the tableau of an explicit scheme, whatever its size, the
+/// second with that of a Rosenbrock scheme, or the third with the scheme of `diffsol`.
 macro_rules! by_scheme {
-    ($scheme:expr, $tableau:ident => $explicit:expr, $diffsol:pat => $other:expr $(,)?) => {
+    (
+        $scheme:expr,
+        $tableau:ident => $explicit:expr,
+        $rosenbrock:pat => $implicit:expr,
+        $diffsol:pat => $other:expr $(,)?
+    ) => {
         match $scheme {
             Scheme::Explicit4($tableau) => $explicit,
             Scheme::Explicit7($tableau) => $explicit,
             Scheme::Explicit12($tableau) => $explicit,
+            Scheme::Rosenbrock8($rosenbrock) => $implicit,
             Scheme::Diffsol($diffsol) => $other,
         }
     };
@@ -78,6 +88,12 @@ pub static METHODS: &[Method] = &[
         order: DORMAND_PRINCE_853.order,
         about: "Dormand-Prince 8(5,3), explicit, adaptive: tight tolerances",
         scheme: Scheme::Explicit12(&DORMAND_PRINCE_853),
+    },
+    Method {
+        name: "rodas5p",
+        order: RODAS_5P.order,
+        about: "Rodas5P, implicit, L-stable, one-step, adaptive: strong damping, many events",
+        scheme: Scheme::Rosenbrock8(&RODAS_5P),
     },
     Method {
         name: "bdf",
@@ -113,13 +129,13 @@ impl Method {
 
     /// Whether its step size is the user's to choose.
     pub fn is_fixed_step(&self) -> bool {
-        by_scheme!(self.scheme, tableau => tableau.b_hat.is_none(), _ => false)
+        by_scheme!(self.scheme, tableau => tableau.b_hat.is_none(), _ => false, _ => false)
     }
 
     /// Residuals of the conditions that its [tableau](Tableau::residuals) must meet; none where it
     /// has no tableau.
     pub fn residuals(&self) -> Vec<f64> {
-        by_scheme!(self.scheme, tableau => tableau.residuals(), _ => Vec::new())
+        by_scheme!(self.scheme, tableau => tableau.residuals(), tableau => tableau.residuals(), _ => Vec::new())
     }
 
     /// The method at work on `problem`, its steps chosen by `control`.
@@ -151,6 +167,9 @@ impl Method {
         Ok(by_scheme!(
             self.scheme,
             tableau => Box::new(OneStepSolver::new(problem, ExplicitRk::new(tableau, n), control)),
+            tableau => {
+                Box::new(OneStepSolver::new(problem, RosenbrockMethod::new(tableau, n), control))
+            },
             scheme => match control {
                 Control::Adaptive(tolerance) => {
                     Box::new(DiffsolSolver::new(problem, scheme, tolerance))
