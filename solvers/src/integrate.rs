@@ -49,8 +49,8 @@ impl<'a, P: System> Integration<'a, P> {
     ///
     /// # Errors
     /// [`Error::BadArgument`] for a `t_end` that is not finite, [`Error::NonFinite`] for such a
-    /// start, [`Error::Chatter`] and [`Error::EventStorm`] for events without rest, and any error
-    /// of a step.
+    /// start, [`Error::Chatter`] for transitions without rest at one instant, [`Error::EventStorm`]
+    /// for events that accumulate to no [limit](System::accumulation), and any error of a step.
     pub fn run(
         &mut self,
         t_end: f64,
@@ -93,23 +93,22 @@ impl<'a, P: System> Integration<'a, P> {
     ) -> Result<Option<Outcome>, Error> {
         let mut last = (self.point.mode, guard);
         for _ in 0..CHATTER {
-            let before = self.point.mode;
-            last = (before, guard);
+            last = (self.point.mode, guard);
             let Point { t, y, mode } = &mut self.point;
-            let after = self.problem.transition(before, guard, *t, y);
-            self.stats.n_events += 1;
-            if let Next::Mode(next) = after {
-                *mode = next;
+            let after = self.problem.transition(*mode, guard, *t, y);
+            let mut outcome = self.enter(guard, after, record)?;
+            if outcome.is_none()
+                && let Some(span) = self.storm()
+            {
+                let Point { t, y, mode } = &mut self.point;
+                let Some(limit) = self.problem.accumulation(*mode, guard, *t, y) else {
+                    let mode = format!("{mode:?}");
+                    return Err(Error::EventStorm { t: *t, n: STORM, span, mode });
+                };
+                outcome = self.enter(guard, Next::Mode(limit), record)?;
             }
-            let event = Event { t: *t, guard, before, after, y };
-            let go_on = record.event(&event);
-            check_finite(&self.point, &self.point.y)?;
-            self.check_storm()?;
-            if after == Next::Stop {
-                return Ok(Some(Outcome::Stopped));
-            }
-            if go_on.is_break() {
-                return Ok(Some(Outcome::Interrupted));
+            if outcome.is_some() {
+                return Ok(outcome);
             }
             match self.violated()? {
                 None => return Ok(None),
@@ -120,17 +119,41 @@ impl<'a, P: System> Integration<'a, P> {
         Err(Error::Chatter { t: self.point.t, n: CHATTER, mode: format!("{mode:?}"), guard })
     }
 
-    fn check_storm(&mut self) -> Result<(), Error> {
+    /// Enters what follows an event of `guard`, the state being put on it already; an outcome where
+    /// the run ends here.
+    fn enter(
+        &mut self,
+        guard: usize,
+        after: Next<P::Mode>,
+        record: &mut dyn Record<P>,
+    ) -> Result<Option<Outcome>, Error> {
+        let Point { t, y, mode } = &mut self.point;
+        let before = *mode;
+        if let Next::Mode(next) = after {
+            *mode = next;
+        }
+        self.stats.n_events += 1;
+        let go_on = record.event(&Event { t: *t, guard, before, after, y });
+        check_finite(&self.point, &self.point.y)?;
+        Ok(match after {
+            Next::Stop => Some(Outcome::Stopped),
+            Next::Mode(_) if go_on.is_break() => Some(Outcome::Interrupted),
+            Next::Mode(_) => None,
+        })
+    }
+
+    /// Takes note of an event; the time over which the last ones accumulated, if they did.
+    fn storm(&mut self) -> Option<f64> {
         let t = self.point.t;
         self.last_events.push_back(t);
         if self.last_events.len() < STORM {
-            return Ok(());
+            return None;
         }
         let span = self.last_events.pop_front().map_or(f64::INFINITY, |first| (t - first).abs());
-        if span <= STORM_SPAN * (t - self.t_start).abs() {
-            let mode = format!("{:?}", self.point.mode);
-            return Err(Error::EventStorm { t, n: STORM, span, mode });
+        if span > STORM_SPAN * (t - self.t_start).abs() {
+            return None;
         }
-        Ok(())
+        self.last_events.clear();
+        Some(span)
     }
 }

@@ -95,6 +95,20 @@ pub trait System {
         y: &mut Self::State<S>,
     ) -> Next<Self::Mode>;
 
+    /// What follows where events accumulate in `mode` at `(t, y)`, the last one of guard number
+    /// `guard` (a Zeno point: a ball bounces ever lower and comes to rest): the limiting mode, with
+    /// `y` put on its state. None where the model knows of none, and the run ends in
+    /// [`EventStorm`](crate::Error::EventStorm); so does the default.
+    fn accumulation(
+        &self,
+        _mode: Self::Mode,
+        _guard: usize,
+        _t: f64,
+        _y: &mut Self::State<f64>,
+    ) -> Option<Self::Mode> {
+        None
+    }
+
     /// Calls `entry(i, j, ∂f_i/∂y_j)` for every entry of the Jacobian that is not zero in all
     /// modes; entries that vanish in this mode alone are given as zero.
     ///

@@ -4,6 +4,15 @@ use super::ROUNDING;
 use crate::real::Real;
 use crate::system::{Next, System};
 
+/// What the ball does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BouncingMode {
+    /// Flies or touches for an instant.
+    Flight,
+    /// Lies on the floor.
+    Rest,
+}
+
 /// A ball dropped from rest on a rigid floor, bouncing by Newton's law of impact.
 ///
 /// ```text
@@ -14,8 +23,7 @@ use crate::system::{Next, System};
 ///
 /// `y` is the height [m], `g` gravity [m/s²], `e` the restitution, `t_n` the time of bounce
 /// n = 0, 1, … [s] and `v_n` the speed after it [m/s]. For e < 1 the bounces accumulate at
-/// `t_0 (1 + e)/(1 − e)`; the model has no mode of rest, so a run past that time ends in
-/// [`EventStorm`](crate::Error::EventStorm).
+/// `t_0 (1 + e)/(1 − e)`, where the ball comes to [rest](System::accumulation).
 ///
 /// B. Brogliato, *Nonsmooth Mechanics*, 3rd ed., Springer (2016), section 1.1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,7 +86,7 @@ impl BouncingBall {
 }
 
 impl System for BouncingBall {
-    type Mode = ();
+    type Mode = BouncingMode;
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 1];
 
@@ -90,24 +98,52 @@ impl System for BouncingBall {
         1
     }
 
-    fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
-
-    fn rhs<S: Real>(&self, (): (), _t: S, y: &[S; 2], dydt: &mut [S; 2]) {
-        *dydt = [y[1], S::cst(-self.gravity)];
+    fn initial_mode(&self, _t: f64, y: &[f64; 2]) -> BouncingMode {
+        if *y == [0.0, 0.0] { BouncingMode::Rest } else { BouncingMode::Flight }
     }
 
-    fn guards<S: Real>(&self, (): (), _t: S, y: &[S; 2], g: &mut [S; 1]) {
-        *g = [y[0]];
+    fn rhs<S: Real>(&self, mode: BouncingMode, _t: S, y: &[S; 2], dydt: &mut [S; 2]) {
+        *dydt = match mode {
+            BouncingMode::Flight => [y[1], S::cst(-self.gravity)],
+            BouncingMode::Rest => [S::cst(0.0); 2],
+        };
+    }
+
+    fn guards<S: Real>(&self, mode: BouncingMode, _t: S, y: &[S; 2], g: &mut [S; 1]) {
+        *g = match mode {
+            BouncingMode::Flight => [y[0]],
+            BouncingMode::Rest => [S::cst(1.0)],
+        };
     }
 
     // The height of the present arc, not of the drop: small bounces have small rounding errors.
-    fn guard_bounds(&self, (): (), _t: f64, &[y, v]: &[f64; 2], bounds: &mut [f64; 1]) {
-        *bounds = [ROUNDING * (y.abs() + 0.5 * v * v / self.gravity)];
+    fn guard_bounds(&self, mode: BouncingMode, _t: f64, &[y, v]: &[f64; 2], bounds: &mut [f64; 1]) {
+        *bounds = match mode {
+            BouncingMode::Flight => [ROUNDING * (y.abs() + 0.5 * v * v / self.gravity)],
+            BouncingMode::Rest => [ROUNDING],
+        };
     }
 
-    fn transition<S: Real>(&self, (): (), _guard: usize, _t: S, y: &mut [S; 2]) -> Next<()> {
+    fn transition<S: Real>(
+        &self,
+        mode: BouncingMode,
+        _guard: usize,
+        _t: S,
+        y: &mut [S; 2],
+    ) -> Next<BouncingMode> {
         *y = [S::cst(0.0), -y[1] * self.restitution];
-        Next::Mode(())
+        Next::Mode(mode)
+    }
+
+    fn accumulation(
+        &self,
+        _mode: BouncingMode,
+        _guard: usize,
+        _t: f64,
+        y: &mut [f64; 2],
+    ) -> Option<BouncingMode> {
+        *y = [0.0, 0.0];
+        Some(BouncingMode::Rest)
     }
 }
 

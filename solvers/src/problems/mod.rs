@@ -4,7 +4,7 @@ mod bouncing_ball;
 mod compliant_ball;
 mod friction_oscillator;
 
-pub use bouncing_ball::BouncingBall;
+pub use bouncing_ball::{BouncingBall, BouncingMode};
 pub use compliant_ball::{BallMode, CompliantBall, Exit, Wall};
 pub use friction_oscillator::{FrictionMode, FrictionOscillator};
 
