@@ -4,8 +4,8 @@
 mod common;
 
 use common::{at_most, distance, end_state, log_slope, near, slack, steps_itself, tolerance};
-use deltazero_solvers::problems::{CompliantBall, Exit};
-use deltazero_solvers::{Blind, Control, METHODS, Method};
+use deltazero_solvers::problems::{CompliantBall, Exit, HertzBall};
+use deltazero_solvers::{Blind, Control, METHODS, Method, System};
 
 /// End of the runs [s], in the flight after three contacts.
 const T_END: f64 = 4.0;
@@ -15,8 +15,8 @@ fn ball(exit: Exit) -> CompliantBall {
     CompliantBall { mass: 1.0, stiffness: 100.0, damping: 4.0, exit, gap: 1.0, start: [0.5, 2.0] }
 }
 
-fn one_step_methods(ball: &CompliantBall) -> impl Iterator<Item = &'static Method> {
-    METHODS.iter().filter(|method| !steps_itself(method, ball))
+fn one_step_methods<P: System>(problem: &P) -> impl Iterator<Item = &'static Method> {
+    METHODS.iter().filter(|method| !steps_itself(method, problem))
 }
 
 /// Order on a linear system: how far the stability function agrees with the exponential.
@@ -132,6 +132,83 @@ fn contacts_lose_speed_by_the_closed_form() {
             let is_of_low_order = steps_itself(method, &ball) && method.order < 5;
             let bound = if is_of_low_order { 7e-8 } else { 1e-9 };
             at_most(method.name, (y[1].abs() - lost).abs(), bound);
+        }
+    }
+}
+
+/// A mass of 1 kg that hits a wall with F = K δⁿ at 1 m/s, in contact for some 2 s; the contact does
+/// not begin where a fixed step does.
+fn hertz_ball(exponent: f64) -> HertzBall {
+    HertzBall { mass: 1.0, stiffness: 2.0, exponent, start: [-0.47, 1.0] }
+}
+
+/// Error of `y` at the end, in the flight after the contact.
+fn hertz_error(ball: &HertzBall, y: &[f64; 2]) -> f64 {
+    ball.state(T_END).map_or(f64::NAN, |exact| distance(y, &exact))
+}
+
+/// Error at the end with `n` steps over the run, events located.
+fn located_hertz_error(ball: &HertzBall, method: &Method, n: u32) -> f64 {
+    let control = Control::Fixed(T_END / f64::from(n));
+    let y = end_state(ball, method, control, (0.0, ball.start), T_END, &mut ());
+    hertz_error(ball, &y)
+}
+
+/// The same, every stage in the mode that its state has.
+fn blind_hertz_error(ball: &HertzBall, method: &Method, n: u32) -> f64 {
+    let control = Control::Fixed(T_END / f64::from(n));
+    let y = end_state(&Blind(ball), method, control, (0.0, ball.start), T_END, &mut ());
+    hertz_error(ball, &y)
+}
+
+#[test]
+fn a_hertz_contact_limits_the_order_to_that_of_its_force() {
+    // At a time τ from either end of the contact δ̈ ∝ τ^1.5, so the step there errs by h^2.5.
+    let ball = hertz_ball(1.5);
+    for method in one_step_methods(&ball) {
+        // The h³ of a method of third order gives way to that in fine steps only.
+        let first = if method.order > 3 { 256 } else { 2048 };
+        let points = envelope(first, 5, |n| located_hertz_error(&ball, method, n));
+        // Measured: 2.50 for rk4, 2.61 for bs32, 2.51 for rk45 and dop853.
+        near(method.name, log_slope(&points), 2.5_f64.min(method.order as f64), 0.2);
+    }
+}
+
+#[test]
+fn the_same_contact_with_a_linear_force_keeps_the_order() {
+    let ball = hertz_ball(1.0);
+    for method in one_step_methods(&ball) {
+        // For high orders few enough steps to stay above rounding.
+        let order = linear_order(method);
+        let (first, octaves) = if order > 5 { (16, 2) } else { (64, 4) };
+        let points = envelope(first, octaves, |n| located_hertz_error(&ball, method, n));
+        // Measured: 4.05 for rk4, 2.98 for bs32, 4.96 for rk45, 8.10 for dop853, 6.01 for rodas5p.
+        near(method.name, log_slope(&points), order as f64, 0.2);
+    }
+}
+
+#[test]
+fn the_same_contact_with_a_quadratic_force_keeps_the_order() {
+    let ball = hertz_ball(2.0);
+    for method in one_step_methods(&ball) {
+        let (first, octaves) = if method.order > 5 { (32, 2) } else { (64, 4) };
+        let points = envelope(first, octaves, |n| located_hertz_error(&ball, method, n));
+        println!("{points:?}");
+        // Measured:
+        near(method.name, log_slope(&points), method.order as f64, slack(method));
+    }
+}
+
+#[test]
+fn blind_events_of_a_continuous_force_leave_its_order() {
+    // A step over the surface errs by h^(n + 1): locating gains orders for n = 1, and for n = 3/2 a
+    // factor (from 6.6e-7 to 9.8e-9 for dop853 in 256 steps) but no order.
+    for (exponent, order) in [(1.0, 2.0), (1.5, 2.5)] {
+        let ball = hertz_ball(exponent);
+        for method in one_step_methods(&ball) {
+            let points = envelope(256, 6, |n| blind_hertz_error(&ball, method, n));
+            // Measured: 1.99 to 2.04, and 2.40 to 2.60.
+            near(method.name, log_slope(&points), order, 0.2);
         }
     }
 }
