@@ -1,17 +1,23 @@
 //! Problems with closed forms, one a file: for tests, examples and users.
 
+mod belt_oscillator;
 mod bouncing_ball;
 mod compliant_ball;
 mod friction_oscillator;
 mod hertz_ball;
+mod sliding_stops;
 mod spring_stop;
+mod thermostat;
 mod two_balls;
 
+pub use belt_oscillator::{BeltMode, BeltOscillator};
 pub use bouncing_ball::{BouncingBall, BouncingMode};
 pub use compliant_ball::{BallMode, CompliantBall, Exit, Wall};
 pub use friction_oscillator::{FrictionMode, FrictionOscillator};
 pub use hertz_ball::HertzBall;
+pub use sliding_stops::{Block, SlidingStops, StopsMode};
 pub use spring_stop::SpringStop;
+pub use thermostat::{Heater, Thermostat};
 pub use two_balls::TwoBalls;
 
 /// Rounding bound of a guard that is a sum of a few terms, as a multiple of their size.
@@ -24,4 +30,26 @@ pub enum StopMode {
     Free,
     /// Dents it.
     Contact,
+}
+
+/// A smooth piece of a closed form, from one event to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece<M, Y> {
+    /// When it begins [s].
+    pub t: f64,
+    /// Its mode.
+    pub mode: M,
+    /// State where it begins.
+    pub y: Y,
+}
+
+/// The pieces that begin by `t_end`: `start`, and those that `next` makes of the one before.
+fn pieces<M: Copy, Y: Copy>(
+    start: Piece<M, Y>,
+    t_end: f64,
+    next: impl Fn(Piece<M, Y>) -> Piece<M, Y>,
+) -> Vec<Piece<M, Y>> {
+    std::iter::successors(Some(start), |&piece| Some(next(piece)))
+        .take_while(|piece| piece.t <= t_end)
+        .collect()
 }
