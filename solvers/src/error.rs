@@ -39,8 +39,8 @@ pub enum Error {
         /// Index of the state.
         component: usize,
     },
-    /// A guard is not a number.
-    #[error("guard {guard} is not a number at t = {t} in mode {mode}; check its definition there")]
+    /// A guard is infinite or not a number.
+    #[error("guard {guard} is not finite at t = {t} in mode {mode}; check its definition there")]
     NonFiniteGuard {
         /// Time.
         t: f64,

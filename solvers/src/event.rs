@@ -65,7 +65,7 @@ impl<P: System> GuardWatch<P> {
     /// Evaluates all guards of `mode` at `(t, y)`; the first violated one.
     ///
     /// # Errors
-    /// [`Error::NonFiniteGuard`] for a guard or bound that is not a number.
+    /// [`Error::NonFiniteGuard`] for a guard or bound that is infinite or not a number.
     pub fn violated(
         &mut self,
         problem: &P,
@@ -78,7 +78,7 @@ impl<P: System> GuardWatch<P> {
         let mut first = None;
         for (i, (g, bound)) in self.values.as_ref().iter().zip(self.bounds.as_ref()).enumerate() {
             let margin = g + bound;
-            if margin.is_nan() {
+            if !margin.is_finite() {
                 let mode = format!("{mode:?}");
                 return Err(Error::NonFiniteGuard { t, mode, guard: i });
             }

@@ -62,6 +62,8 @@
 //! - The run: [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in
 //!   an outcome or an [`error`].
 //! - What is kept: [`record`] sees each step and event once, [`trajectory`] keeps them.
+//!
+//! What is promised of events, case by case, and what is not: [`rules`].
 
 pub mod blind;
 pub mod control;
@@ -81,6 +83,7 @@ pub mod real;
 pub mod record;
 pub mod root;
 pub mod rosenbrock;
+pub mod rules;
 pub mod stats;
 pub mod step;
 pub mod system;

@@ -1,0 +1,109 @@
+//! Events without rest: at one time, around one time, towards one time.
+
+use deltazero_solvers::problems::{BouncingBall, BouncingMode};
+use deltazero_solvers::{Error, Next, Outcome, Real, System};
+
+use crate::common::{at_most, steps_itself};
+use crate::log::{ROUNDING, run, settings};
+use crate::script::{Guard, Script, chain, floor};
+
+#[test]
+fn two_modes_that_hand_over_without_moving_are_chatter() {
+    let mut script = chain(&[&[-1.0], &[-1.0]]);
+    script.guards[1][0].next = Next::Mode(0);
+    for setting in settings() {
+        let (log, outcome, ..) = run(&script, &setting, (0.5, [0.0, 0.0]), 2.0);
+        let error = outcome.unwrap_err();
+        assert_eq!(log.events.len(), 16);
+        let (mode, guard) = (format!("{:?}", log.events[15].2), log.events[15].1);
+        assert_eq!(error, Error::Chatter { t: 0.5, n: 16, mode, guard });
+    }
+}
+
+#[test]
+fn two_modes_that_push_against_each_other_are_an_error_and_not_a_hang() {
+    let script = Script {
+        rate: vec![vec![1.0], vec![-1.0]],
+        guards: vec![vec![Guard { a: -1.0, ..floor(1, 0.0) }], vec![floor(0, 0.0)]],
+    };
+    for setting in settings() {
+        let (_, outcome, ..) = run(&script, &setting, (0.0, [0.0, -0.5]), 2.0);
+        let error = outcome.unwrap_err();
+        let expected = matches!(error, Error::Chatter { .. } | Error::EventStorm { .. });
+        assert!(expected, "{}: {error}", setting.0.name);
+        let (Error::Chatter { t, .. } | Error::EventStorm { t, .. }) = error else { continue };
+        assert!((t - 0.5).abs() < ROUNDING, "{error}");
+    }
+}
+
+#[test]
+fn a_ball_whose_bounces_accumulate_comes_to_rest() {
+    let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+    for setting in settings() {
+        let name = setting.0.name;
+        let (log, outcome, t, y) = run(&ball, &setting, (0.0, ball.start()), 2.0);
+        assert_eq!((outcome, t, y), (Ok(Outcome::Finished), 2.0, [0.0, 0.0]), "{name}");
+        let (t, _, before, after, _) = *log.events.last().unwrap();
+        assert_eq!((before, after), (BouncingMode::Flight, Next::Mode(BouncingMode::Rest)));
+        // Measured: 4.7e-15 s. For bdf 3.8e-5 s, of bounces 4e-10 m high: it does not resolve
+        // arcs below its atol.
+        let bound = if steps_itself(setting.0, &ball) { 2e-4 } else { 4e-14 };
+        at_most(name, (t - ball.accumulation_time()).abs(), bound);
+    }
+}
+
+/// `ẋ = −1`, put back at half the height of the last fall wherever it reaches zero. Its mode carries
+/// that height, and knows of no limit.
+struct Halving;
+
+impl System for Halving {
+    type Mode = f64;
+    type State<S: Real> = [S; 2];
+    type Guards<S: Real> = [S; 1];
+
+    fn dim(&self) -> usize {
+        2
+    }
+
+    fn n_guards(&self) -> usize {
+        1
+    }
+
+    fn initial_mode(&self, _t: f64, y: &[f64; 2]) -> f64 {
+        y[0]
+    }
+
+    fn rhs<S: Real>(&self, _: f64, _t: S, _y: &[S; 2], dydt: &mut [S; 2]) {
+        *dydt = [S::cst(-1.0), S::cst(0.0)];
+    }
+
+    fn guards<S: Real>(&self, _: f64, _t: S, y: &[S; 2], g: &mut [S; 1]) {
+        *g = [y[0]];
+    }
+
+    fn guard_bounds(&self, height: f64, _t: f64, _y: &[f64; 2], bounds: &mut [f64; 1]) {
+        *bounds = [4.0 * f64::EPSILON * height];
+    }
+
+    fn transition<S: Real>(&self, height: f64, _: usize, _t: S, y: &mut [S; 2]) -> Next<f64> {
+        y[0] = S::cst(0.5 * height);
+        Next::Mode(0.5 * height)
+    }
+}
+
+#[test]
+fn events_that_accumulate_to_no_limit_are_an_event_storm() {
+    for setting in settings() {
+        let name = setting.0.name;
+        let (log, outcome, ..) = run(&Halving, &setting, (0.0, [1.0, 0.0]), 3.0);
+        let Err(Error::EventStorm { t, n: 100, .. }) = outcome else {
+            panic!("{name}: {outcome:?}");
+        };
+        // Measured: 1.3e-15, for bdf 4.5e-14.
+        let bound = if steps_itself(setting.0, &Halving) { 4e-13 } else { 1e-14 };
+        at_most(name, (t - 2.0).abs(), bound);
+        for (n, event) in log.events.iter().enumerate() {
+            assert_eq!(event.2, 0.5_f64.powi(n as i32), "{name}");
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Guards that fall and rise again within one step.
+
+use deltazero_solvers::{Control, Next, Outcome, Real, System};
+
+use crate::common::at_most;
+use crate::log::{run, settings_with};
+use crate::script::{chain, expect_events};
+
+#[test]
+fn a_guard_that_falls_and_rises_within_one_step_is_found() {
+    // (x − 0.6)² − 0.05², and from the other side.
+    let (a, d) = (0.6_f64, 0.05_f64);
+    let inside = [a * a - d * d, -2.0 * a, 1.0];
+    let outside = inside.map(|c| -c);
+    expect_events(&chain(&[&inside, &outside]), 2.0, &[a - d, a + d]);
+}
+
+#[test]
+fn a_grazing_touch_without_crossing_gives_no_event() {
+    expect_events(&chain(&[&[0.36, -1.2, 1.0]]), 2.0, &[]);
+    expect_events(&chain(&[&[0.36 + 1e-12, -1.2, 1.0]]), 2.0, &[]);
+    // At the end of a fixed step.
+    expect_events(&chain(&[&[0.25, -1.0, 1.0]]), 2.0, &[]);
+}
+
+/// `z = a (1 − w)² + b w − m`, `w = (2 t − 1)²`, at least 0.05: its cubic Hermite interpolant over
+/// 0 ≤ t ≤ 1 falls to −0.05. Guard 0 is z, guard 1 falls at t = 0.95.
+struct Quartic {
+    /// Whether the second guard dips at 0.8 ± 0.1, or falls at 0.95.
+    dips: bool,
+}
+
+impl System for Quartic {
+    type Mode = bool;
+    type State<S: Real> = [S; 1];
+    type Guards<S: Real> = [S; 2];
+
+    fn dim(&self) -> usize {
+        1
+    }
+
+    fn n_guards(&self) -> usize {
+        2
+    }
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 1]) -> bool {
+        true
+    }
+
+    fn rhs<S: Real>(&self, _: bool, t: S, _y: &[S; 1], dydt: &mut [S; 1]) {
+        let u = t * 2.0 - 1.0;
+        *dydt = [(u * u * 0.2 + 0.8) * u * 4.0];
+    }
+
+    fn guards<S: Real>(&self, watched: bool, t: S, y: &[S; 1], g: &mut [S; 2]) {
+        let unused = S::cst(1.0);
+        let second = if self.dips { (t - 0.8) * (t - 0.8) - 0.01 } else { -t + 0.95 };
+        *g = [y[0], if watched { second } else { unused }];
+    }
+
+    fn guard_bounds(&self, _: bool, _t: f64, _y: &[f64; 1], bounds: &mut [f64; 2]) {
+        *bounds = [1e-15; 2];
+    }
+
+    fn transition<S: Real>(&self, _: bool, _guard: usize, _t: S, _y: &mut [S; 1]) -> Next<bool> {
+        Next::Mode(false)
+    }
+}
+
+#[test]
+fn a_dip_of_the_interpolant_alone_does_not_hide_another_guard() {
+    for (dips, at) in [(false, 0.95), (true, 0.7)] {
+        let quartic = Quartic { dips };
+        for setting in settings_with(1.0) {
+            let (method, Control::Fixed(_)) = setting else { continue };
+            let (log, outcome, ..) = run(&quartic, &setting, (0.0, [0.95]), 2.0);
+            assert_eq!(outcome, Ok(Outcome::Finished));
+            let (times, guards): (Vec<_>, Vec<_>) = log.events.iter().map(|e| (e.0, e.1)).unzip();
+            assert_eq!(guards, [1], "{}: {times:?}", method.name);
+            // Measured: 1.1e-16, for the dip 2.2e-15: its guard is bounded to 1e-15 at a slope of 0.2.
+            at_most(method.name, (times[0] - at).abs(), 1e-14);
+        }
+    }
+}

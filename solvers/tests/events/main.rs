@@ -1,0 +1,21 @@
+//! Every event rule under its own name, with every method.
+//!
+//! The rules are told in the crate's page [`rules`](deltazero_solvers::rules).
+
+#[path = "../common/mod.rs"]
+mod common;
+mod log;
+mod script;
+
+mod accumulation;
+mod backward;
+mod crossings;
+mod dips;
+mod modes;
+mod not_finite;
+mod recorder;
+mod resets;
+mod runs;
+mod simultaneous;
+mod start;
+mod sticking;

@@ -1,0 +1,110 @@
+//! What a recorder is shown, and when.
+
+use std::ops::ControlFlow;
+
+use deltazero_solvers::problems::BouncingBall;
+use deltazero_solvers::{Accepted, Event, Grid, Integration, Outcome, Record, Trajectory};
+
+use crate::common::{at_most, steps_itself};
+use crate::log::{Log, settings};
+use crate::script::chain;
+
+#[test]
+fn a_recorder_sees_each_step_and_event_once_and_in_order() {
+    let ball = BouncingBall { restitution: 0.9, gravity: 9.8, height: 1.0 };
+    for (method, control) in settings() {
+        let name = method.name;
+        let mut log = Log::default();
+        let mut integration = Integration::new(&ball, 0.0, ball.start());
+        let mut solver = method.solver(&ball, control).unwrap();
+        integration.run(3.0, &mut *solver, &mut log).unwrap();
+        assert_eq!(log.steps.len() as u64, integration.stats.n_accepted, "{name}");
+        assert_eq!(log.steps[0].0, 0.0);
+        assert!(log.steps.windows(2).all(|pair| pair[0].1 == pair[1].0), "{name}");
+        assert_eq!(log.steps.last().unwrap().1, 3.0);
+        let landings: Vec<_> = log.steps.iter().filter(|step| step.2.is_some()).collect();
+        assert_eq!(landings.len(), log.events.len(), "{name}");
+        for (landing, event) in landings.iter().zip(&log.events) {
+            assert_eq!((landing.1, landing.2), (event.0, Some(event.1)), "{name}");
+            assert_eq!(log.steps[event.4 - 1].1, event.0, "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_recorder_may_break_off_at_a_step_or_an_event_and_the_run_can_go_on() {
+    let script = chain(&[&[0.7, -1.0], &[1.3, -1.0]]);
+    for (method, control) in settings() {
+        for break_at in [(1, usize::MAX), (3, usize::MAX), (usize::MAX, 1)] {
+            let name = method.name;
+            let mut log = Log { break_at, ..Log::default() };
+            let mut integration = Integration::new(&script, 0.0, [0.0; 2]);
+            let mut solver = method.solver(&script, control.clone()).unwrap();
+            let outcome = integration.run(2.0, &mut *solver, &mut log);
+            assert_eq!(outcome, Ok(Outcome::Interrupted), "{name}");
+            assert_eq!(integration.point.t, log.steps.last().unwrap().1, "{name}");
+            let outcome = integration.run(2.0, &mut *solver, &mut log);
+            assert_eq!(outcome, Ok(Outcome::Finished), "{name}");
+            let times = log.times();
+            assert!(times.len() == 2 && (times[0] - 0.7).abs() < 1e-13, "{name}: {times:?}");
+            assert!(log.steps.windows(2).all(|pair| pair[0].1 == pair[1].0), "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_sample_on_an_event_shows_what_follows_it() {
+    let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+    for (method, control) in settings() {
+        let mut first = Trajectory::on(Grid::Steps);
+        let mut integration = Integration::new(&ball, 0.0, ball.start());
+        let mut solver = method.solver(&ball, control.clone()).unwrap();
+        integration.run(0.6, &mut *solver, &mut first).unwrap();
+        let t = first.events[0].t;
+        let on_step = first.samples.iter().find(|sample| sample.t == t).unwrap();
+        // The same run again, with a sample exactly at the event.
+        let mut second = Trajectory::on(Grid::Times(vec![0.0, 0.3, t, 0.6]));
+        let mut integration = Integration::new(&ball, 0.0, ball.start());
+        let mut solver = method.solver(&ball, control).unwrap();
+        integration.run(0.6, &mut *solver, &mut second).unwrap();
+        let times: Vec<_> = second.samples.iter().map(|sample| sample.t).collect();
+        assert_eq!(times, [0.0, 0.3, t, 0.6], "{}", method.name);
+        for sample in [on_step, &second.samples[2]] {
+            let [y, v] = sample.y;
+            assert!(y == 0.0 && v > 2.0, "{}: {sample:?}", method.name);
+        }
+        assert_eq!(second.samples[0].y, ball.start());
+        assert_eq!(second.samples[3], *first.samples.last().unwrap());
+    }
+}
+
+/// Greatest difference between a step's slope of the height and the velocity it landed with.
+struct Landings(f64);
+
+impl Record<BouncingBall> for Landings {
+    fn step(&mut self, accepted: &Accepted<'_, BouncingBall>) -> ControlFlow<()> {
+        let step = accepted.step;
+        if accepted.landed_on.is_some() {
+            self.0 = self.0.max((step.slope1()[0] - step.y1()[1]).abs());
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn event(&mut self, _: &Event<'_, BouncingBall>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+#[test]
+fn a_landing_has_the_slope_of_where_it_lands() {
+    let ball = BouncingBall { restitution: 0.9, gravity: 9.8, height: 1.0 };
+    for (method, control) in settings() {
+        let mut landings = Landings(0.0);
+        let mut solver = method.solver(&ball, control).unwrap();
+        let mut integration = Integration::new(&ball, 0.0, ball.start());
+        integration.run(3.0, &mut *solver, &mut landings).unwrap();
+        // Measured: 0, for diffsol's at most 3.2e-13 m/s (tsit45).
+        let bound = if steps_itself(method, &ball) { 3e-12 } else { 0.0 };
+        at_most(method.name, landings.0, bound);
+    }
+}
