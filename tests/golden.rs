@@ -49,6 +49,14 @@ fn dop853_at_1e_12_reproduces_both() {
 }
 
 #[test]
+fn vern98_at_1e_12_reproduces_both() {
+    // Measured: e = 2.2e-13 and 4.5e-14, event times to 6.1e-12 s.
+    for reading in ["pin", "full"] {
+        reproduces(reading, &located("vern98", 1e-12), &Bound { e: 2e-12, event_time: 6e-11 });
+    }
+}
+
+#[test]
 fn the_other_methods_find_the_events_of_full() {
     // Measured: e = 9.4e-6, 2.7e-9 and 3.8e-8, event times to 3.5e-6, 2.0e-8 and 2.9e-8 s.
     for (method, rtol, e) in

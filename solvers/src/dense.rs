@@ -45,13 +45,15 @@ pub fn stages<Y: Vector<f64>, const S: usize>(
 pub(crate) fn nested<Y: Vector<f64>, const S: usize>(
     theta: f64,
     step: &TableauStep<Y, S>,
-    d: &[&[f64]; 4],
+    d: &[&[f64]],
     y: &mut Y,
 ) {
     let rest = 1.0 - theta;
-    // θ and 1 − θ in the order in which F₃ … F₆ are multiplied by them.
-    let bubble = theta * rest * theta * rest;
-    let factors = [bubble, bubble * theta, bubble * theta * rest, bubble * theta * rest * theta];
+    // θ and 1 − θ in the order in which F₃ … F₇ are multiplied by them.
+    let mut factors = [theta * rest * theta * rest; 5];
+    for i in 1..factors.len() {
+        factors[i] = factors[i - 1] * if i % 2 == 1 { theta } else { rest };
+    }
     hermite(theta, step.h, (&step.y0, &step.k[0]), (&step.y1, &step.slope1), y);
     for (j, slope) in step.slopes().enumerate() {
         let weight: f64 = d.iter().zip(factors).map(|(row, factor)| row[j] * factor).sum();

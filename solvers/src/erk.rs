@@ -33,7 +33,7 @@ impl<Y: Vector<f64>, const S: usize> ExplicitRk<Y, S> {
             tableau,
             first_same_as_last: tableau.first_same_as_last(),
             error_weights: tableau.b_hat.map(weights),
-            low_weights: tableau.b_hat_low.map(weights),
+            low_weights: tableau.b_hat_low.map(|(b_hat, _)| weights(b_hat)),
             low_error: Y::from_fn(n, |_| 0.0),
             y_stage: Y::from_fn(n, |_| 0.0),
             zero: Y::from_fn(n, |_| 0.0),
@@ -47,7 +47,7 @@ impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
     type Step = TableauStep<P::State<f64>, S>;
 
     fn embedded_order(&self) -> Option<usize> {
-        self.error_weights.map(|_| self.tableau.embedded_order)
+        self.error_weights.map(|_| self.tableau.error_order() - 1)
     }
 
     fn restart(

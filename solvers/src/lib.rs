@@ -43,6 +43,7 @@
 //! | `bs32` | [Bogacki–Shampine 3(2)](methods::BOGACKI_SHAMPINE_3) | 3 | fixed or adaptive |
 //! | `rk45` | [Dormand–Prince 5(4)](methods::DORMAND_PRINCE_5) | 5 | fixed or adaptive |
 //! | `dop853` | [Dormand–Prince 8(5,3)](methods::DORMAND_PRINCE_853) | 8 | fixed or adaptive |
+//! | `vern98` | [Verner 9(8)](methods::VERNER_98) | 9 | fixed or adaptive |
 //! | `rodas5p` | [Rodas5P](methods::RODAS_5P), implicit | 5 | fixed or adaptive |
 //! | `bdf` | [BDF of the library `diffsol`](diffsol) | 1 to 5 | adaptive |
 //! | `tr_bdf2` | its TR-BDF2 | 2 | adaptive |

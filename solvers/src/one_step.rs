@@ -30,7 +30,7 @@ pub trait OneStep<P: System> {
     /// What it hands on.
     type Step: Step<P::State<f64>>;
 
-    /// Order of the embedded solution, where the method estimates its error.
+    /// Order of the embedded solution, one below that of the error estimate, where the method has one.
     fn embedded_order(&self) -> Option<usize>;
 
     /// Starts anew at `(t, y)` in `mode`; whatever was kept of earlier steps is forgotten.

@@ -42,13 +42,13 @@ fn blind_error(ball: &CompliantBall, method: &Method, n: u32) -> f64 {
     distance(&y, &ball.solution(T_END).0)
 }
 
-/// The greatest error over an eighth of an octave of steps, at each of `octaves` from `first` on:
+/// The greatest error over a quarter of an octave of steps, at each of `octaves` from `first` on:
 /// the error of a blind step depends on where in it the surface falls, the envelope does not.
 fn envelope(first: u32, octaves: u32, error: impl Fn(u32) -> f64) -> Vec<(f64, f64)> {
     (0..octaves)
         .map(|octave| {
             let n = first << octave;
-            let worst = (0..16).map(|i| error(n + (n * i) / 128)).fold(0.0, f64::max);
+            let worst = (0..64).map(|i| error(n + (n * i) / 256)).fold(0.0, f64::max);
             (1.0 / f64::from(n), worst)
         })
         .collect()
@@ -61,15 +61,17 @@ fn located_events_keep_the_order_through_impacts() {
         assert_eq!(ball.solution(T_END).1.len(), 6);
         for method in one_step_methods(&ball) {
             // For high orders few enough steps to stay above rounding.
-            let (first, octaves) = match linear_order(method) {
+            let order = linear_order(method);
+            let (first, octaves) = match order {
                 ..=5 => (200, 4),
                 6 => (128, 2),
-                _ => (64, 2),
+                7..=8 => (64, 2),
+                _ => (24, 3),
             };
             let points = envelope(first, octaves, |n| located_error(&ball, method, n));
             // Measured: 3.93 and 3.92 for rk4, 3.04 and 3.04 for bs32, 5.17 and 5.17 for rk45, 8.03
-            // and 7.92 for dop853, 5.98 and 5.97 for rodas5p.
-            near(method.name, log_slope(&points), linear_order(method) as f64, slack(method));
+            // and 7.92 for dop853, 9.12 and 8.82 for vern98, 5.98 and 5.97 for rodas5p.
+            near(method.name, log_slope(&points), order as f64, slack(method));
         }
     }
 }
@@ -80,8 +82,9 @@ fn blind_events_fall_to_between_first_and_second_order() {
         let ball = ball(exit);
         for method in one_step_methods(&ball) {
             let points = envelope(256, 6, |n| blind_error(&ball, method, n));
-            // Measured: 0.99 and 1.09 for rk4, 1.10 and 1.04 for rk45, 0.96 and 0.69 for rodas5p.
-            near(method.name, log_slope(&points), 1.3, 0.65);
+            // Measured: 0.98 and 1.06 for rk4, 1.07 and 1.09 for rk45, 1.09 and 0.96 for vern98,
+            // 0.88 and 0.97 for rodas5p.
+            near(method.name, log_slope(&points), 1.4, 0.6);
         }
     }
 }
@@ -180,18 +183,25 @@ fn the_same_contact_with_a_linear_force_keeps_the_order() {
     for method in one_step_methods(&ball) {
         // For high orders few enough steps to stay above rounding.
         let order = linear_order(method);
-        let (first, octaves) = if order > 5 { (16, 2) } else { (64, 4) };
+        let (first, octaves) = match order {
+            ..=5 => (64, 4),
+            6..=8 => (16, 2),
+            _ => (12, 2),
+        };
         let points = envelope(first, octaves, |n| located_hertz_error(&ball, method, n));
-        // Measured: 4.05 for rk4, 2.98 for bs32, 4.96 for rk45, 8.10 for dop853, 6.01 for rodas5p.
-        near(method.name, log_slope(&points), order as f64, 0.2);
+        // Measured: 4.05 for rk4, 2.98 for bs32, 4.96 for rk45, 8.10 for dop853, 9.23 for vern98,
+        // 6.01 for rodas5p.
+        near(method.name, log_slope(&points), order as f64, slack(method));
     }
 }
 
 #[test]
 fn the_same_contact_with_a_quadratic_force_keeps_the_order() {
     let ball = hertz_ball(2.0);
-    for method in one_step_methods(&ball) {
+    // Beyond order eight the error falls to rounding within one octave.
+    for method in one_step_methods(&ball).filter(|method| method.order <= 8) {
         let (first, octaves) = if method.order > 5 { (32, 2) } else { (64, 4) };
+
         let points = envelope(first, octaves, |n| located_hertz_error(&ball, method, n));
         println!("{points:?}");
         // Measured:

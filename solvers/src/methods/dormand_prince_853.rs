@@ -56,7 +56,7 @@ const fn embedded() -> [f64; 12] {
 /// The method described above.
 pub const DORMAND_PRINCE_853: Tableau<12> = Tableau {
     order: 8,
-    embedded_order: 7,
+    embedded_order: 5,
     c: [
         0.0,
         0.052_600_151_958_767_73,
@@ -144,20 +144,23 @@ pub const DORMAND_PRINCE_853: Tableau<12> = Tableau {
     ],
     b: B,
     b_hat: Some(embedded()),
-    b_hat_low: Some([
-        0.244_094_488_188_976_4,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        0.733_846_688_281_611_8,
-        0.0,
-        0.0,
-        0.022_058_823_529_411_766,
-    ]),
+    b_hat_low: Some((
+        [
+            0.244_094_488_188_976_4,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+            0.733_846_688_281_611_8,
+            0.0,
+            0.0,
+            0.022_058_823_529_411_766,
+        ],
+        3,
+    )),
     dense: Dense::Nested {
         extra: &[
             (
@@ -218,7 +221,7 @@ pub const DORMAND_PRINCE_853: Tableau<12> = Tableau {
                 ],
             ),
         ],
-        d: [
+        d: &[
             &[
                 -8.428_938_276_109_013,
                 0.0,

@@ -5,12 +5,14 @@ mod classical_4;
 mod dormand_prince_5;
 mod dormand_prince_853;
 mod rodas_5p;
+mod verner_98;
 
 pub use bogacki_shampine_3::BOGACKI_SHAMPINE_3;
 pub use classical_4::CLASSICAL_4;
 pub use dormand_prince_5::DORMAND_PRINCE_5;
 pub use dormand_prince_853::DORMAND_PRINCE_853;
 pub use rodas_5p::RODAS_5P;
+pub use verner_98::VERNER_98;
 
 use crate::control::Control;
 use crate::diffsol::{DiffsolScheme, DiffsolSolver};
@@ -41,6 +43,7 @@ enum Scheme {
     Explicit7(&'static Tableau<7>),
     Explicit12(&'static Tableau<12>),
     Rosenbrock8(&'static Rosenbrock<8>),
+    Explicit16(&'static Tableau<16>),
     Diffsol(DiffsolScheme),
 }
 
@@ -58,6 +61,7 @@ macro_rules! by_scheme {
             Scheme::Explicit7($tableau) => $explicit,
             Scheme::Explicit12($tableau) => $explicit,
             Scheme::Rosenbrock8($rosenbrock) => $implicit,
+            Scheme::Explicit16($tableau) => $explicit,
             Scheme::Diffsol($diffsol) => $other,
         }
     };
@@ -88,6 +92,12 @@ pub static METHODS: &[Method] = &[
         order: DORMAND_PRINCE_853.order,
         about: "Dormand-Prince 8(5,3), explicit, adaptive: tight tolerances",
         scheme: Scheme::Explicit12(&DORMAND_PRINCE_853),
+    },
+    Method {
+        name: "vern98",
+        order: VERNER_98.order,
+        about: "Verner 9(8), explicit, adaptive: the tightest tolerances",
+        scheme: Scheme::Explicit16(&VERNER_98),
     },
     Method {
         name: "rodas5p",
