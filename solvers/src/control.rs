@@ -86,9 +86,25 @@ impl StepController {
             Verdict::Accept(h * factor.clamp(SHRINK, most))
         } else {
             self.rejected = true;
-            let factor = SAFETY * exp(-self.exponent * log_err);
-            Verdict::Reject(h * if factor > SHRINK { factor.min(1.0) } else { SHRINK })
+            Verdict::Reject(h * self.shrunk(log_err))
         }
+    }
+
+    /// The step size to try again with instead of a step of size `h` that lands on an event, if its
+    /// error is not tolerated: the step it is a part of was, but may have been so by luck.
+    pub fn refusal(&self, h: f64, err_sq: impl FnOnce(&Tolerance) -> f64) -> Option<f64> {
+        let Control::Adaptive(tolerance) = &self.control else {
+            return None;
+        };
+        let err_sq = err_sq(tolerance);
+        let is_tolerated = err_sq <= 1.0;
+        (!is_tolerated).then(|| h * self.shrunk(0.5 * log(err_sq)))
+    }
+
+    /// What a rejected step is shortened by.
+    fn shrunk(&self, log_err: f64) -> f64 {
+        let factor = SAFETY * exp(-self.exponent * log_err);
+        if factor > SHRINK { factor.min(1.0) } else { SHRINK }
     }
 }
 

@@ -119,6 +119,17 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         h1.min(100.0 * h0.abs()).copysign(span)
     }
 
+    /// Counts a rejected step; the `smaller` one to try next, unless time does not resolve it.
+    fn rejected(&self, point: &Point<P>, smaller: f64, stats: &mut Stats) -> Result<f64, Error> {
+        stats.n_rejected += 1;
+        if point.t + 0.1 * smaller == point.t {
+            check_finite(point, self.method.step().y1())?;
+            check_finite(point, self.method.error())?;
+            return Err(underflow(point, smaller));
+        }
+        Ok(smaller)
+    }
+
     /// Retakes the step so that it ends just past the surface of the guard that falls first; that
     /// guard. None where a dip of the dense output is none of the method: the step is then whole
     /// again.
@@ -248,21 +259,14 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             // The step that time really takes, so that t and y do not drift apart.
             let h_taken = t1 - point.t;
             self.method.attempt(problem, mode, t1, h_taken, stats);
-            let (y1, error) = (self.method.step().y1(), self.method.error());
             match self.controller.judge(h_taken, |tolerance| self.method.error_norm_sq(tolerance)) {
                 Verdict::Reject(smaller) => {
-                    stats.n_rejected += 1;
-                    h = smaller;
-                    if point.t + 0.1 * h == point.t {
-                        check_finite(point, y1)?;
-                        check_finite(point, error)?;
-                        return Err(underflow(point, h));
-                    }
+                    h = self.rejected(point, smaller, stats)?;
                     continue;
                 }
                 Verdict::Accept(next) => h = next,
             }
-            check_finite(point, y1)?;
+            check_finite(point, self.method.step().y1())?;
             self.method.complete(problem, mode, stats);
             check_finite(point, self.method.step().slope1())?;
             let landed_on = if self.watch.is_clear(problem, mode, self.method.step()) {
@@ -270,6 +274,14 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             } else {
                 self.locate(problem, mode, stats)?
             };
+            if landed_on.is_some() {
+                let h_landed = self.method.step().t1() - point.t;
+                let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
+                if let Some(smaller) = self.controller.refusal(h_landed, error_sq) {
+                    h = self.rejected(point, smaller, stats)?;
+                    continue;
+                }
+            }
             if record.interpolates(point.t, self.method.step().t1()) {
                 // What sampling costs is no part of the work.
                 self.method.densify(problem, mode, &mut Stats::default());

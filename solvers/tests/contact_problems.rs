@@ -172,9 +172,9 @@ fn a_ball_meets_and_leaves_a_wall_of_any_exponent_as_in_closed_form() {
             // dop853 to a tolerance, 2.1e-7 s for tr_bdf2.
             let late = bound(&ball, &setting, [1e-5, 3e-8, 7e-8, 2e-6]);
             at_most(&format!("{name}, time"), lateness(&events, &times), late);
-            // Measured: 9.9e-5, 2.6e-7 and 9.1e-6 for the same, 2.5e-6 for esdirk34. The third is of
-            // n = 3/2, as the error of a step that lands is not judged; all others are below 3.1e-7.
-            let off = bound(&ball, &setting, [8e-4, 2e-6, 5e-5, 2e-5]);
+            // Measured: 9.9e-5 and 2.6e-7 for the same, 3.0e-7 for bs32 to a tolerance, 2.5e-6 for
+            // esdirk34. Without a look at the error of the step that lands: 9.1e-6 for dop853.
+            let off = bound(&ball, &setting, [8e-4, 2e-6, 3e-6, 2e-5]);
             at_most(&format!("{name}, state"), distance(&y, &exact), off);
         }
     }
