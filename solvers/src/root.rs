@@ -89,14 +89,13 @@ pub fn find_root(mut f: impl FnMut(f64) -> f64, bracket: Bracket, tolerance: f64
 const GOLDEN: f64 = 0.381_966_011_250_105_2;
 
 /// A point where `f` is small and its value there, by golden-section search from the three points
-/// `a < m < b`: where `f` has one minimum between `a` and `b`, to 1e-3 of their distance. The search
-/// ends as soon as `f` is below zero.
+/// `a < m < b`: where `f` has one minimum between `a` and `b`, to 1e-3 of their distance.
 ///
 /// J. Kiefer, "Sequential minimax search for a maximum", Proc. Amer. Math. Soc. 4(3), 502–506 (1953).
 pub fn minimum(mut f: impl FnMut(f64) -> f64, [mut a, mut m, mut b]: [f64; 3]) -> (f64, f64) {
     let width = b - a;
     let mut f_m = f(m);
-    while f_m >= 0.0 && b - a > 1e-3 * width {
+    while b - a > 1e-3 * width {
         let x = if m - a > b - m { m - GOLDEN * (m - a) } else { m + GOLDEN * (b - m) };
         let f_x = f(x);
         let (left, right) = (x.min(m), x.max(m));
@@ -120,8 +119,6 @@ mod tests {
     fn a_minimum_is_found_to_a_thousandth_of_its_interval() {
         let (x, value) = minimum(|x| 1.0 + (x - 0.3) * (x - 0.3), [0.0, 0.9, 1.0]);
         assert!((x - 0.3).abs() < 1e-3 && (value - 1.0).abs() < 1e-6);
-        let (_, below) = minimum(|x| (x - 0.3) * (x - 0.3) - 0.1, [0.0, 0.5, 1.0]);
-        assert!(below < 0.0);
     }
 
     #[test]
