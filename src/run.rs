@@ -189,7 +189,7 @@ pub struct Limits<'a> {
 
 impl Record<Block> for Limits<'_> {
     fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
-        if accepted.stats.n_rhs > self.max_rhs || self.stop.load(Ordering::Relaxed) {
+        if accepted.stats.work.n_rhs > self.max_rhs || self.stop.load(Ordering::Relaxed) {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
@@ -228,7 +228,7 @@ impl Run {
         let run = mechanism.blocks.iter().map(|block| {
             let mut record = (Trajectory::on(grid.clone()), left);
             let run = integrate(block, setting, block.initial_state(), t_end, &mut record);
-            left.max_rhs = left.max_rhs.saturating_sub(run.stats.n_rhs);
+            left.max_rhs = left.max_rhs.saturating_sub(run.stats.work.n_rhs);
             (run, record.0)
         });
         let (blocks, trajectories) = run.unzip();

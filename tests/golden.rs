@@ -104,7 +104,7 @@ fn rk45_finds_every_event_from_1e_6_on() {
 fn work_on_table_1_is_pinned() {
     let counts = |setting: &Setting| {
         let stats = run(&config(&[]), setting).1.stats();
-        (stats.n_rhs, stats.n_accepted, stats.n_rejected, stats.n_events)
+        (stats.work.n_rhs, stats.n_accepted, stats.n_rejected, stats.n_events)
     };
     let rk4 = setting("rk4", Events::Located, Accuracy::Step(1e-4));
     assert_eq!(counts(&rk4), (160_648, 40_033, 0, 62));

@@ -63,7 +63,7 @@ impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
         step.y0.clone_from(y);
         step.y1.clone_from(y);
         problem.rhs(mode, t, y, &mut step.k[0]);
-        stats.n_rhs += 1;
+        stats.work.n_rhs += 1;
     }
 
     fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats) {
@@ -74,7 +74,7 @@ impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
             combine(&step.y0, h, tableau.a[i], &step.k, &mut self.y_stage);
             problem.rhs(mode, step.t0 + tableau.c[i] * h, &self.y_stage, &mut step.k[i]);
         }
-        stats.n_rhs += (S - 1) as u64;
+        stats.work.n_rhs += (S - 1) as u64;
         if self.first_same_as_last {
             step.y1.clone_from(&self.y_stage);
         } else {
@@ -94,7 +94,7 @@ impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
             step.slope1.clone_from(&step.k[S - 1]);
         } else {
             problem.rhs(mode, step.t1, &step.y1, &mut step.slope1);
-            stats.n_rhs += 1;
+            stats.work.n_rhs += 1;
         }
     }
 
@@ -109,7 +109,7 @@ impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
                 add(&mut self.y_stage, step.h * a, slope);
             }
             problem.rhs(mode, step.t0 + c * step.h, &self.y_stage, &mut step.extra[i]);
-            stats.n_rhs += 1;
+            stats.work.n_rhs += 1;
         }
     }
 

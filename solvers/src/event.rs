@@ -33,6 +33,7 @@ use crate::error::Error;
 use crate::root::{Bracket, find_root, minimum};
 use crate::step::Step;
 use crate::system::{System, Vector};
+use crate::tolerance::Tolerance;
 
 /// A minimum of the cubic is looked at where it lies below this many of its depths: the cubic's error
 /// for a sine that touches zero in the middle of a step of s radians is 4 tan(s/4)/s − 1 of its depth,
@@ -67,6 +68,8 @@ pub struct GuardWatch<P: System> {
     end: P::Guards<Dual64>,
     values: P::Guards<f64>,
     bounds: P::Guards<f64>,
+    /// How deep a dip must be to be believed, beyond the bound.
+    doubts: P::Guards<f64>,
     y: P::State<f64>,
     /// Values at the quarters of a step on its dense output.
     quarters: [P::Guards<f64>; 3],
@@ -74,6 +77,7 @@ pub struct GuardWatch<P: System> {
     deepest: Vec<f64>,
     /// Fraction up to which the dips of each guard were the interpolant's alone.
     disproved: Vec<f64>,
+    has_disproved: bool,
 }
 
 impl<P: System> GuardWatch<P> {
@@ -87,10 +91,12 @@ impl<P: System> GuardWatch<P> {
             end: duals(),
             values: zeros(),
             bounds: zeros(),
+            doubts: zeros(),
             y: Vector::from_fn(problem.dim(), |_| 0.0),
             quarters: std::array::from_fn(|_| zeros()),
             deepest: vec![0.0; n],
             disproved: vec![0.0; n],
+            has_disproved: false,
         }
     }
 
@@ -146,7 +152,14 @@ impl<P: System> GuardWatch<P> {
         dydt: &P::State<f64>,
     ) {
         along_flow(problem, mode, t, y, dydt, &mut self.start);
-        self.disproved.fill(0.0);
+        self.forget_dips();
+    }
+
+    /// Forgets the dips disproved in a step that is over.
+    fn forget_dips(&mut self) {
+        if std::mem::take(&mut self.has_disproved) {
+            self.disproved.fill(0.0);
+        }
     }
 
     /// Evaluates the rates `dg_i/dt` of all guards along the flow.
@@ -168,9 +181,21 @@ impl<P: System> GuardWatch<P> {
 
     /// Whether a look at both ends of a completed step is enough to see that no guard falls on it;
     /// the next step then begins where it ends.
-    pub fn is_clear(&mut self, problem: &P, mode: P::Mode, step: &dyn Step<P::State<f64>>) -> bool {
+    #[inline]
+    pub fn is_clear(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &(impl Step<P::State<f64>> + ?Sized),
+    ) -> bool {
         self.rates(problem, mode, step.t1(), step.y1(), step.slope1());
         let h = step.t1() - step.t0();
+        // Without a branch between the guards: they are looked at together.
+        let ends = self.start.as_ref().iter().zip(self.end.as_ref());
+        if ends.fold(true, |all, (g0, g1)| all & is_far(*g0, *g1, h)) {
+            self.keep();
+            return true;
+        }
         let is_clear = (0..self.end.as_ref().len())
             .all(|i| (0.0..f64::INFINITY).contains(&self.end.as_ref()[i].re) && self.holds(i, h));
         if is_clear {
@@ -181,8 +206,8 @@ impl<P: System> GuardWatch<P> {
 
     /// The guard that falls first on the step that [`is_clear`](Self::is_clear) found not to be, its
     /// time to within `precision` steps or the spacing of `f64`; none where all hold, and the next
-    /// step then begins where this one ends. A dip is taken for one if it is deeper than `noise`, as
-    /// a fraction of the guard's range over the step.
+    /// step then begins where this one ends. Where a tolerance is given, in `doubt`, a dip must be
+    /// deeper than the error of the guard that it allows.
     ///
     /// # Errors
     /// [`Error::NonFiniteGuard`].
@@ -192,10 +217,14 @@ impl<P: System> GuardWatch<P> {
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
         precision: f64,
-        noise: f64,
+        doubt: Option<&Tolerance>,
     ) -> Result<Option<Fall>, Error> {
         let (t0, t1) = (step.t0(), step.t1());
         let h = t1 - t0;
+        self.doubts.as_mut().fill(0.0);
+        if let Some(tolerance) = doubt {
+            self.doubt(problem, mode, step, tolerance);
+        }
         for (quarter, values) in (1..).zip(&mut self.quarters) {
             step.interpolate(t0 + 0.25 * f64::from(quarter) * h, &mut self.y);
             problem.guards(mode, t0 + 0.25 * f64::from(quarter) * h, &self.y, values);
@@ -207,7 +236,7 @@ impl<P: System> GuardWatch<P> {
             if !is_violated && self.holds(guard, h) {
                 continue;
             }
-            let (top, dip) = self.dip(problem, mode, step, noise, guard);
+            let (top, dip) = self.dip(problem, mode, step, guard);
             let violated_at = match dip {
                 Some(theta) => t0 + theta * h,
                 None if is_violated => t1,
@@ -226,33 +255,53 @@ impl<P: System> GuardWatch<P> {
         Ok(first)
     }
 
+    /// Writes `Σ_j |∂g_i/∂y_j| (atol_j + rtol |y_j|)` at the end of `step` to `doubts`: the change of each
+    /// guard by an error of the states that `tolerance` allows.
+    fn doubt(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        tolerance: &Tolerance,
+    ) {
+        let y = step.y1().as_ref();
+        let mut g = self.end.clone();
+        for (j, atol) in tolerance.atol.iter().enumerate() {
+            let error = atol + tolerance.rtol * y[j].abs();
+            let seeded = P::State::<Dual64>::from_fn(y.len(), |i| {
+                Dual64::new(y[i], if i == j { error } else { 0.0 })
+            });
+            problem.guards(mode, Dual64::from_re(step.t1()), &seeded, &mut g);
+            for (doubt, g) in self.doubts.as_mut().iter_mut().zip(g.as_ref()) {
+                *doubt += g.eps.abs();
+            }
+        }
+    }
+
     /// Whether both ends of a step of size `h` tell that guard `i`, not violated at its end, has no
     /// dip inside.
     fn holds(&self, i: usize, h: f64) -> bool {
         let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
-        let rise = g1.re - g0.re;
-        let bend = (g0.eps * h - rise).abs() + (g1.eps * h - rise).abs();
-        // The cubic is off the chord by at most 4/27 of the bend, and its depth at most that and the rise.
-        let most = 4.0 / 27.0 * bend;
-        if g0.re.min(g1.re) > most + NEAR * (most + rise.abs()) {
+        if is_far(g0, g1, h) {
             return true;
         }
         let Some(least) = cubic_minimum([g0.re, g1.re], [g0.eps * h, g1.eps * h]) else {
             return true;
         };
-        least > NEAR * (g0.re.max(g1.re) - least).max(DEPTH * bend)
+        least > NEAR * (g0.re.max(g1.re) - least).max(DEPTH * bend(g0, g1, h))
     }
 
     /// Takes note that guard `i` does not dip where the search last found it to, whatever the dense
     /// output says.
     pub fn disprove_dip(&mut self, i: usize) {
         self.disproved[i] = self.deepest[i];
+        self.has_disproved = true;
     }
 
     /// Keeps the step last looked at: the next one begins where it ends.
     pub fn keep(&mut self) {
         std::mem::swap(&mut self.start, &mut self.end);
-        self.disproved.fill(0.0);
+        self.forget_dips();
     }
 
     /// Where guard `i` is highest before its first dip inside the step, and where that is deepest; without
@@ -262,7 +311,6 @@ impl<P: System> GuardWatch<P> {
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
-        noise: f64,
         i: usize,
     ) -> (f64, Option<f64>) {
         let (t0, h) = (step.t0(), step.t1() - step.t0());
@@ -272,7 +320,7 @@ impl<P: System> GuardWatch<P> {
         let nodes = sextic([g0.re, g1.re], slopes, quarters);
         let least = nodes.iter().fold(f64::INFINITY, |a, b| a.min(*b));
         let range = nodes.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)) - least;
-        let margin = 0.5 * self.bounds.as_ref()[i] + noise * range;
+        let margin = 0.5 * self.bounds.as_ref()[i] + self.doubts.as_ref()[i];
         let at = |node: usize| node as f64 / N_NODES as f64;
         let mut top = 0;
         for k in 0..=N_NODES {
@@ -312,6 +360,23 @@ impl<P: System> GuardWatch<P> {
         problem.guards(mode, t, &self.y, &mut self.values);
         self.clearance(i)
     }
+}
+
+/// Whether a guard with these values and rates at both ends of a step of size `h` is so far above zero
+/// that the cubic through them is: it is off the chord by at most 4/27 of its bend, and as deep as that
+/// and the chord's rise at most.
+#[inline]
+fn is_far(g0: Dual64, g1: Dual64, h: f64) -> bool {
+    let most = 4.0 / 27.0 * bend(g0, g1, h);
+    let least = most + NEAR * (most + (g1.re - g0.re).abs());
+    (g0.re > least) & (g1.re > least)
+}
+
+/// The differences of both slopes from the chord.
+#[inline]
+fn bend(g0: Dual64, g1: Dual64, h: f64) -> f64 {
+    let rise = g1.re - g0.re;
+    (g0.eps * h - rise).abs() + (g1.eps * h - rise).abs()
 }
 
 /// Values and rates of the guards at `(t, y)` along `dydt`.

@@ -100,7 +100,7 @@ pub use methods::{METHODS, Method};
 pub use phase::{PhaseSolver, Point};
 pub use real::Real;
 pub use record::{Accepted, Event, Record};
-pub use stats::Stats;
+pub use stats::{Stats, Work, WorkByKind};
 pub use step::Step;
 pub use system::{ModeOfState, Next, System, Vector};
 pub use tolerance::Tolerance;

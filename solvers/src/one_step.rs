@@ -106,7 +106,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         let ahead = P::State::from_fn(y.len(), |i| y[i] + h0 * slope[i]);
         let mut slope_ahead = ahead.clone();
         problem.rhs(point.mode, point.t + h0, &ahead, &mut slope_ahead);
-        stats.n_rhs += 1;
+        stats.work.n_rhs += 1;
         let change: P::State<f64> =
             Vector::from_fn(y.len(), |i| (slope_ahead.as_ref()[i] - slope[i]) / h0);
         let d2 = tolerance.norm(change.as_ref(), y, y);
@@ -183,7 +183,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         loop {
             self.method.densify(problem, mode, stats);
             let step = self.method.step();
-            let Some(fall) = self.watch.first_to_fall(problem, mode, step, PREDICTION, 0.0)? else {
+            let Some(fall) = self.watch.first_to_fall(problem, mode, step, PREDICTION, None)?
+            else {
                 return Ok(None);
             };
             if let Some(guard) = self.land(problem, mode, fall, stats)? {
@@ -236,6 +237,7 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             return Ok(PhaseEnd::EndOfTime);
         }
         let mode = point.mode;
+        let before = stats.work;
         let (stretch, least) = match self.controller.control() {
             Control::Fixed(_) => (STRETCH_FIXED, 0.0),
             Control::Adaptive(_) => (STRETCH_ADAPTIVE, LEAST_START * point.t.abs()),
@@ -249,6 +251,7 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
                 self.first_step(tolerance, problem, point, t_end, stats)
             }
         };
+        stats.restart += stats.work - before;
         let mut h = h.abs().max(least).copysign(t_end - point.t);
         while point.t != t_end {
             let last = (t_end - point.t).abs() <= stretch * h.abs();
@@ -272,7 +275,10 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             let landed_on = if self.watch.is_clear(problem, mode, self.method.step()) {
                 None
             } else {
-                self.locate(problem, mode, stats)?
+                let before = stats.work;
+                let landed_on = self.locate(problem, mode, stats)?;
+                stats.location += stats.work - before;
+                landed_on
             };
             if landed_on.is_some() {
                 let h_landed = self.method.step().t1() - point.t;

@@ -180,7 +180,7 @@ impl<P: System, const S: usize> OneStep<P> for RosenbrockMethod<P::State<f64>, S
         step.y0.clone_from(y);
         step.y1.clone_from(y);
         problem.rhs(mode, t, y, &mut step.slope0);
-        stats.n_rhs += 1;
+        stats.work.n_rhs += 1;
         self.is_linearised = false;
     }
 
@@ -191,10 +191,10 @@ impl<P: System, const S: usize> OneStep<P> for RosenbrockMethod<P::State<f64>, S
             self.matrix.evaluate(problem, mode, step.t0, &step.y0);
             problem.time_derivative(mode, step.t0, &step.y0, &mut self.curvature);
             self.matrix.add_product(step.slope0.as_ref(), self.curvature.as_mut());
-            stats.n_jac += 1;
+            stats.work.n_jac += 1;
         }
         self.matrix.factorise(1.0 / tableau.gamma, h);
-        stats.n_factorisations += 1;
+        stats.work.n_factorisations += 1;
         for i in 0..S {
             let (before, rest) = step.w.split_at_mut(i);
             let w = &mut rest[0];
@@ -203,7 +203,7 @@ impl<P: System, const S: usize> OneStep<P> for RosenbrockMethod<P::State<f64>, S
             combine(&self.zero, 1.0, tableau.coupling[i], before, w);
             if i > 0 {
                 problem.rhs(mode, step.t0 + tableau.c[i] * h, &self.y_stage, &mut step.slope1);
-                stats.n_rhs += 1;
+                stats.work.n_rhs += 1;
                 if let Some(component) = step.slope1.as_ref().iter().position(|d| !d.is_finite()) {
                     step.spoil(component);
                     return;
@@ -213,7 +213,7 @@ impl<P: System, const S: usize> OneStep<P> for RosenbrockMethod<P::State<f64>, S
             }
             add(w, h * h * tableau.d[i], &self.curvature);
             self.matrix.solve(w.as_mut());
-            stats.n_lin_solves += 1;
+            stats.work.n_lin_solves += 1;
         }
         step.y1.clone_from(&self.y_stage);
         add(&mut step.y1, 1.0, &step.w[S - 1]);
@@ -222,7 +222,7 @@ impl<P: System, const S: usize> OneStep<P> for RosenbrockMethod<P::State<f64>, S
     fn complete(&mut self, problem: &P, mode: P::Mode, stats: &mut Stats) {
         let step = &mut self.step;
         problem.rhs(mode, step.t1, &step.y1, &mut step.slope1);
-        stats.n_rhs += 1;
+        stats.work.n_rhs += 1;
     }
 
     fn advance(&mut self) {

@@ -14,8 +14,9 @@
 //!   violated switches at the same t. After 16 transitions at one t that is [`Error::Chatter`]; 100
 //!   events within 1e-9 of the time since the run began [accumulate](crate::System::accumulation).
 //! - A guard violated at the end of a step is always found. A dip inside is searched for where the
-//!   cubic through values and rates at both ends comes near zero ([`event`](crate::event)). The
-//!   search has no guarantee: it finds one dip a guard and step, where the step resolves the guard.
+//!   cubic through values and rates at both ends comes near zero ([`event`](crate::event)). For a guard
+//!   that moves like a sine it finds the first fall in steps up to three quarters of its period; for
+//!   others it has no guarantee, and over a whole period nothing at the ends can tell.
 //!   Step control sees the states alone: a guard that oscillates while they hardly move, such as a
 //!   force on a mass that sticks, is not resolved. Make its cause a state, or bound the step.
 //! - Cost: one evaluation of the guards with their rates a step; where one comes near, some fifteen
@@ -58,14 +59,12 @@
 //! methods find it no later than where their `a tⁿ` reaches the bound, which is `(bound/a)^(1/n)` after t₀
 //! and not rounding: 6e-8 for n = 2 and 2.4e-4 for n = 4 with a = 1 and a bound of 3.6e-15.
 //! `start::a_start_on_the_surface_rising_at_second_order_gives_no_event`,
-//! `start::a_start_on_the_surface_rising_at_fourth_order_gives_no_event` (without esdirk34),
-//! `start::a_start_on_the_surface_rising_at_any_order_gives_no_event_where_steps_are_retaken`,
+//! `start::a_start_on_the_surface_rising_at_fourth_order_gives_no_event`,
+//! `start::a_start_on_the_surface_rising_at_any_order_gives_no_event`,
 //! `start::a_start_on_the_surface_falling_at_second_order_gives_one_event_near_it`,
 //! `start::a_start_on_the_surface_falling_at_fourth_order_gives_one_event_near_it`. *Not promised*
 //! for diffsol's methods: a falling start is found where `a tⁿ` is within their tolerance (up to
-//! 0.55 of it), and a rising one may show a false event where the interpolant dips: esdirk34 for n ≥ 4,
-//! tr_bdf2 for n ≥ 6, tsit45 for n = 8; both measured for n = 2 … 8, a = 1e-4 … 1e4 and rtol = 1e-4
-//! … 1e-12 (`start::a_start_on_the_surface_rising_at_any_order_gives_no_event_on_interpolants`, ignored).
+//! 0.55 of it, measured for n = 2 … 8, a = 1e-4 … 1e4 and rtol = 1e-4 … 1e-12).
 //! - heyoka: as any zero at t₀; a terminal event with a rate of zero there gets a cool-down of zero†.
 //! - CVODE: as above; a g still zero a tenth of a step ahead stays inactive until it is not zero†.
 //! - diffsol: as above.
@@ -106,7 +105,7 @@
 //!
 //! **The same guard twice in one step.** Found where the step resolves it; *not promised*, see above,
 //! and two dips of one guard in one step may show one. Methods that retake steps believe a dip only
-//! if the retaken step shows it, diffsol's if it is deeper than 1e-3 of its height.
+//! if the retaken step shows it, diffsol's if it is deeper than the error that their tolerance allows.
 //! `dips::a_guard_that_falls_and_rises_within_one_step_is_found`,
 //! `dips::a_dip_of_the_interpolant_alone_does_not_hide_another_guard` (one-step methods).
 //! - heyoka: found, by isolating the real roots of the guard's Taylor polynomial; guards are part of

@@ -7,11 +7,11 @@ use std::time::Duration;
 use clap::Args;
 use deltazero::config::Config;
 use deltazero::energy_balance::{Balance, EnergyBalance};
-use deltazero::model::{Block, Mechanism};
+use deltazero::model::{Block, Mechanism, Mode};
 use deltazero::reference::counted;
 use deltazero::report;
 use deltazero::run::{BlockRun, BlockTrajectory, Limits, Setting, integrate, mode_changes};
-use deltazero_solvers::{Grid, Outcome, Stats, System, Trajectory};
+use deltazero_solvers::{Grid, Outcome, Stats, System, Trajectory, Work, WorkByKind};
 use serde_json::{Value, json};
 
 use super::output::{Output, hash};
@@ -33,6 +33,8 @@ struct Simulated<'a> {
     run: BlockRun,
     trajectory: BlockTrajectory,
     balance: Balance,
+    /// Work by the phase that it was done in.
+    work: Vec<(&'static str, Stats)>,
     wall: Duration,
 }
 
@@ -86,9 +88,10 @@ fn simulate<'a>(
     let balance = EnergyBalance::new(block, block.initial_mode(0.0, &y0), &y0);
     let trajectory = Trajectory::on(Grid::uniform(config.run.sample, t_end));
     let limits = Limits { max_rhs: u64::MAX, stop };
-    let mut record = ((trajectory, balance), (time, limits));
+    let work = WorkByKind::new(Mode::phase);
+    let mut record = ((trajectory, balance), ((time, limits), work));
     let run = integrate(block, setting, y0, t_end, &mut record);
-    let ((trajectory, balance), _) = record;
+    let ((trajectory, balance), (_, work)) = record;
     let wall = if run.outcome == Ok(Outcome::Interrupted) || run.wall > REPLAY {
         run.wall
     } else {
@@ -97,7 +100,7 @@ fn simulate<'a>(
         integrate(block, setting, y0, t_end, &mut plain).wall
     };
     let balance = balance.at(run.mode, &run.y);
-    Simulated { block, run, trajectory, balance, wall }
+    Simulated { block, run, trajectory, balance, work: work.kinds, wall }
 }
 
 /// `failed` if any block did, else `interrupted`, else `reached_90` if every block did.
@@ -140,19 +143,55 @@ fn run_json(output: &Output, config: &Config, blocks: &[Simulated<'_>]) -> Value
         "version": env!("CARGO_PKG_VERSION"),
         "wall_s": blocks.iter().map(|block| block.wall).sum::<Duration>().as_secs_f64(),
         "counts": {
-            "n_rhs": stats.n_rhs,
+            "n_rhs": stats.work.n_rhs,
             "n_accepted": stats.n_accepted,
             "n_rejected": stats.n_rejected,
             "n_retaken": stats.n_retaken,
             "n_events": n_events,
-            "n_jac": stats.n_jac,
-            "n_lin_solves": stats.n_lin_solves,
+            "n_jac": stats.work.n_jac,
+            "n_factorisations": stats.work.n_factorisations,
+            "n_lin_solves": stats.work.n_lin_solves,
         },
+        "work_by_phase": work_by_phase(blocks),
         "energy": balance,
         "reached_90_s": blocks.iter().filter_map(reached).collect::<Vec<_>>(),
         "outcome": outcome(blocks),
         "error": error,
     })
+}
+
+/// The work of stepping in each phase, and that of all restarts and of all locations: together that of
+/// `counts`, but for a step that failed.
+fn work_by_phase(blocks: &[Simulated<'_>]) -> Value {
+    let counts = |work: Work| {
+        json!({
+            "n_rhs": work.n_rhs,
+            "n_jac": work.n_jac,
+            "n_factorisations": work.n_factorisations,
+            "n_lin_solves": work.n_lin_solves,
+        })
+    };
+    let mut all = serde_json::Map::new();
+    let mut sum = Stats::default();
+    for phase in ["pinned", "flight", "contact", "stick"] {
+        let mut own = Stats::default();
+        let of_phase = blocks.iter().flat_map(|block| &block.work).filter(|(of, _)| *of == phase);
+        of_phase.for_each(|(_, stats)| own += *stats);
+        if own == Stats::default() {
+            continue;
+        }
+        let mut row = counts(own.stepping());
+        row["n_accepted"] = own.n_accepted.into();
+        row["n_rejected"] = own.n_rejected.into();
+        row["n_events"] = own.n_events.into();
+        all.insert(phase.to_owned(), row);
+        sum += own;
+    }
+    all.insert("restart".to_owned(), counts(sum.restart));
+    let mut location = counts(sum.location);
+    location["n_retaken"] = sum.n_retaken.into();
+    all.insert("location".to_owned(), location);
+    Value::Object(all)
 }
 
 /// The message of a failed run: where, in which mode, what to try.

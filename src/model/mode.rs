@@ -44,6 +44,16 @@ impl Mode {
         }
     }
 
+    /// What it is, when work is counted: `pinned`, `flight`, `contact` (slipping) or `stick`.
+    pub fn phase(self) -> &'static str {
+        match self {
+            Self::Pinned => "pinned",
+            Self::Apart | Self::Relaxing => "flight",
+            Self::SlipPlus | Self::SlipMinus => "contact",
+            Self::Stick => "stick",
+        }
+    }
+
     /// Whether a contact force acts.
     pub fn is_contact(self) -> bool {
         matches!(self, Self::SlipPlus | Self::SlipMinus | Self::Stick)

@@ -226,7 +226,7 @@ impl Contest<'_> {
             Status::Failed
         } else if !first.is_broken_off() {
             Status::Ok
-        } else if stats.n_rhs > self.limits.max_rhs {
+        } else if stats.work.n_rhs > self.limits.max_rhs {
             Status::Cut
         } else {
             Status::Interrupted
@@ -244,11 +244,11 @@ impl Contest<'_> {
             missed: None,
             spurious: None,
             horizon_s: self.reference.horizon(),
-            n_rhs: stats.n_rhs,
+            n_rhs: stats.work.n_rhs,
             n_accepted: stats.n_accepted,
             n_rejected: stats.n_rejected,
-            n_jac: stats.n_jac,
-            n_lin_solves: stats.n_lin_solves,
+            n_jac: stats.work.n_jac,
+            n_lin_solves: stats.work.n_lin_solves,
             wall_s_min: None,
             wall_s_median: None,
             n_retaken: stats.n_retaken,

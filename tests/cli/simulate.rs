@@ -97,6 +97,23 @@ fn the_summary_agrees_with_the_files() {
 }
 
 #[test]
+fn work_by_phase_adds_up_to_the_counts() {
+    for method in ["rk45", "rodas5p", "bdf"] {
+        let scratch = Scratch::new();
+        scratch.simulate("out", &[SHORT, &format!("solver.method={method}")]);
+        let run = scratch.json("out/run.json");
+        let phases = run["work_by_phase"].as_object().unwrap();
+        let names: Vec<_> = phases.keys().map(String::as_str).collect();
+        assert_eq!(names, ["contact", "flight", "location", "restart"]);
+        for name in ["n_rhs", "n_jac", "n_factorisations", "n_lin_solves"] {
+            let sum: u64 = phases.values().map(|phase| phase[name].as_u64().unwrap()).sum();
+            assert_eq!(sum as usize, counts(&run, name), "{method}: {name}");
+        }
+        assert!(phases["restart"]["n_rhs"].as_u64() > Some(0));
+    }
+}
+
+#[test]
 fn sample_zero_writes_every_accepted_step() {
     for (dir, method) in [("a", "solver.method=rk45"), ("b", "solver.method=bdf")] {
         let scratch = Scratch::new();

@@ -21,9 +21,6 @@ use crate::system::System;
 use crate::tolerance::Tolerance;
 use equations::{Equations, M, V, state};
 
-/// Depth at which a dip of a guard inside a step is believed, as a fraction of its height: the
-/// interpolant cannot be checked by retaking the step.
-const NOISE: f64 = 1e-3;
 /// Span that `diffsol` takes for none, as a fraction of the time.
 const RESOLUTION: f64 = 100.0 * f64::EPSILON;
 /// Shortest step as a fraction of the time left.
@@ -83,7 +80,7 @@ impl<P: System> DiffsolSolver<P> {
         let mut slope = y0.clone();
         problem.rhs(mode, t0, &y0, &mut slope);
         check_finite(point, &slope)?;
-        stats.n_rhs += 1;
+        stats.work.n_rhs += 1;
         stats.n_accepted += 1;
         let line = |t: f64, y: &mut P::State<f64>| {
             let ends = y0.as_ref().iter().zip(slope.as_ref());
@@ -126,7 +123,9 @@ impl<P: System> DiffsolSolver<P> {
         let equations = &solver.problem().eqn;
         let problem = equations.problem;
         let mode = point.mode;
-        let before = *stats;
+        let mut before = *stats;
+        before.restart.n_rhs += equations.n_rhs.get();
+        before.restart.n_jac += equations.n_jac.get();
         solver.set_stop_time(t_end).map_err(|error| failure(point, &error))?;
         let mut slope0 = state(problem, solver.state().dy);
         self.watch.begin(problem, mode, point.t, &point.y, &slope0);
@@ -159,9 +158,11 @@ impl<P: System> DiffsolSolver<P> {
             let (t0, y0) = (point.t, &point.y);
             let mut step = SolverStep { interpolant, t0, t1, y0, y1, slope0, slope1 };
             let mut landed_on = None;
+            // A dip of the interpolant cannot be checked by retaking the step.
+            let doubt = Some(&self.tolerance);
             if !self.watch.is_clear(problem, mode, &step)
                 && let Some(fall) =
-                    self.watch.first_to_fall(problem, mode, &step, f64::EPSILON, NOISE)?
+                    self.watch.first_to_fall(problem, mode, &step, f64::EPSILON, doubt)?
             {
                 let mut y = step.y1.clone();
                 step.interpolate(fall.t, &mut y);
@@ -259,12 +260,12 @@ fn count<'a, 'p: 'a, P: System + 'p, S: OdeSolverMethod<'a, Equations<'p, P>>>(
 ) {
     let done = solver.get_statistics();
     let rejected = done.number_of_error_test_failures + done.number_of_nonlinear_solver_fails;
-    stats.n_rhs += equations.n_rhs.get();
+    stats.work.n_rhs += equations.n_rhs.get();
     stats.n_accepted += done.number_of_steps as u64;
     stats.n_rejected += rejected as u64;
-    stats.n_jac += equations.n_jac.get();
-    stats.n_factorisations += done.number_of_linear_solver_setups as u64;
-    stats.n_lin_solves += done.number_of_nonlinear_solver_iterations as u64;
+    stats.work.n_jac += equations.n_jac.get();
+    stats.work.n_factorisations += done.number_of_linear_solver_setups as u64;
+    stats.work.n_lin_solves += done.number_of_nonlinear_solver_iterations as u64;
 }
 
 fn failure<P: System>(point: &Point<P>, error: &DiffsolError) -> Error {

@@ -77,7 +77,7 @@ pub(crate) fn first_found(system: &Drawn, h: f64) -> (Option<(usize, f64)>, [usi
         n[0] += 1;
         if !watch.is_clear(system, 0, &step) {
             n[1] += 1;
-            let fall = watch.first_to_fall(system, 0, &step, f64::EPSILON, 0.0).unwrap();
+            let fall = watch.first_to_fall(system, 0, &step, f64::EPSILON, None).unwrap();
             if let Some(fall) = fall {
                 return (Some((fall.guard, fall.t)), n);
             }
