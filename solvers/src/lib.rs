@@ -33,7 +33,11 @@
 //! # Ok::<(), Error>(())
 //! ```
 //!
-//! A model of one's own implements [`System`]; `examples/own_model.rs` has one in full.
+//! A model of one's own implements [`System`]; this one, in full, is `examples/own_model.rs`:
+//!
+//! ```
+#![doc = include_str!("../examples/own_model.rs")]
+//! ```
 //!
 //! # Methods
 //!
