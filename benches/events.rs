@@ -35,6 +35,7 @@ impl<const N: usize> System for Held<'_, N> {
         self.block.rhs(mode, t, y, dydt);
     }
 
+    #[inline(always)]
     fn guards<S: Real>(&self, mode: Mode, t: S, y: &State<S>, g: &mut [S; N]) {
         if N > 0 {
             let mut all = [S::cst(0.0); 4];

@@ -66,6 +66,7 @@ impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
         stats.work.n_rhs += 1;
     }
 
+    #[inline(always)]
     fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats) {
         let (tableau, step) = (self.tableau, &mut self.step);
         (step.t1, step.h) = (t1, h);

@@ -300,7 +300,7 @@ impl<P: System> GuardWatch<P> {
 
     /// Keeps the step last looked at: the next one begins where it ends.
     pub fn keep(&mut self) {
-        std::mem::swap(&mut self.start, &mut self.end);
+        self.start.clone_from(&self.end);
         self.forget_dips();
     }
 
@@ -367,9 +367,9 @@ impl<P: System> GuardWatch<P> {
 /// and the chord's rise at most.
 #[inline]
 fn is_far(g0: Dual64, g1: Dual64, h: f64) -> bool {
-    let most = 4.0 / 27.0 * bend(g0, g1, h);
-    let least = most + NEAR * (most + (g1.re - g0.re).abs());
-    (g0.re > least) & (g1.re > least)
+    let rise = (g1.re - g0.re).abs();
+    let near = (1.0 + NEAR) * 4.0 / 27.0 * bend(g0, g1, h) + NEAR * rise;
+    (g0.re > near) & (g1.re > near)
 }
 
 /// The differences of both slopes from the chord.
@@ -380,6 +380,7 @@ fn bend(g0: Dual64, g1: Dual64, h: f64) -> f64 {
 }
 
 /// Values and rates of the guards at `(t, y)` along `dydt`.
+#[inline(never)]
 fn along_flow<P: System>(
     problem: &P,
     mode: P::Mode,

@@ -195,6 +195,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     }
 
     /// Takes the step again, with another size; the first guard violated at its end.
+    #[inline(never)]
     fn retake(
         &mut self,
         problem: &P,

@@ -190,7 +190,7 @@ impl System for Block {
         };
     }
 
-    #[inline]
+    #[inline(always)]
     fn guards<S: Real>(&self, mode: Mode, _t: S, y: &State<S>, g: &mut [S; 4]) {
         *g = self.guards_of(mode, y);
     }

@@ -101,10 +101,17 @@ impl Block {
         g[GUARD_90] = self.below_90(y);
         match mode {
             Mode::Pinned => {}
-            // (c² − ρ²)/2c is −δ at the surface, and smooth at the bush's centre too.
+            // (ρ + c)(c − ρ): smooth at the bush's centre too.
             Mode::Apart => {
-                let c = self.clearance;
-                g[GUARD_CONTACT] = -(y[0] * y[0] + y[1] * y[1] - c * c) / (2.0 * c);
+                let rho_sq = y[0] * y[0] + y[1] * y[1];
+                g[GUARD_CONTACT] = -(rho_sq - self.clearance * self.clearance);
+            }
+            // (ρ + c) δ and ρ v_T: guards are evaluated at every step, and quotients are dear.
+            Mode::SlipPlus | Mode::SlipMinus if self.normal.adhesion => {
+                let rho_sq = y[0] * y[0] + y[1] * y[1];
+                let v_t = y[1] * y[3] - y[0] * y[4] + rho_sq.sqrt() * y[5] * self.pin_radius;
+                g[GUARD_CONTACT] = rho_sq - self.clearance * self.clearance;
+                g[GUARD_UPPER] = if mode == Mode::SlipPlus { v_t } else { -v_t };
             }
             Mode::Relaxing => {
                 let pose = self.pose(y);
@@ -143,7 +150,8 @@ impl Block {
         // Above zero at rest too: a bound of zero would have an event sought to the last bit.
         let least = self.rounding_floor();
         let speed = (y[3].abs() + y[4].abs() + y[5].abs() * self.pin_radius).max(least.speed);
-        let mut bounds = [ANGLE_BOUND, delta, delta, delta];
+        let area = 2.0 * self.clearance * delta;
+        let mut bounds = [ANGLE_BOUND, area, delta, delta];
         if mode.is_contact() || mode == Mode::Relaxing {
             let pose = self.pose(y);
             let force = self.normal.slope(pose.delta) * delta
@@ -152,9 +160,12 @@ impl Block {
                         .max(least.force);
             if mode == Mode::Relaxing || !self.normal.adhesion {
                 bounds[GUARD_CONTACT] = force;
+            } else if mode == Mode::Stick {
+                bounds[GUARD_CONTACT] = delta;
             }
             if mode.sigma().is_some() {
-                bounds[GUARD_UPPER] = eps * speed;
+                let arm = if self.normal.adhesion { pose.rho } else { 1.0 };
+                bounds[GUARD_UPPER] = arm * eps * speed;
             } else if mode == Mode::Stick {
                 let drive = self.torque.abs() / self.pin_radius;
                 let load = self.normal.force(pose.delta, pose.delta_dot).abs() + drive;
