@@ -156,7 +156,7 @@ impl<P: System> GuardWatch<P> {
     }
 
     /// Forgets the dips disproved in a step that is over.
-    fn forget_dips(&mut self) {
+    pub(crate) fn forget_dips(&mut self) {
         if std::mem::take(&mut self.has_disproved) {
             self.disproved.fill(0.0);
         }
@@ -285,6 +285,9 @@ impl<P: System> GuardWatch<P> {
         if is_far(g0, g1, h) {
             return true;
         }
+        if !(g0.eps.is_finite() && g1.eps.is_finite()) {
+            return false;
+        }
         let Some(least) = cubic_minimum([g0.re, g1.re], [g0.eps * h, g1.eps * h]) else {
             return true;
         };
@@ -315,8 +318,10 @@ impl<P: System> GuardWatch<P> {
     ) -> (f64, Option<f64>) {
         let (t0, h) = (step.t0(), step.t1() - step.t0());
         let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
-        let slopes = [g0.eps * h, g1.eps * h];
-        let quarters = std::array::from_fn(|k| self.quarters[k].as_ref()[i]);
+        let quarters: [f64; 3] = std::array::from_fn(|k| self.quarters[k].as_ref()[i]);
+        // A rate may be infinite where a guard is not; the chord to the next quarter then stands for it.
+        let slope = |rate: f64, chord: f64| if rate.is_finite() { rate * h } else { 4.0 * chord };
+        let slopes = [slope(g0.eps, quarters[0] - g0.re), slope(g1.eps, g1.re - quarters[2])];
         let nodes = sextic([g0.re, g1.re], slopes, quarters);
         let least = nodes.iter().fold(f64::INFINITY, |a, b| a.min(*b));
         let range = nodes.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)) - least;

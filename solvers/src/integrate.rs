@@ -9,12 +9,15 @@ use crate::record::{Event, Record};
 use crate::stats::Stats;
 use crate::system::{Next, System};
 
-/// Transitions at one instant beyond which two modes are held to chatter.
+/// Transitions at one instant beyond which two modes are held to chatter, or twice as many as there are
+/// guards.
 const CHATTER: usize = 16;
 /// That many events in a row …
 const STORM: usize = 100;
-/// … within this fraction of the time since the run's start are held to accumulate.
+/// … within this fraction of the time since the integration's start are held to accumulate, …
 const STORM_SPAN: f64 = 1e-9;
+/// … or within this fraction of the span of the run: also at its start.
+const STORM_OF_RUN: f64 = 1e-12;
 
 /// An integration of one system: where it stands and what it has cost.
 ///
@@ -28,6 +31,7 @@ pub struct Integration<'a, P: System> {
     watch: GuardWatch<P>,
     last_events: VecDeque<f64>,
     t_start: f64,
+    t_end: f64,
 }
 
 impl<'a, P: System> Integration<'a, P> {
@@ -41,6 +45,7 @@ impl<'a, P: System> Integration<'a, P> {
             watch: GuardWatch::new(problem),
             last_events: VecDeque::with_capacity(STORM),
             t_start: t,
+            t_end: t,
         }
     }
 
@@ -62,7 +67,7 @@ impl<'a, P: System> Integration<'a, P> {
             return Err(Error::BadArgument { name: "t_end", value: t_end, allowed });
         }
         check_finite(&self.point, &self.point.y)?;
-        self.t_start = self.point.t;
+        self.t_end = t_end;
         let mut guard = self.violated()?;
         loop {
             if let Some(guard) = guard
@@ -92,7 +97,8 @@ impl<'a, P: System> Integration<'a, P> {
         record: &mut dyn Record<P>,
     ) -> Result<Option<Outcome>, Error> {
         let mut last = (self.point.mode, guard);
-        for _ in 0..CHATTER {
+        let most = CHATTER.max(2 * self.problem.n_guards());
+        for _ in 0..most {
             last = (self.point.mode, guard);
             let Point { t, y, mode } = &mut self.point;
             let after = self.problem.transition(*mode, guard, *t, y);
@@ -116,7 +122,7 @@ impl<'a, P: System> Integration<'a, P> {
             }
         }
         let (mode, guard) = last;
-        Err(Error::Chatter { t: self.point.t, n: CHATTER, mode: format!("{mode:?}"), guard })
+        Err(Error::Chatter { t: self.point.t, n: most, mode: format!("{mode:?}"), guard })
     }
 
     /// Enters what follows an event of `guard`, the state being put on it already; an outcome where
@@ -150,7 +156,9 @@ impl<'a, P: System> Integration<'a, P> {
             return None;
         }
         let span = self.last_events.pop_front().map_or(f64::INFINITY, |first| (t - first).abs());
-        if span > STORM_SPAN * (t - self.t_start).abs() {
+        let so_far = STORM_SPAN * (t - self.t_start).abs();
+        let of_run = STORM_OF_RUN * (self.t_end - self.t_start).abs();
+        if span > so_far.max(of_run) {
             return None;
         }
         self.last_events.clear();

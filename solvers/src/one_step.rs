@@ -285,6 +285,7 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
                 let h_landed = self.method.step().t1() - point.t;
                 let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
                 if let Some(smaller) = self.controller.refusal(h_landed, error_sq) {
+                    self.watch.forget_dips();
                     h = self.rejected(point, smaller, stats)?;
                     continue;
                 }

@@ -192,6 +192,12 @@ impl<P: System, const S: usize> OneStep<P> for RosenbrockMethod<P::State<f64>, S
             problem.time_derivative(mode, step.t0, &step.y0, &mut self.curvature);
             self.matrix.add_product(step.slope0.as_ref(), self.curvature.as_mut());
             stats.work.n_jac += 1;
+            // An entry of J that is no number makes its row of ÿ none.
+            if let Some(component) = self.curvature.as_ref().iter().position(|d| !d.is_finite()) {
+                self.is_linearised = false;
+                step.spoil(component);
+                return;
+            }
         }
         self.matrix.factorise(1.0 / tableau.gamma, h);
         stats.work.n_factorisations += 1;

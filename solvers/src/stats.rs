@@ -107,7 +107,10 @@ impl Sub for Stats {
     }
 }
 
-/// A recorder that splits the work of a run by kinds of modes: flight, contact, stick.
+/// A recorder that splits the work of an integration by kinds of modes: flight, contact, stick.
+///
+/// Work is booked with accepted steps: that of a step that failed is in no kind. Counts that fall are
+/// those of another integration, and counted from zero.
 #[derive(Clone, Debug)]
 pub struct WorkByKind<K, F> {
     kind: F,
@@ -135,6 +138,9 @@ impl<P: System, K: PartialEq, F: Fn(P::Mode) -> K> Record<P> for WorkByKind<K, F
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         // Events are counted where they are seen.
         let now = Stats { n_events: 0, ..*accepted.stats };
+        if now.work.n_rhs < self.seen.work.n_rhs || now.n_accepted < self.seen.n_accepted {
+            self.seen = Stats::default();
+        }
         self.add((self.kind)(accepted.mode), now - self.seen);
         self.seen = now;
         ControlFlow::Continue(())

@@ -84,8 +84,8 @@ pub trait System {
     /// What happens when guard number `guard` of `mode` fell below zero at `(t, y)`: the next
     /// mode, with `y` changed where the event resets it.
     ///
-    /// Every guard of the new mode must be at or above zero at the new state, up to rounding:
-    /// what the event *means* is projected (a height of zero after a bounce, a velocity of zero
+    /// Every guard of the new mode must be at or above zero at the new state, up to rounding, or it
+    /// switches too, at the same t: what the event *means* is projected (a height of zero after a bounce, a velocity of zero
     /// when sticking begins).
     fn transition<S: Real>(
         &self,
@@ -95,10 +95,13 @@ pub trait System {
         y: &mut Self::State<S>,
     ) -> Next<Self::Mode>;
 
-    /// What follows where events accumulate in `mode` at `(t, y)`, the last one of guard number
-    /// `guard` (a Zeno point: a ball bounces ever lower and comes to rest): the limiting mode, with
-    /// `y` put on its state. None where the model knows of none, and the run ends in
-    /// [`EventStorm`](crate::Error::EventStorm); so does the default.
+    /// What follows where events accumulate (a Zeno point: a ball bounces ever lower and comes to
+    /// rest): the limiting mode, with `y` put on its state. None where the model knows of none, and
+    /// the run ends in [`EventStorm`](crate::Error::EventStorm); so does the default.
+    ///
+    /// It is asked after the transition of the last of these events: `mode` and `y` are what that
+    /// transition made, `guard` is the guard that fell, numbered in the mode before it. The handover is
+    /// an event of its own, of the same guard.
     fn accumulation(
         &self,
         _mode: Self::Mode,

@@ -109,9 +109,9 @@ impl Block {
             // (ρ + c) δ and ρ v_T: guards are evaluated at every step, and quotients are dear.
             Mode::SlipPlus | Mode::SlipMinus if self.normal.adhesion => {
                 let rho_sq = y[0] * y[0] + y[1] * y[1];
-                let v_t = y[1] * y[3] - y[0] * y[4] + rho_sq.sqrt() * y[5] * self.pin_radius;
+                let rho_v_t = y[1] * y[3] - y[0] * y[4] + rho_sq.sqrt() * y[5] * self.pin_radius;
                 g[GUARD_CONTACT] = rho_sq - self.clearance * self.clearance;
-                g[GUARD_UPPER] = if mode == Mode::SlipPlus { v_t } else { -v_t };
+                g[GUARD_UPPER] = if mode == Mode::SlipPlus { rho_v_t } else { -rho_v_t };
             }
             Mode::Relaxing => {
                 let pose = self.pose(y);

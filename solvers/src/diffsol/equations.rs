@@ -22,6 +22,8 @@ pub(crate) struct Equations<'p, P: System> {
     pub(crate) n_jac: Cell<u64>,
     /// The state whose slope was not finite when last evaluated.
     pub(crate) non_finite: Cell<Option<usize>>,
+    /// The row of a Jacobian that had an entry which was not.
+    pub(crate) non_finite_row: Cell<Option<usize>>,
     context: NalgebraContext,
 }
 
@@ -35,6 +37,7 @@ impl<'p, P: System> Equations<'p, P> {
             n_rhs,
             n_jac,
             non_finite: Cell::new(None),
+            non_finite_row: Cell::new(None),
             context: NalgebraContext::default(),
         }
     }
@@ -125,6 +128,11 @@ impl<P: System> NonLinearOpJacobian for &Equations<'_, P> {
         self.n_jac.set(self.n_jac.get() + 1);
         let jac = jac.inner_mut();
         let x = state(self.problem, x);
-        self.problem.jacobian(self.mode, t, &x, |i, j, entry| jac[(i, j)] = entry);
+        self.problem.jacobian(self.mode, t, &x, |i, j, entry| {
+            if !entry.is_finite() {
+                self.non_finite_row.set(Some(i));
+            }
+            jac[(i, j)] = entry;
+        });
     }
 }

@@ -81,6 +81,7 @@ impl<P: System> DiffsolSolver<P> {
         problem.rhs(mode, t0, &y0, &mut slope);
         check_finite(point, &slope)?;
         stats.work.n_rhs += 1;
+        stats.restart.n_rhs += 1;
         stats.n_accepted += 1;
         let line = |t: f64, y: &mut P::State<f64>| {
             let ends = y0.as_ref().iter().zip(slope.as_ref());
@@ -133,7 +134,11 @@ impl<P: System> DiffsolSolver<P> {
             let reason = solver.step().map_err(|error| failure(point, &error));
             *stats = before;
             count(solver, equations, stats);
-            if let (Err(_), Some(component)) = (&reason, equations.non_finite.get()) {
+            let non_finite = equations.non_finite_row.get().or(match &reason {
+                Err(_) => equations.non_finite.get(),
+                Ok(_) => None,
+            });
+            if let Some(component) = non_finite {
                 return Err(Error::NonFinite { t: point.t, mode: format!("{mode:?}"), component });
             }
             let at_end = reason? == OdeSolverStopReason::TstopReached;

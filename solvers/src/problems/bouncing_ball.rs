@@ -23,7 +23,8 @@ pub enum BouncingMode {
 ///
 /// `y` is the height [m], `g` gravity [m/s²], `e` the restitution, `t_n` the time of bounce
 /// n = 0, 1, … [s] and `v_n` the speed after it [m/s]. For e < 1 the bounces accumulate at
-/// `t_0 (1 + e)/(1 − e)`, where the ball comes to [rest](System::accumulation).
+/// `t_0 (1 + e)/(1 − e)`, where the ball comes to [rest](System::accumulation); for e = 0 it does at
+/// the first one.
 ///
 /// B. Brogliato, *Nonsmooth Mechanics*, 3rd ed., Springer (2016), section 1.1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,7 +133,7 @@ impl System for BouncingBall {
         y: &mut [S; 2],
     ) -> Next<BouncingMode> {
         *y = [S::cst(0.0), -y[1] * self.restitution];
-        Next::Mode(mode)
+        Next::Mode(if self.restitution == 0.0 { BouncingMode::Rest } else { mode })
     }
 
     fn accumulation(

@@ -26,13 +26,17 @@ fn two_modes_that_push_against_each_other_are_an_error_and_not_a_hang() {
         rate: vec![vec![1.0], vec![-1.0]],
         guards: vec![vec![Guard { a: -1.0, ..floor(1, 0.0) }], vec![floor(0, 0.0)]],
     };
-    for setting in settings() {
-        let (_, outcome, ..) = run(&script, &setting, (0.0, [0.0, -0.5]), 2.0);
-        let error = outcome.unwrap_err();
-        let expected = matches!(error, Error::Chatter { .. } | Error::EventStorm { .. });
-        assert!(expected, "{}: {error}", setting.0.name);
-        let (Error::Chatter { t, .. } | Error::EventStorm { t, .. }) = error else { continue };
-        assert!((t - 0.5).abs() < ROUNDING, "{error}");
+    // From afar, and from the surface itself at several times.
+    for (t0, z0) in [(0.0, -0.5), (0.0, 0.0), (0.5, 0.0), (-7.0, 0.0)] {
+        for setting in settings() {
+            let (log, outcome, ..) = run(&script, &setting, (t0, [0.0, z0]), t0 + 2.0);
+            let error = outcome.unwrap_err();
+            let expected = matches!(error, Error::Chatter { .. } | Error::EventStorm { .. });
+            assert!(expected, "{}: {error}", setting.0.name);
+            let (Error::Chatter { t, .. } | Error::EventStorm { t, .. }) = error else { continue };
+            assert!((t - t0 + z0).abs() < 1e-11, "{error}");
+            assert!(log.events.len() < 400, "{}: {}", setting.0.name, log.events.len());
+        }
     }
 }
 
@@ -88,6 +92,16 @@ impl System for Halving {
     fn transition<S: Real>(&self, height: f64, _: usize, _t: S, y: &mut [S; 2]) -> Next<f64> {
         y[0] = S::cst(0.5 * height);
         Next::Mode(0.5 * height)
+    }
+}
+
+#[test]
+fn a_ball_that_keeps_no_speed_rests_at_its_first_bounce() {
+    let ball = BouncingBall { restitution: 0.0, gravity: 9.8, height: 1.0 };
+    for setting in settings() {
+        let (log, outcome, _, y) = run(&ball, &setting, (0.0, ball.start()), 2.0);
+        assert_eq!((outcome, y), (Ok(Outcome::Finished), [0.0, 0.0]), "{}", setting.0.name);
+        assert_eq!(log.events.len(), 1, "{}", setting.0.name);
     }
 }
 

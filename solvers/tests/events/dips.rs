@@ -82,3 +82,52 @@ fn a_dip_of_the_interpolant_alone_does_not_hide_another_guard() {
         }
     }
 }
+
+/// `ẋ = 1` with the guard `√x ((x − 0.6)² − 0.01)`, whose rate is infinite at x = 0; none in the other mode.
+struct Root;
+
+impl System for Root {
+    type Mode = bool;
+    type State<S: Real> = [S; 2];
+    type Guards<S: Real> = [S; 1];
+
+    fn dim(&self) -> usize {
+        2
+    }
+
+    fn n_guards(&self) -> usize {
+        1
+    }
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 2]) -> bool {
+        true
+    }
+
+    fn rhs<S: Real>(&self, _: bool, _t: S, _y: &[S; 2], dydt: &mut [S; 2]) {
+        *dydt = [S::cst(1.0), S::cst(0.0)];
+    }
+
+    fn guards<S: Real>(&self, watched: bool, _t: S, &[x, _]: &[S; 2], g: &mut [S; 1]) {
+        *g = [if watched { x.sqrt() * ((x - 0.6) * (x - 0.6) - 0.01) } else { S::cst(1.0) }];
+    }
+
+    fn guard_bounds(&self, _: bool, _t: f64, _y: &[f64; 2], bounds: &mut [f64; 1]) {
+        *bounds = [1e-15];
+    }
+
+    fn transition<S: Real>(&self, _: bool, _guard: usize, _t: S, _y: &mut [S; 2]) -> Next<bool> {
+        Next::Mode(false)
+    }
+}
+
+#[test]
+fn an_infinite_rate_at_the_start_does_not_hide_a_dip() {
+    for setting in settings_with(1.0) {
+        let (log, outcome, ..) = run(&Root, &setting, (0.0, [0.0; 2]), 2.0);
+        assert_eq!(outcome, Ok(Outcome::Finished), "{}", setting.0.name);
+        let times = log.times();
+        assert_eq!(times.len(), 1, "{}: {times:?}", setting.0.name);
+        // Measured: 5.2e-15.
+        at_most(setting.0.name, (times[0] - 0.5).abs(), 1e-13);
+    }
+}

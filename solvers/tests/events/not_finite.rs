@@ -1,6 +1,6 @@
 //! Slopes, guards and arguments that are not finite.
 
-use deltazero_solvers::{Error, Next, Real, System};
+use deltazero_solvers::{Error, Next, Outcome, Real, System};
 
 use crate::log::{ROUNDING, run, settings};
 use crate::script::chain;
@@ -10,6 +10,8 @@ use crate::script::chain;
 enum Breaks {
     /// The slope of state 1 is not a number.
     Slope,
+    /// The slope of state 1 is a number, its derivative by that state infinite where it is zero.
+    Derivative,
     /// Guard 1 is this.
     Guard(f64),
 }
@@ -32,7 +34,11 @@ impl System for Breaks {
     }
 
     fn rhs<S: Real>(&self, _: &'static str, _t: S, &[x, z]: &[S; 2], dydt: &mut [S; 2]) {
-        let slope = if *self == Self::Slope { (-x + 1.0).sqrt() } else { -z };
+        let slope = match self {
+            Self::Slope => (-x + 1.0).sqrt(),
+            Self::Derivative => z.sqrt() + 1.0,
+            Self::Guard(_) => -z,
+        };
         *dydt = [S::cst(1.0), slope];
     }
 
@@ -73,6 +79,17 @@ fn a_slope_that_is_not_a_number_is_an_error_that_names_the_place() {
         let (_, outcome, ..) = run(&Breaks::Slope, &setting, (0.0, [1.5, 0.0]), 2.0);
         let expected = matches!(outcome, Err(Error::NonFinite { t: 0.0, component: 1, .. }));
         assert!(expected, "{name}: {outcome:?}");
+    }
+}
+
+#[test]
+fn a_jacobian_that_is_infinite_is_no_obstacle_or_an_error_that_names_the_row() {
+    for setting in settings() {
+        let (_, outcome, ..) = run(&Breaks::Derivative, &setting, (0.0, [0.0; 2]), 2.0);
+        match outcome {
+            Ok(Outcome::Finished) | Err(Error::NonFinite { t: 0.0, component: 1, .. }) => {}
+            other => panic!("{}: {other:?}", setting.0.name),
+        }
     }
 }
 

@@ -82,3 +82,20 @@ fn a_transition_that_lifts_another_violated_guard_cancels_its_event() {
         assert!((log.times()[0] - 0.5).abs() < ROUNDING, "{name}");
     }
 }
+
+#[test]
+fn forty_guards_at_one_instant_all_switch_once() {
+    const N: usize = 40;
+    // All guards fall at x = 0.7, and each transition uses one up.
+    let fall = |mode: usize| guard(&[0.7, -1.0], 0.0, mode + 1);
+    let mode = |m: usize| (0..N).map(|i| if i < m { unused() } else { fall(m) }).collect();
+    let script = Script { rate: vec![vec![]; N + 1], guards: (0..=N).map(mode).collect() };
+    for setting in settings() {
+        let name = setting.0.name;
+        let (log, outcome, ..) = run(&script, &setting, (0.0, [0.0, 0.0]), 2.0);
+        assert_eq!(outcome, Ok(Outcome::Finished), "{name}");
+        let times = log.times();
+        assert_eq!(times.len(), N, "{name}");
+        assert!(times.iter().all(|t| (t - 0.7).abs() < ROUNDING), "{name}: {times:?}");
+    }
+}

@@ -248,7 +248,7 @@ pub(crate) fn run(system: &Drawn, mut y: [f64; 2], margin: f64) -> Result<Vec<Ex
     if events.is_empty() { Err(Reason::Uneventful) } else { Ok(events) }
 }
 
-/// The events of `system`, where those of starts an [`ERROR`] off in four directions are the same
+/// The events of `system`, where those of starts `error` off in four directions are the same
 /// within the margin, and the most by which event times grow that error.
 pub(crate) fn events(system: &Drawn, error: f64) -> Result<Vec<Exact>, Reason> {
     let margin = AMPLIFICATION * error;
