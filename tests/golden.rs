@@ -57,6 +57,14 @@ fn vern98_at_1e_12_reproduces_both() {
 }
 
 #[test]
+fn taylor_at_1e_12_reproduces_both() {
+    // Measured: e = 8.8e-13 and 1.5e-13, event times to 1.4e-11 s.
+    for reading in ["pin", "full"] {
+        reproduces(reading, &located("taylor", 1e-12), &Bound { e: 8e-12, event_time: 9e-11 });
+    }
+}
+
+#[test]
 fn the_other_methods_find_the_events_of_full() {
     // Measured: e = 9.4e-6, 2.7e-9 and 3.8e-8, event times to 3.5e-6, 2.0e-8 and 2.9e-8 s.
     for (method, rtol, e) in

@@ -132,6 +132,16 @@ impl<P: System> GuardWatch<P> {
         self.values.as_ref()[i] < -self.bounds.as_ref()[i]
     }
 
+    /// Guard `i`, as last evaluated.
+    pub fn value(&self, i: usize) -> f64 {
+        self.values.as_ref()[i]
+    }
+
+    /// The rounding bound of guard `i`, as last evaluated.
+    pub fn bound(&self, i: usize) -> f64 {
+        self.bounds.as_ref()[i]
+    }
+
     /// Whether guard `i`, as last evaluated, is at or past its surface.
     pub fn is_past(&self, i: usize) -> bool {
         self.values.as_ref()[i] <= 0.0
@@ -151,8 +161,20 @@ impl<P: System> GuardWatch<P> {
         y: &P::State<f64>,
         dydt: &P::State<f64>,
     ) {
-        along_flow(problem, mode, t, y, dydt, &mut self.start);
+        self.start_at(problem, mode, t, y, dydt);
         self.forget_dips();
+    }
+
+    /// Takes values and rates at the start of a step that was not watched from the one before it.
+    pub(crate) fn start_at(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        t: f64,
+        y: &P::State<f64>,
+        dydt: &P::State<f64>,
+    ) {
+        along_flow(problem, mode, t, y, dydt, &mut self.start);
     }
 
     /// Forgets the dips disproved in a step that is over.
@@ -299,6 +321,16 @@ impl<P: System> GuardWatch<P> {
     pub fn disprove_dip(&mut self, i: usize) {
         self.disproved[i] = self.deepest[i];
         self.has_disproved = true;
+    }
+
+    /// Takes note that guard `i` was found to dip at this fraction of the present step.
+    pub(crate) fn note_dip(&mut self, i: usize, theta: f64) {
+        self.deepest[i] = theta;
+    }
+
+    /// Whether a dip of guard `i` in the present step was said to be none.
+    pub(crate) fn is_disproved(&self, i: usize) -> bool {
+        self.disproved[i] > 0.0
     }
 
     /// Keeps the step last looked at: the next one begins where it ends.

@@ -48,6 +48,7 @@
 //! | `rk45` | [Dormand–Prince 5(4)](methods::DORMAND_PRINCE_5) | 5 | fixed or adaptive |
 //! | `dop853` | [Dormand–Prince 8(5,3)](methods::DORMAND_PRINCE_853) | 8 | fixed or adaptive |
 //! | `vern98` | [Verner 9(8)](methods::VERNER_98) | 9 | fixed or adaptive |
+//! | `taylor` | [Taylor series](taylor) | 8, or by the tolerance | fixed or adaptive |
 //! | `rodas5p` | [Rodas5P](methods::RODAS_5P), implicit | 5 | fixed or adaptive |
 //! | `bdf` | [BDF of the library `diffsol`](diffsol) | 1 to 5 | adaptive |
 //! | `tr_bdf2` | its TR-BDF2 | 2 | adaptive |
@@ -59,7 +60,7 @@
 //! - What is asked: [`system`], the scalar it is written over ([`real`]), [`problems`] with closed
 //!   forms, and the event-blind baseline ([`blind`]).
 //! - What answers: [`methods`], the list; [`tableau`]s and their stage loop ([`erk`]), implicit ones
-//!   without iteration ([`rosenbrock`]), both checked by [`order_conditions`], or
+//!   without iteration ([`rosenbrock`]), both checked by [`order_conditions`]; [`taylor`] series; or
 //!   [`diffsol`](mod@diffsol).
 //! - One step: [`step`] with its [`dense`] output, judged by [`control`] to a [`tolerance`].
 //! - Events: [`event`] looks at guards over a step, [`root`] closes on their roots.
@@ -93,6 +94,7 @@ pub mod stats;
 pub mod step;
 pub mod system;
 pub mod tableau;
+pub mod taylor;
 pub mod tolerance;
 pub mod trajectory;
 

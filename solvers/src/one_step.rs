@@ -36,6 +36,18 @@ pub trait OneStep<P: System> {
     /// Starts anew at `(t, y)` in `mode`; whatever was kept of earlier steps is forgotten.
     fn restart(&mut self, problem: &P, mode: P::Mode, t: f64, y: &P::State<f64>, stats: &mut Stats);
 
+    /// A step size for a step from here that `tolerance` allows, where the method knows one before it
+    /// is taken; none to leave it to the controller. Above zero, and infinite where nothing limits it.
+    fn propose(
+        &mut self,
+        _problem: &P,
+        _mode: P::Mode,
+        _tolerance: &Tolerance,
+        _stats: &mut Stats,
+    ) -> Option<f64> {
+        None
+    }
+
     /// Takes a step of size `h` to `t1 = t0 + h`, as often as wished from the same start.
     fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats);
 
@@ -44,6 +56,26 @@ pub trait OneStep<P: System> {
 
     /// Makes the dense output of the completed step valid, where that takes more stages.
     fn densify(&mut self, _problem: &P, _mode: P::Mode, _stats: &mut Stats) {}
+
+    /// The guard that falls first on the completed step, none where none does.
+    ///
+    /// By default it is [looked for](GuardWatch) at both ends and on the dense output.
+    ///
+    /// # Errors
+    /// [`Error::NonFiniteGuard`] at the end of the step.
+    fn first_to_fall(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        watch: &mut GuardWatch<P>,
+        stats: &mut Stats,
+    ) -> Result<Option<Fall>, Error> {
+        if watch.is_clear(problem, mode, self.step()) {
+            return Ok(None);
+        }
+        self.densify(problem, mode, stats);
+        watch.first_to_fall(problem, mode, self.step(), PREDICTION, None)
+    }
 
     /// Makes the end of the completed step the start of the next.
     fn advance(&mut self);
@@ -130,6 +162,20 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         Ok(smaller)
     }
 
+    /// The step towards `t_end`, `span` away, that the method proposes under adaptive control.
+    fn proposed(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        span: f64,
+        stats: &mut Stats,
+    ) -> Option<f64> {
+        let Control::Adaptive(tolerance) = self.controller.control() else { return None };
+        let h = self.method.propose(problem, mode, tolerance, stats)?;
+        // An infinite one is the whole span.
+        Some(h.min(span.abs()).copysign(span))
+    }
+
     /// Retakes the step so that it ends just past the surface of the guard that falls first; that
     /// guard. None where a dip of the dense output is none of the method: the step is then whole
     /// again.
@@ -173,7 +219,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         }
     }
 
-    /// Lands on the guard that falls first on a step that is not clear; none where no guard does.
+    /// Lands on the guard that falls first on the completed step; none where no guard does.
     fn locate(
         &mut self,
         problem: &P,
@@ -181,12 +227,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         stats: &mut Stats,
     ) -> Result<Option<usize>, Error> {
         loop {
-            self.method.densify(problem, mode, stats);
-            let step = self.method.step();
-            let Some(fall) = self.watch.first_to_fall(problem, mode, step, PREDICTION, None)?
-            else {
-                return Ok(None);
-            };
+            let falls = self.method.first_to_fall(problem, mode, &mut self.watch, stats)?;
+            let Some(fall) = falls else { return Ok(None) };
             if let Some(guard) = self.land(problem, mode, fall, stats)? {
                 return Ok(Some(guard));
             }
@@ -246,7 +288,8 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
         self.method.restart(problem, mode, point.t, &point.y, stats);
         check_finite(point, self.method.step().slope0())?;
         self.watch.begin(problem, mode, point.t, &point.y, self.method.step().slope0());
-        let h = match (self.h, self.controller.control()) {
+        let at_start = self.proposed(problem, mode, t_end - point.t, stats);
+        let h = match (at_start.or(self.h), self.controller.control()) {
             (Some(h), _) | (None, &Control::Fixed(h)) => h,
             (None, Control::Adaptive(tolerance)) => {
                 self.first_step(tolerance, problem, point, t_end, stats)
@@ -273,14 +316,11 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             check_finite(point, self.method.step().y1())?;
             self.method.complete(problem, mode, stats);
             check_finite(point, self.method.step().slope1())?;
-            let landed_on = if self.watch.is_clear(problem, mode, self.method.step()) {
-                None
-            } else {
-                let before = stats.work;
-                let landed_on = self.locate(problem, mode, stats)?;
+            let before = stats.work;
+            let landed_on = self.locate(problem, mode, stats)?;
+            if stats.work != before {
                 stats.location += stats.work - before;
-                landed_on
-            };
+            }
             if landed_on.is_some() {
                 let h_landed = self.method.step().t1() - point.t;
                 let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
@@ -304,6 +344,11 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
                 _ if go_on.is_break() => return Ok(PhaseEnd::Interrupted),
                 Some(guard) => return Ok(PhaseEnd::Guard(guard)),
                 None => self.method.advance(),
+            }
+            if point.t != t_end
+                && let Some(proposed) = self.proposed(problem, mode, t_end - point.t, stats)
+            {
+                h = proposed;
             }
         }
         Ok(PhaseEnd::EndOfTime)

@@ -16,7 +16,9 @@
 //! - A guard violated at the end of a step is always found. A dip inside is searched for where the
 //!   cubic through values and rates at both ends comes near zero ([`event`](crate::event)). For a guard
 //!   that moves like a sine it finds the first fall in steps up to three quarters of its period; for
-//!   others it has no guarantee, and over a whole period nothing at the ends can tell.
+//!   others it has no guarantee, and over a whole period nothing at the ends can tell. `taylor` has each
+//!   guard as a polynomial on the step and isolates its roots by Bernstein's coefficients: of the
+//!   polynomial no fall is missed, whatever is beyond its last terms.
 //!   Step control sees the states alone: a guard that oscillates while they hardly move, such as a
 //!   force on a mass that sticks, is not resolved. Make its cause a state, or bound the step.
 //! - Cost: one evaluation of the guards with their rates a step; where one comes near, some fifteen

@@ -15,10 +15,21 @@ pub trait Vector<S>: Clone + Debug + AsRef<[S]> + AsMut<[S]> {
     fn from_fn(n: usize, entry: impl FnMut(usize) -> S) -> Self;
 }
 
-impl<S: Clone + Debug, const N: usize> Vector<S> for [S; N] {
-    fn from_fn(n: usize, entry: impl FnMut(usize) -> S) -> Self {
+impl<S: Copy + Debug, const N: usize> Vector<S> for [S; N] {
+    // Up to eight entries without a loop or a call: those of a series are then registers.
+    #[inline(always)]
+    fn from_fn(n: usize, mut entry: impl FnMut(usize) -> S) -> Self {
         assert_eq!(n, N, "a vector of {N} entries was asked to hold {n}");
-        std::array::from_fn(entry)
+        if N == 0 || N > 8 {
+            return std::array::from_fn(entry);
+        }
+        let first = entry(0);
+        let mut at = |i: usize| if i < N { entry(i) } else { first };
+        let eight = [first, at(1), at(2), at(3), at(4), at(5), at(6), at(7)];
+        match <[S; N]>::try_from(&eight[..N]) {
+            Ok(vector) => vector,
+            Err(_) => std::array::from_fn(|i| eight[i]),
+        }
     }
 }
 

@@ -42,6 +42,17 @@ fn bound<P: System>(problem: &P, (method, control): &Setting, bounds: [f64; 4]) 
     }
 }
 
+/// The same for a contact of the exponent n of `ball`. A Taylor series with a fixed step sees the force
+/// at its start alone: where it begins beside δ = 0 and n is no integer it has `singular`.
+fn hertz_bound(ball: &HertzBall, setting: &Setting, bounds: [f64; 4], singular: f64) -> f64 {
+    match setting {
+        (method, Control::Fixed(_)) if method.name == "taylor" && ball.exponent.fract() != 0.0 => {
+            singular
+        }
+        _ => bound(ball, setting, bounds),
+    }
+}
+
 /// A setting in words.
 fn named((method, control): &Setting) -> String {
     let control = if matches!(control, Control::Fixed(_)) { "fixed" } else { "adaptive" };
@@ -170,11 +181,13 @@ fn a_ball_meets_and_leaves_a_wall_of_any_exponent_as_in_closed_form() {
             take_turns(&events, StopMode::Free);
             // Measured: 1.3e-6 s for bs32 and 3.6e-9 s for rk45 with fixed steps, 7.7e-9 s for
             // dop853 to a tolerance, 2.1e-7 s for tr_bdf2.
-            let late = bound(&ball, &setting, [1e-5, 3e-8, 7e-8, 2e-6]);
+            // Measured for n = 3/2: 2.9e-6 s for taylor with fixed steps.
+            let late = hertz_bound(&ball, &setting, [1e-5, 3e-8, 7e-8, 2e-6], 2e-5);
             at_most(&format!("{name}, time"), lateness(&events, &times), late);
             // Measured: 9.9e-5 and 2.6e-7 for the same, 3.0e-7 for bs32 to a tolerance, 2.5e-6 for
             // esdirk34. Without a look at the error of the step that lands: 9.1e-6 for dop853.
-            let off = bound(&ball, &setting, [8e-4, 2e-6, 3e-6, 2e-5]);
+            // Measured for n = 3/2: 2.5e-4 for taylor with fixed steps.
+            let off = hertz_bound(&ball, &setting, [8e-4, 2e-6, 3e-6, 2e-5], 1e-3);
             at_most(&format!("{name}, state"), distance(&y, &exact), off);
         }
     }
@@ -190,7 +203,8 @@ fn a_ball_turns_in_the_wall_at_its_greatest_penetration() {
             assert_eq!(events.len(), 1, "{name}");
             // Measured: 1.8e-6 for bs32 and 1.1e-7 for rk45 with fixed steps, 9.6e-8 for rk45 to a
             // tolerance, 6.7e-6 for tr_bdf2.
-            let off = bound(&ball, &setting, [1e-5, 8e-7, 8e-7, 5e-5]);
+            // Measured for n = 3/2: 8.2e-5 for taylor with fixed steps.
+            let off = hertz_bound(&ball, &setting, [1e-5, 8e-7, 8e-7, 5e-5], 5e-4);
             at_most(&name, distance(&y, &deepest), off);
         }
     }

@@ -175,7 +175,8 @@ fn slope_over_steps(method: &Method, error: impl Fn(f64) -> f64) -> f64 {
 fn tableaux_meet_their_order_conditions_and_row_sums() {
     for method in METHODS {
         let residuals = method.residuals();
-        assert_eq!(residuals.is_empty(), steps_itself(method, &Smooth::Circle));
+        let has_tableau = method.name != "taylor" && !steps_itself(method, &Smooth::Circle);
+        assert_eq!(residuals.is_empty(), !has_tableau);
         let worst = residuals.iter().fold(0.0_f64, |worst, r| worst.max(r.abs()));
         // Measured: 1.1e-16 for rk4, 4.4e-16 for rk45, 6.1e-15 for dop853, 2.4e-15 for vern98.
         at_most(method.name, worst, 1e-14);

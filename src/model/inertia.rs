@@ -110,6 +110,7 @@ impl BlockInertia {
     }
 
     /// `I_0 + I_c cos²θ` [kg m²]: the inertia about a pin that is held.
+    #[inline(always)]
     pub fn about_pin<S: Real>(&self, sin: S, cos: S) -> S {
         let along_x = cos * cos * (self.m_x * self.p * self.p);
         let along_y = sin * sin * (self.m_y * self.q * self.q);

@@ -139,6 +139,7 @@ impl Block {
     }
 
     /// `π/2 − θ` [rad] where the block ends at 90°.
+    #[inline(always)]
     pub(super) fn below_90<S: Real>(&self, y: &State<S>) -> S {
         if self.stop_at_90 { -(y[2] - FRAC_PI_2) } else { S::cst(1.0) }
     }

@@ -23,6 +23,7 @@ use crate::phase::PhaseSolver;
 use crate::rosenbrock::{Rosenbrock, RosenbrockMethod};
 use crate::system::System;
 use crate::tableau::Tableau;
+use crate::taylor::{self, TaylorMethod};
 
 /// A method: its name, and what it is made of.
 #[derive(Debug)]
@@ -44,16 +45,19 @@ enum Scheme {
     Explicit12(&'static Tableau<12>),
     Rosenbrock8(&'static Rosenbrock<8>),
     Explicit16(&'static Tableau<16>),
+    Taylor,
     Diffsol(DiffsolScheme),
 }
 
 /// Evaluates the first expression with the tableau of an explicit scheme, whatever its size, the
-/// second with that of a Rosenbrock scheme, or the third with the scheme of `diffsol`.
+/// second with that of a Rosenbrock scheme, the third for Taylor series, or the fourth with the scheme
+/// of `diffsol`.
 macro_rules! by_scheme {
     (
         $scheme:expr,
         $tableau:ident => $explicit:expr,
         $rosenbrock:pat => $implicit:expr,
+        taylor => $series:expr,
         $diffsol:pat => $other:expr $(,)?
     ) => {
         match $scheme {
@@ -62,6 +66,7 @@ macro_rules! by_scheme {
             Scheme::Explicit12($tableau) => $explicit,
             Scheme::Rosenbrock8($rosenbrock) => $implicit,
             Scheme::Explicit16($tableau) => $explicit,
+            Scheme::Taylor => $series,
             Scheme::Diffsol($diffsol) => $other,
         }
     };
@@ -98,6 +103,12 @@ pub static METHODS: &[Method] = &[
         order: VERNER_98.order,
         about: "Verner 9(8), explicit, adaptive: the tightest tolerances",
         scheme: Scheme::Explicit16(&VERNER_98),
+    },
+    Method {
+        name: "taylor",
+        order: taylor::FIXED_STEP_ORDER,
+        about: "Taylor series, explicit, adaptive, order by tolerance: few long steps, tight tolerances",
+        scheme: Scheme::Taylor,
     },
     Method {
         name: "rodas5p",
@@ -139,13 +150,25 @@ impl Method {
 
     /// Whether its step size is the user's to choose.
     pub fn is_fixed_step(&self) -> bool {
-        by_scheme!(self.scheme, tableau => tableau.b_hat.is_none(), _ => false, _ => false)
+        by_scheme!(
+            self.scheme,
+            tableau => tableau.b_hat.is_none(),
+            _ => false,
+            taylor => false,
+            _ => false,
+        )
     }
 
     /// Residuals of the conditions that its [tableau](Tableau::residuals) must meet; none where it
     /// has no tableau.
     pub fn residuals(&self) -> Vec<f64> {
-        by_scheme!(self.scheme, tableau => tableau.residuals(), tableau => tableau.residuals(), _ => Vec::new())
+        by_scheme!(
+            self.scheme,
+            tableau => tableau.residuals(),
+            tableau => tableau.residuals(),
+            taylor => Vec::new(),
+            _ => Vec::new(),
+        )
     }
 
     /// The method at work on `problem`, its steps chosen by `control`.
@@ -179,6 +202,14 @@ impl Method {
             tableau => Box::new(OneStepSolver::new(problem, ExplicitRk::new(tableau, n), control)),
             tableau => {
                 Box::new(OneStepSolver::new(problem, RosenbrockMethod::new(tableau, n), control))
+            },
+            taylor => {
+                let order = match &control {
+                    Control::Fixed(_) => taylor::FIXED_STEP_ORDER,
+                    Control::Adaptive(tolerance) => taylor::order_for(tolerance.rtol),
+                };
+                let method = TaylorMethod::new(n, problem.n_guards(), order);
+                Box::new(OneStepSolver::new(problem, method, control))
             },
             scheme => match control {
                 Control::Adaptive(tolerance) => {

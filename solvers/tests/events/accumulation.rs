@@ -4,7 +4,7 @@ use deltazero_solvers::problems::{BouncingBall, BouncingMode};
 use deltazero_solvers::{Error, Next, Outcome, Real, System};
 
 use crate::common::{at_most, steps_itself};
-use crate::log::{ROUNDING, run, settings};
+use crate::log::{run, settings};
 use crate::script::{Guard, Script, chain, floor};
 
 #[test]

@@ -1,0 +1,180 @@
+//! Guards along a step: polynomials too, and when the first of them falls.
+
+use super::expand::Run;
+use super::polynomial::Polynomial;
+use super::rows::Rows;
+use crate::error::Error;
+use crate::event::{Fall, GuardWatch};
+use crate::root::minimum;
+use crate::step::Step;
+use crate::system::{System, Vector};
+
+/// Order to which guards are expanded at first: enough to see that they are far from zero.
+const FIRST_LOOK: usize = 6;
+/// How exactly roots of the polynomials are found, as a fraction of the step.
+const PRECISION: f64 = 1e-14;
+
+/// The Taylor coefficients of the guards about the start of a step.
+#[derive(Debug)]
+pub struct GuardSeries<G> {
+    rows: Rows,
+    g: Vec<G>,
+    /// Orders known.
+    n_known: usize,
+}
+
+impl<G: Vector<f64>> GuardSeries<G> {
+    /// Memory for `n` guards to `order`.
+    pub fn new(n: usize, order: usize) -> Self {
+        let g = (0..=order).map(|_| G::from_fn(n, |_| 0.0)).collect();
+        Self { rows: Rows::new(), g, n_known: 0 }
+    }
+
+    /// Forgets the coefficients: another step begins.
+    pub fn forget(&mut self) {
+        self.n_known = 0;
+    }
+
+    /// Makes the coefficients up to `order` known, those of the solution being `y`.
+    fn expand<P: System<Guards<f64> = G>>(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        t0: f64,
+        y: &[P::State<f64>],
+        order: usize,
+    ) {
+        while self.n_known <= order {
+            let k = self.n_known;
+            let run = Run { rows: &self.rows, t0, k };
+            let n = run.guards(problem, mode, &y[k], &mut self.g[k]);
+            let is_short = self.rows.grow(n);
+            self.n_known = if is_short { 0 } else { k + 1 };
+        }
+    }
+
+    /// Guard `i` over a step of size `h`, to `degree` or where its series ceases to be finite.
+    fn polynomial(&self, i: usize, h: f64, degree: usize) -> Polynomial {
+        let is_finite = |g: &&G| g.as_ref()[i].is_finite();
+        let n = self.g[..=degree].iter().take_while(is_finite).count();
+        let mut power = 1.0;
+        Polynomial::new(self.g[..n.max(1)].iter().map(|g| {
+            let c = g.as_ref()[i] * power;
+            power *= h;
+            c
+        }))
+    }
+
+    /// The guard that falls first on `step`, a polynomial of `degree` with the coefficients `y`.
+    ///
+    /// A guard is a polynomial on the step, to the order of the method. It is clear where
+    ///
+    /// ```text
+    /// g_0 + Σ min(0, g_k hᵏ) > |g_N hᴺ| + |g_(N−1) hᴺ⁻¹| + 2 |Σ g_k hᵏ − g(t_1, y_1)|
+    /// ```
+    ///
+    /// and else its [first fall](Polynomial::first_fall) below `−bound/2` counts, if it is followed by a
+    /// violation. None is missed, of the polynomial: where the guard is less smooth than the solution
+    /// it may differ from that by more than the last terms. Where a coefficient is not finite, all guards
+    /// are [looked for](GuardWatch) instead.
+    ///
+    /// # Errors
+    /// [`Error::NonFiniteGuard`] at the end of the step.
+    pub fn first_to_fall<P: System<Guards<f64> = G>>(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        (y, degree): (&[P::State<f64>], usize),
+        watch: &mut GuardWatch<P>,
+    ) -> Result<Option<Fall>, Error> {
+        let (t0, t1) = (step.t0(), step.t1());
+        let h = t1 - t0;
+        watch.violated(problem, mode, t1, step.y1())?;
+        self.expand(problem, mode, t0, y, FIRST_LOOK.min(degree));
+        let mut first: Option<Fall> = None;
+        for guard in 0..self.g[0].as_ref().len() {
+            let at_end = watch.is_violated(guard);
+            let end = watch.value(guard);
+            if !at_end && self.is_clear(guard, h, FIRST_LOOK.min(degree), end) {
+                continue;
+            }
+            self.expand(problem, mode, t0, y, degree);
+            if self.g[..=degree].iter().any(|g| !g.as_ref()[guard].is_finite()) {
+                // Singular at the start of the step: no polynomial tells what it does.
+                watch.start_at(problem, mode, t0, step.y0(), step.slope0());
+                return if watch.is_clear(problem, mode, step) {
+                    Ok(None)
+                } else {
+                    watch.first_to_fall(problem, mode, step, PRECISION, None)
+                };
+            }
+            if !at_end && self.is_clear(guard, h, degree, end) {
+                continue;
+            }
+            let bound = watch.bound(guard);
+            let p = self.polynomial(guard, h, degree);
+            let dip = if watch.is_disproved(guard) { None } else { fall_of(&p, bound) };
+            let (s, violated_at) = match dip {
+                Some((s, violated)) if violated < 1.0 => {
+                    watch.note_dip(guard, violated);
+                    (s, t0 + violated * h)
+                }
+                // Violated at the end by the polynomial, if not by the guard.
+                Some((s, _)) if at_end => (s, t1),
+                Some(_) => continue,
+                None if at_end => (1.0, t1),
+                None => continue,
+            };
+            let t = t0 + s * h;
+            // At one instant, to rounding, the first in number is first.
+            let tie = 4.0 * f64::EPSILON * t1.abs().max(t0.abs());
+            if first.is_none_or(|other| (t - t0).abs() < (other.t - t0).abs() - tie) {
+                first = Some(Fall { guard, t, violated_at });
+            }
+        }
+        if first.is_none() {
+            watch.keep();
+        }
+        Ok(first)
+    }
+
+    /// Whether guard `i`, `end` at the end of a step of size `h`, stays above zero on it, by more than
+    /// its last two terms and what the rest lacks there.
+    fn is_clear(&self, i: usize, h: f64, degree: usize, end: f64) -> bool {
+        let g_0 = self.g[0].as_ref()[i];
+        let (mut sum, mut least, mut power) = (g_0, g_0, 1.0);
+        let mut last = [0.0; 2];
+        for g in &self.g[1..=degree] {
+            power *= h;
+            let term = g.as_ref()[i] * power;
+            sum += term;
+            least += if term < 0.0 { term } else { 0.0 };
+            last = [last[1], term];
+        }
+        // False for what is not a number.
+        least > last[0].abs() + last[1].abs() + 2.0 * (sum - end).abs()
+    }
+}
+
+/// When `p` falls below `−bound/2` before it is below `−bound`, on [0, 1], and a time of the latter.
+fn fall_of(p: &Polynomial, bound: f64) -> Option<(f64, f64)> {
+    // A start between −bound and −bound/2 falls where it is violated.
+    let is_below = p.at(0.0) <= -0.5 * bound;
+    let located = p.raised(if is_below { bound } else { 0.5 * bound });
+    let mut from = 0.0;
+    loop {
+        let fall = located.first_fall(from, PRECISION)?;
+        let violated = |s: f64| p.at(s) + bound;
+        match located.negated().first_fall(fall, PRECISION) {
+            None => return Some((fall, 1.0)),
+            Some(rise) => {
+                let (s, least) = minimum(violated, [fall, 0.5 * (fall + rise), rise]);
+                if least < 0.0 {
+                    return Some((fall, s));
+                }
+                from = rise;
+            }
+        }
+    }
+}

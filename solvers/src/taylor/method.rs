@@ -1,0 +1,223 @@
+//! The method: a series about the start of each step, summed at its end.
+
+use super::expand::Expansion;
+use super::guards::GuardSeries;
+use super::order::{self, Reach};
+use crate::error::Error;
+use crate::event::{Fall, GuardWatch};
+use crate::one_step::OneStep;
+use crate::stats::Stats;
+use crate::step::Step;
+use crate::system::{System, Vector};
+use crate::tolerance::Tolerance;
+
+/// The Taylor method at work on one system.
+#[derive(Debug)]
+pub struct TaylorMethod<Y, G> {
+    step: TaylorStep<Y>,
+    guards: GuardSeries<G>,
+    /// Whether the series is complete, and not its first order alone.
+    is_expanded: bool,
+    /// Degree that the tolerance asks for; none to have it chosen by the step.
+    degree: Option<usize>,
+    error: Y,
+}
+
+/// A step of the Taylor method: a polynomial.
+#[derive(Debug)]
+pub struct TaylorStep<Y> {
+    t0: f64,
+    t1: f64,
+    y0: Y,
+    y1: Y,
+    slope0: Y,
+    slope1: Y,
+    expansion: Expansion<Y>,
+    /// Degree of the polynomial that the step is taken with.
+    degree: usize,
+}
+
+impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
+    /// The method of `order` for systems of `n` states and `n_guards` guards.
+    pub fn new(n: usize, n_guards: usize, order: usize) -> Self {
+        let zero = || Y::from_fn(n, |_| 0.0);
+        let step = TaylorStep {
+            t0: 0.0,
+            t1: 0.0,
+            y0: zero(),
+            y1: zero(),
+            slope0: zero(),
+            slope1: zero(),
+            expansion: Expansion::new(n, order),
+            degree: order,
+        };
+        let guards = GuardSeries::new(n_guards, order);
+        Self { step, guards, is_expanded: false, degree: None, error: zero() }
+    }
+
+    /// Expands about the start of the step, once.
+    fn expand<P>(&mut self, problem: &P, mode: P::Mode, stats: &mut Stats)
+    where
+        P: System<State<f64> = Y>,
+    {
+        if !std::mem::replace(&mut self.is_expanded, true) {
+            let TaylorStep { t0, y0, slope0, expansion, .. } = &mut self.step;
+            expansion.complete(problem, mode, *t0, y0, slope0);
+            self.guards.forget();
+            stats.work.n_rhs += 1;
+        }
+    }
+}
+
+impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
+    type Step = TaylorStep<P::State<f64>>;
+
+    fn embedded_order(&self) -> Option<usize> {
+        Some(self.step.expansion.order())
+    }
+
+    fn restart(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        t: f64,
+        y: &P::State<f64>,
+        _stats: &mut Stats,
+    ) {
+        let step = &mut self.step;
+        (step.t0, step.t1) = (t, t);
+        step.y0.clone_from(y);
+        step.y1.clone_from(y);
+        step.expansion.begin(problem, mode, t, y, &mut step.slope0);
+        self.is_expanded = false;
+        self.degree = None;
+    }
+
+    fn propose(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        tolerance: &Tolerance,
+        stats: &mut Stats,
+    ) -> Option<f64> {
+        self.expand(problem, mode, stats);
+        let reach = order::reach(self.step.expansion.coefficients(), tolerance);
+        self.degree = reach.map(|Reach { degree, .. }| degree);
+        reach.map(|Reach { h, .. }| h)
+    }
+
+    /// Sums the series, and begins that of the step to come: `y₁ = p(h)` and `ẏ₁ = f(t₁, y₁)` for the
+    /// polynomial `p` of degree N.
+    ///
+    /// ```text
+    /// error = h (p'(h) − ẏ₁)/(N + 1)
+    /// ```
+    ///
+    /// The defect of p is that of its next term, `(N + 1) y_(N+1) hᴺ`, to leading order; and it is
+    /// large where the series does not converge to the solution, or the right-hand side branches.
+    fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats) {
+        self.expand(problem, mode, stats);
+        let step = &mut self.step;
+        step.t1 = t1;
+        let y = step.expansion.coefficients();
+        step.degree = self.degree.unwrap_or_else(|| order::convergent_degree(y, h));
+        sum_with_slope(&y[..=step.degree], h, &mut step.y1, &mut self.error);
+        step.expansion.begin(problem, mode, t1, &step.y1, &mut step.slope1);
+        let share = h / (step.degree + 1) as f64;
+        for (error, slope) in self.error.as_mut().iter_mut().zip(step.slope1.as_ref()) {
+            *error = share * (*error - slope);
+        }
+    }
+
+    fn complete(&mut self, _problem: &P, _mode: P::Mode, _stats: &mut Stats) {}
+
+    fn first_to_fall(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        watch: &mut GuardWatch<P>,
+        _stats: &mut Stats,
+    ) -> Result<Option<Fall>, Error> {
+        let step = &self.step;
+        let y = (step.expansion.coefficients(), step.degree);
+        self.guards.first_to_fall(problem, mode, step, y, watch)
+    }
+
+    fn advance(&mut self) {
+        let step = &mut self.step;
+        step.t0 = step.t1;
+        std::mem::swap(&mut step.y0, &mut step.y1);
+        std::mem::swap(&mut step.slope0, &mut step.slope1);
+        self.is_expanded = false;
+        self.degree = None;
+    }
+
+    fn step(&self) -> &Self::Step {
+        &self.step
+    }
+
+    fn error(&self) -> &P::State<f64> {
+        &self.error
+    }
+}
+
+/// Sums the polynomial with the coefficients `c` at `h`.
+#[inline]
+fn sum<Y: Vector<f64>>(c: &[Y], h: f64, y: &mut Y) {
+    let [rest @ .., last] = c else { return };
+    y.clone_from(last);
+    for c in rest.iter().rev() {
+        for (y, c) in y.as_mut().iter_mut().zip(c.as_ref()) {
+            *y = *y * h + c;
+        }
+    }
+}
+
+/// The same with its derivative.
+#[inline]
+fn sum_with_slope<Y: Vector<f64>>(c: &[Y], h: f64, y: &mut Y, slope: &mut Y) {
+    let [rest @ .., last] = c else { return };
+    y.clone_from(last);
+    slope.as_mut().fill(0.0);
+    for c in rest.iter().rev() {
+        let both = y.as_mut().iter_mut().zip(slope.as_mut());
+        for ((y, slope), c) in both.zip(c.as_ref()) {
+            *slope = *slope * h + *y;
+            *y = *y * h + c;
+        }
+    }
+}
+
+impl<Y: Vector<f64>> Step<Y> for TaylorStep<Y> {
+    fn t0(&self) -> f64 {
+        self.t0
+    }
+
+    fn t1(&self) -> f64 {
+        self.t1
+    }
+
+    fn y0(&self) -> &Y {
+        &self.y0
+    }
+
+    fn y1(&self) -> &Y {
+        &self.y1
+    }
+
+    fn slope0(&self) -> &Y {
+        &self.slope0
+    }
+
+    fn slope1(&self) -> &Y {
+        &self.slope1
+    }
+
+    fn interpolate(&self, t: f64, y: &mut Y) {
+        if t == self.t1 {
+            y.clone_from(&self.y1);
+        } else {
+            sum(&self.expansion.coefficients()[..=self.degree], t - self.t0, y);
+        }
+    }
+}

@@ -1,0 +1,29 @@
+//! The Taylor method: series of a solution through the generic right-hand side, to any order.
+//!
+//! ```text
+//! y(t₀ + s) = Σ y_k sᵏ,   y_(k+1) = f_k/(k + 1),   k = 0 … N − 1
+//! ```
+//!
+//! [`System::rhs`](crate::System::rhs) is run once per order over a [scalar](series) that knows the
+//! [`recurrence`] of each operation and computes one coefficient at a time; those before are
+//! in a [table](rows). No model does anything for it. A step [is its polynomial](method): it is as long
+//! as the [last terms](order) allow, dense output is exact, and a step is cut short without a new
+//! series. Its order follows from the tolerance; fixed steps have order 8.
+//!
+//! At a singular point of the right-hand side, such as δ^1.5 at δ = 0, coefficients from some order on
+//! are infinite or grow without bound. The series is then cut below, and the step judged by its defect.
+//!
+//! À. Jorba, M. Zou, "A software package for the numerical integration of ODEs by means of high-order
+//! Taylor methods", Exp. Math. 14(1), 99–117 (2005).
+
+pub mod expand;
+pub mod guards;
+pub mod method;
+pub mod order;
+pub mod polynomial;
+pub mod recurrence;
+pub mod rows;
+pub mod series;
+
+pub use method::{TaylorMethod, TaylorStep};
+pub use order::{FIXED_STEP_ORDER, order_for};

@@ -1,0 +1,221 @@
+//! Where a polynomial falls below zero first: isolated by its Bernstein coefficients.
+
+use super::rows::MAX_ORDER;
+use crate::root::{Bracket, find_root};
+
+/// Halvings after which roots are not told apart: they are then a touch, and no crossing.
+const DEPTH: u32 = 40;
+
+/// A polynomial on [0, 1], by its coefficients of 1, s, s², …
+#[derive(Clone, Copy, Debug)]
+pub struct Polynomial {
+    c: [f64; MAX_ORDER + 1],
+    degree: usize,
+}
+
+impl Polynomial {
+    /// The polynomial with these coefficients.
+    ///
+    /// # Panics
+    /// For more than [`MAX_ORDER`]` + 1`, or none.
+    pub fn new(coefficients: impl ExactSizeIterator<Item = f64>) -> Self {
+        let mut polynomial = Self { c: [0.0; MAX_ORDER + 1], degree: coefficients.len() - 1 };
+        for (c, coefficient) in polynomial.c.iter_mut().zip(coefficients) {
+            *c = coefficient;
+        }
+        polynomial
+    }
+
+    /// Its coefficients.
+    pub fn coefficients(&self) -> &[f64] {
+        &self.c[..=self.degree]
+    }
+
+    /// Its value at `s`.
+    pub fn at(&self, s: f64) -> f64 {
+        self.coefficients().iter().rev().fold(0.0, |sum, c| sum * s + c)
+    }
+
+    /// The same polynomial raised by `level`.
+    pub fn raised(mut self, level: f64) -> Self {
+        self.c[0] += level;
+        self
+    }
+
+    /// Its negative.
+    pub fn negated(mut self) -> Self {
+        for c in &mut self.c {
+            *c = -*c;
+        }
+        self
+    }
+
+    /// The first root in `[from, 1]` at which it falls from above zero, to within `precision`; none
+    /// where it does not.
+    pub fn first_fall(&self, from: f64, precision: f64) -> Option<f64> {
+        let bracket = Bernstein::on(self, from).first_fall(from, 1.0, DEPTH)?;
+        if bracket.above == bracket.below {
+            return Some(bracket.below);
+        }
+        Some(find_root(|s| self.at(s), bracket, precision))
+    }
+}
+
+/// A polynomial on some interval, by its coefficients in the basis of Bernstein:
+///
+/// ```text
+/// p = Σ b_j C(n, j) uʲ (1 − u)ⁿ⁻ʲ,   u from 0 to 1
+/// ```
+///
+/// By Descartes' rule of signs the number of its roots inside is that of the changes of sign of
+/// `b_0 … b_n`, or less by an even number: none or one change decides, more are halved. So no crossing
+/// of the polynomial is passed over, however many there are.
+///
+/// F. Rouillier, P. Zimmermann, "Efficient isolation of polynomial's real roots", J. Comput. Appl. Math.
+/// 162(1), 33–50 (2004).
+#[derive(Clone, Copy)]
+struct Bernstein {
+    b: [f64; MAX_ORDER + 1],
+    degree: usize,
+}
+
+impl Bernstein {
+    /// `p` on [`from`, 1].
+    fn on(p: &Polynomial, from: f64) -> Self {
+        let n = p.degree;
+        let mut b = p.c;
+        // The polynomial of u in s = from + (1 − from) u: Horner's shift, then a scale.
+        let width = 1.0 - from;
+        if from != 0.0 {
+            for i in 0..n {
+                for j in (i..n).rev() {
+                    b[j] += from * b[j + 1];
+                }
+            }
+            let mut scale = 1.0;
+            for b in &mut b[..=n] {
+                *b *= scale;
+                scale *= width;
+            }
+        }
+        // b_j = Σ_k C(j, k)/C(n, k) c_k: differences summed up.
+        let mut binomial = 1.0;
+        for (k, b) in b.iter_mut().enumerate().take(n + 1).skip(1) {
+            binomial *= (n + 1 - k) as f64 / k as f64;
+            *b /= binomial;
+        }
+        for i in 0..n {
+            for j in (i + 1..=n).rev() {
+                b[j] += b[j - 1];
+            }
+        }
+        Self { b, degree: n }
+    }
+
+    fn coefficients(&self) -> &[f64] {
+        &self.b[..=self.degree]
+    }
+
+    /// Signs of the coefficients that are not zero: the first and the last, which are those of the
+    /// polynomial just inside both ends, and whether they change once at most.
+    fn signs(&self) -> ([f64; 2], bool) {
+        let mut signs = self.coefficients().iter().filter(|b| **b != 0.0).map(|b| b.signum());
+        let first = signs.next().unwrap_or(0.0);
+        let (mut last, mut changes) = (first, 0);
+        for sign in signs {
+            changes += u32::from(sign != last);
+            last = sign;
+        }
+        ([first, last], changes <= 1)
+    }
+
+    /// Both halves, by the algorithm of de Casteljau.
+    fn halves(&self) -> [Self; 2] {
+        let n = self.degree;
+        let (mut left, mut right) = (*self, *self);
+        for i in 1..=n {
+            left.b[i - 1] = right.b[0];
+            for j in 0..=n - i {
+                right.b[j] = 0.5 * (right.b[j] + right.b[j + 1]);
+            }
+        }
+        left.b[n] = right.b[0];
+        [left, right]
+    }
+
+    /// Where the first fall lies, this being the interval from `lo` to `hi`; a bracket without width
+    /// for a root met exactly.
+    fn first_fall(&self, lo: f64, hi: f64, depth: u32) -> Option<Bracket> {
+        let ([first, last], is_simple) = self.signs();
+        if is_simple || depth == 0 {
+            return (first > 0.0 && last < 0.0).then_some(Bracket { above: lo, below: hi });
+        }
+        let middle = lo + 0.5 * (hi - lo);
+        let [left, right] = self.halves();
+        left.first_fall(lo, middle, depth - 1).or_else(|| {
+            let falls_in_the_middle = left.signs().0[1] > 0.0 && right.signs().0[0] < 0.0;
+            if falls_in_the_middle {
+                return Some(Bracket { above: middle, below: middle });
+            }
+            right.first_fall(middle, hi, depth - 1)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The polynomial with these roots and leading coefficient.
+    fn of_roots(leading: f64, roots: &[f64]) -> Polynomial {
+        let mut c = vec![leading];
+        for root in roots {
+            c.push(0.0);
+            for k in (1..c.len()).rev() {
+                c[k] = c[k - 1] - root * c[k];
+            }
+            c[0] *= -root;
+        }
+        Polynomial::new(c.into_iter())
+    }
+
+    #[test]
+    fn the_first_of_many_falls_is_found() {
+        let cases: [(f64, &[f64], Option<f64>); 8] = [
+            (1.0, &[0.3, 0.4], Some(0.3)),
+            (1.0, &[0.3, 0.300001, 0.7, 0.8], Some(0.3)),
+            (-1.0, &[0.3], Some(0.3)),
+            (1.0, &[0.3], None),
+            // The first root is a rise.
+            (-1.0, &[0.2, 0.5, 0.6, 0.9], Some(0.5)),
+            (-1.0, &[0.25, 0.5], Some(0.5)),
+            (1.0, &[1.5, -0.5], None),
+            (1.0, &[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8], Some(0.1)),
+        ];
+        for (leading, roots, expected) in cases {
+            let found = of_roots(leading, roots).first_fall(0.0, 1e-12);
+            match (found, expected) {
+                (Some(found), Some(expected)) => {
+                    assert!((found - expected).abs() < 1e-9, "{found}")
+                }
+                (found, expected) => assert_eq!(found, expected, "{roots:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn a_search_from_inside_leaves_out_what_is_before() {
+        let p = of_roots(1.0, &[0.1, 0.2, 0.6, 0.7]);
+        let found = p.first_fall(0.3, 1e-12).unwrap_or(f64::NAN);
+        assert!((found - 0.6).abs() < 1e-10, "{found}");
+        assert_eq!(p.first_fall(0.75, 1e-12), None);
+    }
+
+    #[test]
+    fn a_touch_is_no_fall() {
+        let p = of_roots(1.0, &[0.6, 0.6]).raised(4e-15);
+        assert_eq!(p.first_fall(0.0, 1e-12), None);
+        let falls = p.raised(-1e-14).first_fall(0.0, 1e-12).unwrap_or(f64::NAN);
+        assert!((falls - 0.6).abs() < 1e-6, "{falls}");
+    }
+}

@@ -1,0 +1,110 @@
+//! The table of coefficients that the operations of a right-hand side share.
+
+use std::cell::Cell;
+
+/// The highest order of a series.
+pub const MAX_ORDER: usize = 20;
+
+/// Rows of a new table.
+const N_ROWS: usize = 64;
+
+/// The Taylor coefficients of one intermediate result.
+#[derive(Debug)]
+pub struct Row {
+    coefficients: [Cell<f64>; MAX_ORDER + 1],
+    /// What an operation keeps for the orders to come, such as the reciprocal of a divisor.
+    pub(super) kept: Cell<f64>,
+}
+
+impl Row {
+    const fn new() -> Self {
+        Self { coefficients: [const { Cell::new(0.0) }; MAX_ORDER + 1], kept: Cell::new(0.0) }
+    }
+
+    /// The coefficient of order `k`.
+    #[inline(always)]
+    pub fn at(&self, k: usize) -> f64 {
+        self.coefficients[k].get()
+    }
+
+    #[inline(always)]
+    pub(super) fn set(&self, k: usize, coefficient: f64) {
+        self.coefficients[k].set(coefficient);
+    }
+}
+
+/// A row for each operation, in the order in which a run comes by them.
+///
+/// Each order is one run of the right-hand side, and each run begins at the first row. So an
+/// operation finds its row by counting, as long as every run makes the same operations.
+#[derive(Debug)]
+pub struct Rows {
+    rows: Vec<Row>,
+}
+
+impl Default for Rows {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Rows {
+    /// A table that is enough for most, and grows with its use.
+    pub fn new() -> Self {
+        Self { rows: (0..N_ROWS).map(|_| Row::new()).collect() }
+    }
+
+    /// Makes room for a run that took `n` rows; whether it had too little, and is worth nothing.
+    pub(super) fn grow(&mut self, n: usize) -> bool {
+        let is_short = self.rows.len() < n;
+        if is_short {
+            self.rows.resize_with(n.next_power_of_two(), Row::new);
+        }
+        is_short
+    }
+
+    /// The table as a run of order `k` sees it, which counts its rows in `n`.
+    ///
+    /// The count is not kept here: a local one is no memory where all is inlined.
+    #[inline(always)]
+    pub(super) fn table<'a>(&'a self, n: &'a Cell<usize>, k: usize) -> Table<'a> {
+        let rows = &self.rows[..];
+        // Never false; it spares the checks of constant rows.
+        assert!(rows.len() >= N_ROWS, "a table of rows never shrinks");
+        Table { rows, n, k }
+    }
+}
+
+/// The table in the hands of one run.
+#[derive(Clone, Copy)]
+pub(super) struct Table<'a> {
+    rows: &'a [Row],
+    n: &'a Cell<usize>,
+    /// Order of the run.
+    pub(super) k: usize,
+}
+
+impl<'a> Table<'a> {
+    /// The next row; any one where there is none, in a run that [begins anew](Rows::grow).
+    #[inline(always)]
+    pub(super) fn next(self) -> &'a Row {
+        let n = self.n.get();
+        self.n.set(n + 1);
+        self.row(n)
+    }
+
+    #[inline(always)]
+    fn row(self, n: usize) -> &'a Row {
+        if n < self.rows.len() { &self.rows[n] } else { &self.rows[0] }
+    }
+
+    /// What `call` gives with a count of its own, and the row that it took last. A function that is
+    /// not inlined would force the count into memory.
+    #[inline(always)]
+    pub(super) fn apart(self, call: impl FnOnce(Table<'_>) -> f64) -> (&'a Row, f64) {
+        let n = Cell::new(self.n.get());
+        let coefficient = call(Table { rows: self.rows, n: &n, k: self.k });
+        self.n.set(n.get());
+        (self.row(n.get() - 1), coefficient)
+    }
+}
