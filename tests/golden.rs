@@ -87,6 +87,23 @@ fn bdf_at_1e_10_reproduces_full() {
 }
 
 #[test]
+fn radau5_at_1e_10_reproduces_both() {
+    // Measured: e = 5.6e-9 and 5.0e-8, event times to 3.2e-7 and 4.6e-8 s.
+    reproduces("pin", &located("radau5", 1e-10), &Bound { e: 5e-8, event_time: 3e-6 });
+    reproduces("full", &located("radau5", 1e-10), &Bound { e: 4e-7, event_time: 4e-7 });
+}
+
+#[test]
+fn radau5_goes_on_where_a_retaken_step_does_not_converge() {
+    // Critical damping; from the first contact on, attempts pass whose iteration diverges later.
+    let stiff = ["contact.stiffness=1e9", "contact.damping=156537.5", "run.t_end=0.01"];
+    for exponent in 5..9 {
+        let (_, run) = run(&config(&stiff), &located("radau5", 10_f64.powi(-exponent)));
+        assert!(run.error().is_none(), "{exponent}: {:?}", run.error());
+    }
+}
+
+#[test]
 fn rk4_with_a_small_step_reproduces_both() {
     let rk4 = setting("rk4", Events::Located, Accuracy::Step(1e-5));
     // Measured: e = 4.2e-11 and 3.1e-12, event times to 1.4e-10 and 6.4e-12 s.
@@ -119,6 +136,10 @@ fn work_on_table_1_is_pinned() {
     assert_eq!(counts(&located("rk45", 1e-6)), (83_400, 13_616, 117, 62));
     assert_eq!(counts(&located("rk45", 1e-9)), (326_652, 54_158, 149, 62));
     assert_eq!(counts(&located("dop853", 1e-9)), (171_189, 13_792, 360, 62));
+    assert_eq!(counts(&located("vern98", 1e-9)), (183_095, 10_678, 671, 62));
+    assert_eq!(counts(&located("taylor", 1e-9)), (4_721, 4_721, 0, 62));
+    assert_eq!(counts(&located("rodas5p", 1e-9)), (239_403, 29_621, 199, 62));
+    assert_eq!(counts(&located("radau5", 1e-9)), (108_736, 11_250, 1_992, 62));
     assert_eq!(counts(&located("bdf", 1e-9)), (68_967, 42_238, 3_686, 62));
 }
 

@@ -90,6 +90,13 @@ impl StepController {
         }
     }
 
+    /// The step size to try again with instead of one of size `h` that has no end; none where it is
+    /// fixed.
+    pub fn halved(&mut self, h: f64) -> Option<f64> {
+        self.rejected = true;
+        matches!(self.control, Control::Adaptive(_)).then_some(0.5 * h)
+    }
+
     /// The step size to try again with instead of a step of size `h` that lands on an event, if its
     /// error is not tolerated: the step it is a part of was, but may have been so by luck.
     pub fn refusal(&self, h: f64, err_sq: impl FnOnce(&Tolerance) -> f64) -> Option<f64> {

@@ -27,6 +27,18 @@ pub enum Error {
         /// Mode.
         mode: String,
     },
+    /// The equations of an implicit step were not solved.
+    #[error(
+        "the iteration of a step of {h:e} from t = {t} in mode {mode} does not converge; take a smaller step or a tolerance, locate events where the slope jumps, or use a method without iteration"
+    )]
+    NoConvergence {
+        /// Time of the last accepted step.
+        t: f64,
+        /// Step size that was tried.
+        h: f64,
+        /// Mode.
+        mode: String,
+    },
     /// A state or slope is infinite or not a number.
     #[error(
         "state {component} is not finite at t = {t} in mode {mode}; take a smaller step, or check the right-hand side there"

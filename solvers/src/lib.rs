@@ -50,6 +50,7 @@
 //! | `vern98` | [Verner 9(8)](methods::VERNER_98) | 9 | fixed or adaptive |
 //! | `taylor` | [Taylor series](taylor) | 8, or by the tolerance | fixed or adaptive |
 //! | `rodas5p` | [Rodas5P](methods::RODAS_5P), implicit | 5 | fixed or adaptive |
+//! | `radau5` | [Radau IIA](methods::RADAU_IIA_5), implicit | 5 | fixed or adaptive |
 //! | `bdf` | [BDF of the library `diffsol`](diffsol) | 1 to 5 | adaptive |
 //! | `tr_bdf2` | its TR-BDF2 | 2 | adaptive |
 //! | `esdirk34` | its ESDIRK 3(4) | 3 | adaptive |
@@ -60,8 +61,8 @@
 //! - What is asked: [`system`], the scalar it is written over ([`real`]), [`problems`] with closed
 //!   forms, and the event-blind baseline ([`blind`]).
 //! - What answers: [`methods`], the list; [`tableau`]s and their stage loop ([`erk`]), implicit ones
-//!   without iteration ([`rosenbrock`]), both checked by [`order_conditions`]; [`taylor`] series; or
-//!   [`diffsol`](mod@diffsol).
+//!   without iteration ([`rosenbrock`]) and with it ([`radau`]), all checked by [`order_conditions`];
+//!   [`taylor`] series; or [`diffsol`](mod@diffsol).
 //! - One step: [`step`] with its [`dense`] output, judged by [`control`] to a [`tolerance`].
 //! - Events: [`event`] looks at guards over a step, [`root`] closes on their roots.
 //! - One smooth phase: [`one_step`] for methods that hand on a step, by the contract in [`phase`].
@@ -85,6 +86,7 @@ pub mod one_step;
 pub mod order_conditions;
 pub mod phase;
 pub mod problems;
+pub mod radau;
 pub mod real;
 pub mod record;
 pub mod root;

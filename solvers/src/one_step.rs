@@ -51,6 +51,16 @@ pub trait OneStep<P: System> {
     /// Takes a step of size `h` to `t1 = t0 + h`, as often as wished from the same start.
     fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats);
 
+    /// Whether the last attempt has an end; one whose equations were not solved has none.
+    fn has_converged(&self) -> bool {
+        true
+    }
+
+    /// Whether a step retaken with the size of the attempt before it ends in the same bits.
+    fn repeats(&self) -> bool {
+        true
+    }
+
     /// Makes the slope at the end of the last attempt valid.
     fn complete(&mut self, problem: &P, mode: P::Mode, stats: &mut Stats);
 
@@ -151,6 +161,17 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         h1.min(100.0 * h0.abs()).copysign(span)
     }
 
+    /// Counts a step of size `h` that has no end; the smaller one to try next, unless the size is fixed
+    /// or time does not resolve it.
+    fn unconverged(&mut self, point: &Point<P>, h: f64, stats: &mut Stats) -> Result<f64, Error> {
+        stats.n_rejected += 1;
+        let smaller = self.controller.halved(h);
+        smaller.filter(|smaller| point.t + 0.1 * smaller != point.t).ok_or_else(|| {
+            let mode = format!("{:?}", point.mode);
+            Error::NoConvergence { t: point.t, h, mode }
+        })
+    }
+
     /// Counts a rejected step; the `smaller` one to try next, unless time does not resolve it.
     fn rejected(&self, point: &Point<P>, smaller: f64, stats: &mut Stats) -> Result<f64, Error> {
         stats.n_rejected += 1;
@@ -192,7 +213,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     ) -> Result<Option<usize>, Error> {
         let (t0, t1) = (self.method.step().t0(), self.method.step().t1());
         let mut bracket = Bracket { above: 0.0, below: fall.violated_at - t0 };
-        if fall.violated_at != t1
+        if (fall.violated_at != t1 || !self.method.repeats())
             && self.retake(problem, mode, t0 + bracket.below, bracket.below, stats)?.is_none()
         {
             self.retake(problem, mode, t1, t1 - t0, stats)?;
@@ -247,6 +268,10 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         stats: &mut Stats,
     ) -> Result<Option<usize>, Error> {
         self.method.attempt(problem, mode, t1, h, stats);
+        if !self.method.has_converged() {
+            let (t, mode) = (self.method.step().t0(), format!("{mode:?}"));
+            return Err(Error::NoConvergence { t, h, mode });
+        }
         self.method.complete(problem, mode, stats);
         stats.n_retaken += 1;
         self.watch.violated(problem, mode, t1, self.method.step().y1())
@@ -306,6 +331,10 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             // The step that time really takes, so that t and y do not drift apart.
             let h_taken = t1 - point.t;
             self.method.attempt(problem, mode, t1, h_taken, stats);
+            if !self.method.has_converged() {
+                h = self.unconverged(point, h_taken, stats)?;
+                continue;
+            }
             match self.controller.judge(h_taken, |tolerance| self.method.error_norm_sq(tolerance)) {
                 Verdict::Reject(smaller) => {
                     h = self.rejected(point, smaller, stats)?;
@@ -317,10 +346,16 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             self.method.complete(problem, mode, stats);
             check_finite(point, self.method.step().slope1())?;
             let before = stats.work;
-            let landed_on = self.locate(problem, mode, stats)?;
+            let landed_on = self.locate(problem, mode, stats);
             if stats.work != before {
                 stats.location += stats.work - before;
             }
+            if let Err(Error::NoConvergence { .. }) = landed_on {
+                // Iterated further, it diverges: the attempt was good by luck.
+                h = self.unconverged(point, h_taken, stats)?;
+                continue;
+            }
+            let landed_on = landed_on?;
             if landed_on.is_some() {
                 let h_landed = self.method.step().t1() - point.t;
                 let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);

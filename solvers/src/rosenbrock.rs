@@ -1,7 +1,7 @@
 //! The stage loop of Rosenbrock methods: implicit, without iteration.
 
 use crate::dense::{add, combine};
-use crate::linear::ShiftedJacobian;
+use crate::linear::{Jacobian, Shifted};
 use crate::one_step::OneStep;
 use crate::order_conditions::{residuals, trees};
 use crate::stats::Stats;
@@ -110,7 +110,8 @@ fn times<const S: usize>(v: &[f64], matrix: &[[f64; S]; S]) -> [f64; S] {
 /// A Rosenbrock method at work on one system.
 pub struct RosenbrockMethod<Y, const S: usize> {
     tableau: &'static Rosenbrock<S>,
-    matrix: ShiftedJacobian,
+    jacobian: Jacobian,
+    shifted: Shifted<f64>,
     /// Whether the Jacobian is that of the present start, and with it the second derivative there.
     is_linearised: bool,
     curvature: Y,
@@ -150,7 +151,8 @@ impl<Y: Vector<f64>, const S: usize> RosenbrockMethod<Y, S> {
         };
         Self {
             tableau,
-            matrix: ShiftedJacobian::new(n),
+            jacobian: Jacobian::new(n),
+            shifted: Shifted::new(n),
             is_linearised: false,
             curvature: zero(),
             y_stage: zero(),
@@ -188,18 +190,18 @@ impl<P: System, const S: usize> OneStep<P> for RosenbrockMethod<P::State<f64>, S
         let (tableau, step) = (self.tableau, &mut self.step);
         (step.t1, step.h) = (t1, h);
         if !std::mem::replace(&mut self.is_linearised, true) {
-            self.matrix.evaluate(problem, mode, step.t0, &step.y0);
+            let non_finite = self.jacobian.evaluate(problem, mode, step.t0, &step.y0);
             problem.time_derivative(mode, step.t0, &step.y0, &mut self.curvature);
-            self.matrix.add_product(step.slope0.as_ref(), self.curvature.as_mut());
+            self.jacobian.add_product(step.slope0.as_ref(), self.curvature.as_mut());
             stats.work.n_jac += 1;
-            // An entry of J that is no number makes its row of ÿ none.
-            if let Some(component) = self.curvature.as_ref().iter().position(|d| !d.is_finite()) {
+            let of_time = || self.curvature.as_ref().iter().position(|d| !d.is_finite());
+            if let Some(component) = non_finite.or_else(of_time) {
                 self.is_linearised = false;
                 step.spoil(component);
                 return;
             }
         }
-        self.matrix.factorise(1.0 / tableau.gamma, h);
+        self.shifted.factorise(&self.jacobian, 1.0 / tableau.gamma, h);
         stats.work.n_factorisations += 1;
         for i in 0..S {
             let (before, rest) = step.w.split_at_mut(i);
@@ -218,7 +220,7 @@ impl<P: System, const S: usize> OneStep<P> for RosenbrockMethod<P::State<f64>, S
                 add(w, -h, &step.slope0);
             }
             add(w, h * h * tableau.d[i], &self.curvature);
-            self.matrix.solve(w.as_mut());
+            self.shifted.solve(w.as_mut());
             stats.work.n_lin_solves += 1;
         }
         step.y1.clone_from(&self.y_stage);

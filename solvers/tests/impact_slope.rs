@@ -1,11 +1,14 @@
 //! The headline: through impacts an event-aware run keeps the order of its method, an event-blind
 //! one falls to between one and two.
+#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
 mod common;
 
-use common::{at_most, distance, end_state, log_slope, near, slack, steps_itself, tolerance};
+use common::{
+    at_most, distance, end_state, iterates, log_slope, near, slack, steps_itself, tolerance,
+};
 use deltazero_solvers::problems::{CompliantBall, Exit, HertzBall};
-use deltazero_solvers::{Blind, Control, METHODS, Method, System};
+use deltazero_solvers::{Blind, Control, Error, Integration, METHODS, Method, Outcome, System};
 
 /// End of the runs [s], in the flight after three contacts.
 const T_END: f64 = 4.0;
@@ -80,11 +83,52 @@ fn located_events_keep_the_order_through_impacts() {
 fn blind_events_fall_to_between_first_and_second_order() {
     for exit in [Exit::Penetration, Exit::Force] {
         let ball = ball(exit);
-        for method in one_step_methods(&ball) {
+        for method in one_step_methods(&ball).filter(|method| !iterates(method)) {
             let points = envelope(256, 6, |n| blind_error(&ball, method, n));
             // Measured: 0.98 and 1.06 for rk4, 1.07 and 1.09 for rk45, 1.09 and 0.96 for vern98,
             // 0.88 and 0.97 for rodas5p.
             near(method.name, log_slope(&points), 1.4, 0.6);
+        }
+    }
+}
+
+/// How an event-blind run ends, and its error there.
+fn blind_run(
+    ball: &CompliantBall,
+    method: &Method,
+    control: Control,
+) -> (Result<Outcome, Error>, f64) {
+    let blind = Blind(ball);
+    let mut solver = method.solver(&blind, control).unwrap();
+    let mut run = Integration::new(&blind, 0.0, ball.start);
+    let outcome = run.run(T_END, &mut *solver, &mut ());
+    (outcome, distance(&run.point.y, &ball.solution(T_END).0))
+}
+
+#[test]
+fn an_iterated_fixed_step_over_a_jump_is_refused_and_a_tolerance_finds_its_way() {
+    // The damper's force jumps at contact: with a stage on the surface the equations of a step have no
+    // solution, neither with the force nor without it.
+    let ball = ball(Exit::Penetration);
+    for method in METHODS.iter().filter(|method| iterates(method)) {
+        let mut n_refused = 0;
+        for n in 256..320 {
+            match blind_run(&ball, method, Control::Fixed(T_END / f64::from(n))).0 {
+                Ok(outcome) => assert_eq!(outcome, Outcome::Finished),
+                Err(Error::NoConvergence { h, .. }) => {
+                    assert!((h * f64::from(n) / T_END - 1.0).abs() < 1e-9);
+                    n_refused += 1;
+                }
+                Err(error) => panic!("{}: {error}", method.name),
+            }
+        }
+        println!("{}: {n_refused} of 64", method.name);
+        assert!((1..64).contains(&n_refused), "{}: {n_refused} of 64", method.name);
+        // Measured: 8.0e-4, 2.9e-5 and 1.0e-6; 1 of the 64 fixed steps is refused.
+        for (rtol, bound) in [(1e-4, 8e-3), (1e-6, 2e-4), (1e-8, 1e-5)] {
+            let (outcome, error) = blind_run(&ball, method, tolerance(rtol));
+            assert_eq!(outcome, Ok(Outcome::Finished), "{}", method.name);
+            at_most(method.name, error, bound);
         }
     }
 }

@@ -7,9 +7,10 @@ use std::ops::ControlFlow;
 use common::{at_most, distance, end_state, log_slope, near, slack, steps_itself, tolerance};
 use deltazero_solvers::erk::ExplicitRk;
 use deltazero_solvers::methods::{
-    BOGACKI_SHAMPINE_3, DORMAND_PRINCE_5, DORMAND_PRINCE_853, VERNER_98,
+    BOGACKI_SHAMPINE_3, DORMAND_PRINCE_5, DORMAND_PRINCE_853, RADAU_IIA_5, VERNER_98,
 };
 use deltazero_solvers::one_step::OneStep;
+use deltazero_solvers::radau::RadauMethod;
 use deltazero_solvers::tableau::Tableau;
 use deltazero_solvers::{
     Accepted, Control, Event, METHODS, Method, Next, Real, Record, Stats, Step, System, Tolerance,
@@ -26,6 +27,8 @@ enum Smooth {
     Witch,
     /// `ẏ = (y₁ cos t, −t y₂)`: not autonomous; `y = (e^sin t, e^(−t²/2))`.
     Driven,
+    /// `ẏ = −decay y + turn (−y₂, y₁)`; `y = e^(−decay t) (cos, sin)(turn t)`.
+    Linear { decay: f64, turn: f64 },
     /// `ẏ = (n tⁿ⁻¹, 0)`; `y = (tⁿ, 0)`.
     Power(usize),
 }
@@ -40,6 +43,10 @@ impl Smooth {
             }
             Self::Witch => [1.0 / (1.0 + t * t), t],
             Self::Driven => [t.sin().exp(), (-0.5 * t * t).exp()],
+            Self::Linear { decay, turn } => {
+                let (sin, cos) = (turn * t).sin_cos();
+                [(-decay * t).exp() * cos, (-decay * t).exp() * sin]
+            }
             Self::Power(n) => [t.powi(n as i32), 0.0],
         }
     }
@@ -69,6 +76,7 @@ impl System for Smooth {
             Self::Logistic => [a * (-a + 1.0), -a * b * b],
             Self::Witch => [a * a * b * -2.0, a * (b * b + 1.0)],
             Self::Driven => [a * t.sin_cos().1, -t * b],
+            Self::Linear { decay, turn } => [-a * decay - b * turn, -b * decay + a * turn],
             Self::Power(n) => {
                 let power = (1..n).fold(S::cst(n as f64), |power, _| power * t);
                 [power, S::cst(0.0)]
@@ -299,38 +307,70 @@ fn slopes_at_both_ends_are_the_right_hand_side_there() {
     }
 }
 
-/// Checks the slope of a pair's estimate over the step, and that the error is not far above it.
-fn check_estimate<const S: usize>(tableau: &'static Tableau<S>, steps: [f64; 5], slack: f64) {
+/// Checks the slope of a method's estimate over the step, and that the error is not far above it.
+fn check_estimate<M: OneStep<Smooth>>(
+    new: impl Fn() -> M,
+    error_order: usize,
+    steps: [f64; 5],
+    slack: f64,
+) {
     for problem in NONLINEAR_AND_DRIVEN {
         let t0 = 0.3;
         let attempt = |h: f64| {
-            let mut method = ExplicitRk::<[f64; 2], S>::new(tableau, 2);
+            let mut method = new();
             let mut stats = Stats::default();
             method.restart(&problem, (), t0, &problem.solution(t0), &mut stats);
-            OneStep::<Smooth>::attempt(&mut method, &problem, (), t0 + h, h, &mut stats);
+            method.attempt(&problem, (), t0 + h, h, &mut stats);
             method
         };
         let absolute = Tolerance { rtol: f64::MIN_POSITIVE, atol: vec![1.0; 2] };
-        let estimate = |h| OneStep::<Smooth>::error_norm_sq(&attempt(h), &absolute).sqrt();
+        let estimate = |h| attempt(h).error_norm_sq(&absolute).sqrt();
         let points = steps.map(|h| (h, estimate(h)));
-        near("estimate", log_slope(&points), tableau.error_order() as f64, slack);
+        near("estimate", log_slope(&points), error_order as f64, slack);
         let h = steps[2];
         let method = attempt(h);
-        let y1 = OneStep::<Smooth>::step(&method).y1();
-        let error = distance(y1, &problem.solution(t0 + h));
+        let error = distance(method.step().y1(), &problem.solution(t0 + h));
         // Measured: at most 1.6 (dop853), the norm being a mean over both states.
         assert!(error < 5.0 * estimate(h), "{error:e} against {:e}", estimate(h));
     }
 }
 
+/// The same for a tableau.
+fn check_pair<const S: usize>(tableau: &'static Tableau<S>, steps: [f64; 5], slack: f64) {
+    let new = || ExplicitRk::<[f64; 2], S>::new(tableau, 2);
+    check_estimate(new, tableau.error_order(), steps, slack);
+}
+
 #[test]
 fn error_estimates_fall_with_their_order_and_cover_the_error() {
     let steps = [0.2, 0.14, 0.1, 0.07, 0.05];
-    // Measured: 2.96 and 3.16, 5.01 and 5.07, 8.19 and 8.09, 9.48 and 9.03.
-    check_estimate(&BOGACKI_SHAMPINE_3, steps, 0.2);
-    check_estimate(&DORMAND_PRINCE_5, steps, 0.2);
-    check_estimate(&DORMAND_PRINCE_853, steps.map(|h| 1.5 * h), 0.5);
-    check_estimate(&VERNER_98, steps.map(|h| 2.0 * h), 0.5);
+    // Measured: 2.96 and 3.16, 5.01 and 5.07, 8.19 and 8.09, 9.48 and 9.03, 3.94 and 4.05.
+    check_pair(&BOGACKI_SHAMPINE_3, steps, 0.2);
+    check_pair(&DORMAND_PRINCE_5, steps, 0.2);
+    check_pair(&DORMAND_PRINCE_853, steps.map(|h| 1.5 * h), 0.5);
+    check_pair(&VERNER_98, steps.map(|h| 2.0 * h), 0.5);
+    let radau = || RadauMethod::<[f64; 2]>::new(&RADAU_IIA_5, 2, &Control::Fixed(1.0));
+    check_estimate(radau, RADAU_IIA_5.embedded_order + 1, steps, 0.2);
+}
+
+#[test]
+fn implicit_methods_damp_what_is_stiff_and_let_nothing_grow() {
+    for name in ["rodas5p", "radau5"] {
+        let method = Method::named(name).unwrap();
+        // Size of the state after one step.
+        let size = |decay: f64, turn: f64| {
+            let problem = Smooth::Linear { decay, turn };
+            let start = (0.0, problem.solution(0.0));
+            let [a, b] = end_state(&problem, method, Control::Fixed(1.0), start, 1.0, &mut ());
+            a.hypot(b)
+        };
+        // Measured: 3.0e-8 for radau5.
+        at_most(name, size(1e8, 0.0), 3e-7);
+        for exponent in -20..20 {
+            let turn = 2.0_f64.powi(exponent);
+            assert!(size(0.0, turn) <= 1.0 + 1e-12, "{name}: {turn}");
+        }
+    }
 }
 
 #[test]

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 /// A new method is one line here; it joins the study by default with one word in the default of
 /// `study.methods`.
 pub const METHODS: &[&str] = &[
-    "rk4", "bs32", "rk45", "dop853", "vern98", "taylor", "rodas5p", "bdf", "tr_bdf2", "esdirk34",
-    "tsit45",
+    "rk4", "bs32", "rk45", "dop853", "vern98", "taylor", "rodas5p", "radau5", "bdf", "tr_bdf2",
+    "esdirk34", "tsit45",
 ];
 
 /// An enum whose variants are words of the configuration, with their list.

@@ -98,7 +98,7 @@ fn the_summary_agrees_with_the_files() {
 
 #[test]
 fn work_by_phase_adds_up_to_the_counts() {
-    for method in ["rk45", "rodas5p", "bdf"] {
+    for method in ["rk45", "rodas5p", "radau5", "bdf"] {
         let scratch = Scratch::new();
         scratch.simulate("out", &[SHORT, &format!("solver.method={method}")]);
         let run = scratch.json("out/run.json");

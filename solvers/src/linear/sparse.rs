@@ -1,4 +1,4 @@
-//! A sparse factorisation, by `faer`.
+//! A sparse matrix whose pattern grows as entries appear, and its factorisation by `faer`.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::mat::MatMut;
@@ -7,33 +7,24 @@ use faer::sparse::linalg::lu::{
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, Par};
+use nalgebra::ComplexField;
 
 use crate::system::System;
 
 /// Part of the entries that a matrix held sparse has at most.
 const DENSITY: f64 = 0.25;
 
-/// A sparse factorisation: the pattern analysed once, the values factorised in the same memory.
-pub(crate) struct Sparse {
+/// A Jacobian with the pattern of all the entries that it ever had.
+pub(crate) struct SparseMatrix {
     pattern: SymbolicSparseColMat<usize>,
-    jacobian: Vec<f64>,
-    shifted: Vec<f64>,
-    symbolic: Option<SymbolicLu<usize>>,
-    numeric: NumericLu<usize, f64>,
-    is_singular: bool,
-    memory: MemBuffer,
+    entries: Vec<f64>,
 }
 
-impl Sparse {
+impl SparseMatrix {
     pub(super) fn new(n: usize) -> Self {
         Self {
             pattern: SymbolicSparseColMat::new_checked(n, n, vec![0; n + 1], None, Vec::new()),
-            jacobian: Vec::new(),
-            shifted: Vec::new(),
-            symbolic: None,
-            numeric: NumericLu::new(),
-            is_singular: false,
-            memory: MemBuffer::new(StackReq::EMPTY),
+            entries: Vec::new(),
         }
     }
 
@@ -44,11 +35,17 @@ impl Sparse {
         found.ok().map(|k| column.start + k)
     }
 
+    /// The row of an entry that is not finite.
+    pub(super) fn non_finite_row(&self) -> Option<usize> {
+        let entry = self.entries.iter().position(|entry| !entry.is_finite())?;
+        self.pattern.row_idx().get(entry).copied()
+    }
+
     pub(super) fn add_product(&self, x: &[f64], y: &mut [f64]) {
         for (j, x) in x.iter().enumerate() {
             let column = self.pattern.col_range(j);
             let rows = &self.pattern.row_idx()[column.clone()];
-            for (i, entry) in rows.iter().zip(&self.jacobian[column]) {
+            for (i, entry) in rows.iter().zip(&self.entries[column]) {
                 y[*i] += entry * x;
             }
         }
@@ -62,10 +59,11 @@ impl Sparse {
         t: f64,
         y: &P::State<f64>,
     ) -> bool {
-        self.jacobian.fill(0.0);
-        let mut is_complete = true;
+        self.entries.fill(0.0);
+        // The diagonal is always there once entries have been seen.
+        let mut is_complete = !self.entries.is_empty();
         problem.jacobian(mode, t, y, |i, j, entry| match Self::position(&self.pattern, i, j) {
-            Some(k) => self.jacobian[k] = entry,
+            Some(k) => self.entries[k] = entry,
             None => is_complete = false,
         });
         is_complete || (self.widen(problem, mode, t, y) && self.evaluate(problem, mode, t, y))
@@ -91,39 +89,68 @@ impl Sparse {
         if all.len() as f64 > DENSITY * (n * n) as f64 {
             return false;
         }
-        self.jacobian = vec![0.0; all.len()];
-        self.shifted = self.jacobian.clone();
+        self.entries = vec![0.0; all.len()];
         self.pattern = SymbolicSparseColMat::new_checked(n, n, starts, None, all);
-        self.symbolic =
-            factorize_symbolic_lu(self.pattern.as_ref(), LuSymbolicParams::default()).ok();
-        let Some(symbolic) = &self.symbolic else {
-            return false;
-        };
-        self.numeric = NumericLu::new();
-        self.memory = MemBuffer::new(
-            symbolic
-                .factorize_numeric_lu_scratch::<f64>(Par::Seq, Default::default())
-                .or(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq)),
-        );
         true
     }
+}
 
-    pub(super) fn factorise(&mut self, shift: f64, h: f64) {
-        for (shifted, entry) in self.shifted.iter_mut().zip(&self.jacobian) {
-            *shifted = -h * entry;
+/// A sparse factorisation: each pattern analysed once, the values factorised in the same memory.
+pub(crate) struct SparseLu<T> {
+    shifted: Vec<T>,
+    symbolic: Option<SymbolicLu<usize>>,
+    numeric: NumericLu<usize, T>,
+    is_singular: bool,
+    memory: MemBuffer,
+}
+
+impl<T: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy> SparseLu<T> {
+    pub(super) fn new() -> Self {
+        Self {
+            shifted: Vec::new(),
+            symbolic: None,
+            numeric: NumericLu::new(),
+            is_singular: true,
+            memory: MemBuffer::new(StackReq::EMPTY),
         }
-        for i in 0..self.pattern.ncols() {
-            if let Some(k) = Self::position(&self.pattern, i, i) {
+    }
+
+    /// Analyses the pattern of `matrix`.
+    fn analyse(&mut self, matrix: &SparseMatrix) {
+        let zero = <T as ComplexField>::from_real(0.0);
+        self.shifted = vec![zero; matrix.entries.len()];
+        self.numeric = NumericLu::new();
+        self.symbolic =
+            factorize_symbolic_lu(matrix.pattern.as_ref(), LuSymbolicParams::default()).ok();
+        if let Some(symbolic) = &self.symbolic {
+            self.memory = MemBuffer::new(
+                symbolic
+                    .factorize_numeric_lu_scratch::<T>(Par::Seq, Default::default())
+                    .or(symbolic.solve_in_place_scratch::<T>(1, Par::Seq)),
+            );
+        }
+    }
+
+    pub(super) fn factorise(&mut self, matrix: &SparseMatrix, shift: T, h: f64) {
+        // A pattern never loses entries: one with as many is the one analysed last.
+        if self.shifted.len() != matrix.entries.len() {
+            self.analyse(matrix);
+        }
+        for (shifted, entry) in self.shifted.iter_mut().zip(&matrix.entries) {
+            *shifted = <T as ComplexField>::from_real(-h * entry);
+        }
+        for i in 0..matrix.pattern.ncols() {
+            if let Some(k) = SparseMatrix::position(&matrix.pattern, i, i) {
                 self.shifted[k] += shift;
             }
         }
-        let matrix = SparseColMatRef::new(self.pattern.as_ref(), self.shifted.as_slice());
+        let shifted = SparseColMatRef::new(matrix.pattern.as_ref(), self.shifted.as_slice());
         let stack = MemStack::new(&mut self.memory);
         self.is_singular = match &self.symbolic {
             Some(symbolic) => symbolic
                 .factorize_numeric_lu(
                     &mut self.numeric,
-                    matrix,
+                    shifted,
                     Par::Seq,
                     stack,
                     Default::default(),
@@ -133,9 +160,9 @@ impl Sparse {
         };
     }
 
-    pub(super) fn solve(&mut self, b: &mut [f64]) {
+    pub(super) fn solve(&mut self, b: &mut [T]) {
         let Some(symbolic) = self.symbolic.as_ref().filter(|_| !self.is_singular) else {
-            b.fill(f64::NAN);
+            b.fill(<T as ComplexField>::from_real(f64::NAN));
             return;
         };
         let n = b.len();

@@ -4,6 +4,7 @@ mod bogacki_shampine_3;
 mod classical_4;
 mod dormand_prince_5;
 mod dormand_prince_853;
+mod radau_iia_5;
 mod rodas_5p;
 mod verner_98;
 
@@ -11,6 +12,7 @@ pub use bogacki_shampine_3::BOGACKI_SHAMPINE_3;
 pub use classical_4::CLASSICAL_4;
 pub use dormand_prince_5::DORMAND_PRINCE_5;
 pub use dormand_prince_853::DORMAND_PRINCE_853;
+pub use radau_iia_5::RADAU_IIA_5;
 pub use rodas_5p::RODAS_5P;
 pub use verner_98::VERNER_98;
 
@@ -20,6 +22,7 @@ use crate::erk::ExplicitRk;
 use crate::error::Error;
 use crate::one_step::OneStepSolver;
 use crate::phase::PhaseSolver;
+use crate::radau::{Radau, RadauMethod};
 use crate::rosenbrock::{Rosenbrock, RosenbrockMethod};
 use crate::system::System;
 use crate::tableau::Tableau;
@@ -46,18 +49,20 @@ enum Scheme {
     Rosenbrock8(&'static Rosenbrock<8>),
     Explicit16(&'static Tableau<16>),
     Taylor,
+    Radau(&'static Radau),
     Diffsol(DiffsolScheme),
 }
 
 /// Evaluates the first expression with the tableau of an explicit scheme, whatever its size, the
-/// second with that of a Rosenbrock scheme, the third for Taylor series, or the fourth with the scheme
-/// of `diffsol`.
+/// second with that of a Rosenbrock scheme, the third for Taylor series, the fourth with the tableau of a
+/// Radau scheme, or the fifth with the scheme of `diffsol`.
 macro_rules! by_scheme {
     (
         $scheme:expr,
         $tableau:ident => $explicit:expr,
         $rosenbrock:pat => $implicit:expr,
         taylor => $series:expr,
+        $radau:pat => $iterated:expr,
         $diffsol:pat => $other:expr $(,)?
     ) => {
         match $scheme {
@@ -67,6 +72,7 @@ macro_rules! by_scheme {
             Scheme::Rosenbrock8($rosenbrock) => $implicit,
             Scheme::Explicit16($tableau) => $explicit,
             Scheme::Taylor => $series,
+            Scheme::Radau($radau) => $iterated,
             Scheme::Diffsol($diffsol) => $other,
         }
     };
@@ -113,8 +119,14 @@ pub static METHODS: &[Method] = &[
     Method {
         name: "rodas5p",
         order: RODAS_5P.order,
-        about: "Rodas5P, implicit, L-stable, one-step, adaptive: strong damping, many events",
+        about: "Rodas5P, implicit, L-stable, adaptive: strong damping, loose tolerances, many events",
         scheme: Scheme::Rosenbrock8(&RODAS_5P),
+    },
+    Method {
+        name: "radau5",
+        order: RADAU_IIA_5.order,
+        about: "Radau IIA 5, implicit, L-stable, adaptive: strong damping, moderate to tight tolerances",
+        scheme: Scheme::Radau(&RADAU_IIA_5),
     },
     Method {
         name: "bdf",
@@ -156,6 +168,7 @@ impl Method {
             _ => false,
             taylor => false,
             _ => false,
+            _ => false,
         )
     }
 
@@ -167,6 +180,7 @@ impl Method {
             tableau => tableau.residuals(),
             tableau => tableau.residuals(),
             taylor => Vec::new(),
+            tableau => tableau.residuals(),
             _ => Vec::new(),
         )
     }
@@ -209,6 +223,10 @@ impl Method {
                     Control::Adaptive(tolerance) => taylor::order_for(tolerance.rtol),
                 };
                 let method = TaylorMethod::new(n, problem.n_guards(), order);
+                Box::new(OneStepSolver::new(problem, method, control))
+            },
+            tableau => {
+                let method = RadauMethod::new(tableau, n, &control);
                 Box::new(OneStepSolver::new(problem, method, control))
             },
             scheme => match control {

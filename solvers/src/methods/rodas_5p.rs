@@ -1,9 +1,14 @@
 //! Rodas5P: eight stages, one Jacobian and one factorisation a step, no iteration.
 //!
 //! Order 5, embedded order 4, dense output of order 4 (its local error falls as h⁵). L-stable and
-//! stiffly accurate, both solutions: strong damping costs it no steps. A restart costs it nothing, so
-//! it serves stiff contact with frequent events; where the step is bound by accuracy, an explicit
-//! pair of the same order does it for less, having neither Jacobian nor linear systems.
+//! stiffly accurate, both solutions: strong damping does not bound its steps by stability. It is good at
+//! loose tolerances with many events: a restart costs it nothing, and no tolerance of an iteration
+//! stands between an event and rounding.
+//!
+//! On stiff contact accuracy still bounds its steps, to some 0.3 of the reciprocal frequency √(m/K), where
+//! [Radau IIA](super::RADAU_IIA_5) runs at about 3: with strong damping at 10⁹ N/m that one takes 3 to
+//! 17 times fewer steps from an error of 10⁻⁶ on. Where no method may take longer steps, an explicit pair
+//! of the same order does it for less, having neither Jacobian nor linear systems.
 //!
 //! G. Steinebach, "Construction of Rosenbrock–Wanner method Rodas5P and numerical benchmarks within
 //! the Julia Differential Equations package", BIT Numer. Math. 63, 27 (2023). The digits are those of

@@ -44,6 +44,12 @@ pub(crate) fn steps_itself<P: System>(method: &Method, problem: &P) -> bool {
     method.solver(problem, Control::Fixed(1.0)).is_err()
 }
 
+/// Whether `method` solves the equations of a step by iteration: where the slope jumps within it they
+/// may have no solution, and a fixed step is then refused.
+pub(crate) fn iterates(method: &Method) -> bool {
+    method.name == "radau5"
+}
+
 /// The state at `t_end` of a run from `(t0, y0)`, shown to `record`.
 pub(crate) fn end_state<P: System>(
     problem: &P,
