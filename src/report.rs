@@ -35,7 +35,7 @@ pub fn study_csv(table: &WorkPrecision) -> String {
     let mut csv = String::from(
         "reading,method,events,rtol,step,status,e,event_time_error_s,n_events,missed,spurious,\
          horizon_s,n_rhs,n_accepted,n_rejected,n_jac,n_lin_solves,wall_s_min,wall_s_median,\
-         n_retaken,error\n",
+         n_retaken,n_factorisations,n_rhs_restart,n_rhs_location,error\n",
     );
     for row in &table.rows {
         let fields = [
@@ -59,6 +59,9 @@ pub fn study_csv(table: &WorkPrecision) -> String {
             exact(row.wall_s_min),
             exact(row.wall_s_median),
             row.n_retaken.to_string(),
+            row.n_factorisations.to_string(),
+            row.n_rhs_restart.to_string(),
+            row.n_rhs_location.to_string(),
             field(row.error.as_deref().unwrap_or_default()),
         ];
         let _ = writeln!(csv, "{}", fields.join(","));
@@ -104,8 +107,9 @@ pub fn answer(table: &WorkPrecision) -> String {
 fn runs(rows: &[Row]) -> String {
     let mut text = String::from(
         "| method | events | setting | status | e | event time error [s] | missed | spurious | n_rhs | \
-         steps | rejected | retaken | Jacobians | linear solves | time min [ms] | median [ms] |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+         of restarts | of location | steps | rejected | retaken | Jacobians | factorisations | \
+         linear solves | time min [ms] | median [ms] |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     let milliseconds = |wall: Option<f64>| {
         wall.map_or_else(|| "–".to_owned(), |wall| format!("{:.2}", 1e3 * wall))
@@ -117,7 +121,7 @@ fn runs(rows: &[Row]) -> String {
         };
         let _ = writeln!(
             text,
-            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
+            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
             row.method,
             row.events,
             row.setting(),
@@ -127,10 +131,13 @@ fn runs(rows: &[Row]) -> String {
             count(row.missed),
             count(row.spurious),
             row.n_rhs,
+            row.n_rhs_restart,
+            row.n_rhs_location,
             row.n_accepted,
             row.n_rejected,
             row.n_retaken,
             row.n_jac,
+            row.n_factorisations,
             row.n_lin_solves,
             milliseconds(row.wall_s_min),
             milliseconds(row.wall_s_median),

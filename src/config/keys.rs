@@ -269,7 +269,7 @@ pub const KEYS: &[Key] = &[
     Key {
         path: "study.methods",
         kind: Kind::List(&Kind::Word(METHODS), None),
-        default: Toml("[\"rk4\", \"rk45\", \"dop853\", \"bdf\"]"),
+        default: Toml("[\"rk4\", \"rk45\", \"dop853\", \"vern98\", \"radau5\", \"bdf\"]"),
         unit: "",
         doc: "Methods compared",
         source: "choice of this study",

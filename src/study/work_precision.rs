@@ -84,6 +84,12 @@ pub struct Row {
     pub wall_s_median: Option<f64>,
     /// Steps retaken to land on events.
     pub n_retaken: u64,
+    /// Factorisations of an iteration matrix.
+    pub n_factorisations: u64,
+    /// Evaluations of the right-hand side that began phases.
+    pub n_rhs_restart: u64,
+    /// Evaluations of the right-hand side that located events.
+    pub n_rhs_location: u64,
     /// Why it failed.
     pub error: Option<String>,
 }
@@ -252,6 +258,9 @@ impl Contest<'_> {
             wall_s_min: None,
             wall_s_median: None,
             n_retaken: stats.n_retaken,
+            n_factorisations: stats.work.n_factorisations,
+            n_rhs_restart: stats.restart.n_rhs,
+            n_rhs_location: stats.location.n_rhs,
             error: first.error().map(ToString::to_string),
         };
         if status == Status::Ok {
