@@ -301,3 +301,25 @@ impl<Y: Vector<f64>, const S: usize> Step<Y> for RosenbrockStep<Y, S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::methods::RODAS_5P;
+
+    #[test]
+    fn rodas5p_has_order_six_on_linear_systems_and_no_more() {
+        // The tall trees alone count there: b βᵏ⁻¹ 1 = 1/k!, and b is the last row of β = Γ + a Γ.
+        let gammas = RODAS_5P.gammas();
+        let alphas = RODAS_5P.a.map(|row| super::times(row, &gammas));
+        let beta = |i: usize, j: usize| alphas[i][j] + gammas[i][j];
+        let mut powers = [1.0; 8];
+        let mut factorial = 1.0;
+        for k in 1..=7 {
+            factorial *= f64::from(k);
+            powers = std::array::from_fn(|i| (0..8).map(|j| beta(i, j) * powers[j]).sum());
+            let residual = (powers[7] - 1.0 / factorial).abs();
+            // Measured: 9.3e-15 at most up to k = 6, and 1.0e-5.
+            assert_eq!(residual < 1e-14, k <= 6, "{k}: {residual:e}");
+        }
+    }
+}
