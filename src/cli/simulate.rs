@@ -57,7 +57,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
         .collect();
     drop(bar);
     let trajectories = || blocks.iter().map(|block| (block.block, &block.trajectory));
-    let summary = run_json(&output, &config, &blocks);
+    let summary = run_json(&output, &config, &setting, &blocks);
     output.write("trajectory.csv", report::trajectory_csv(trajectories()).as_bytes())?;
     output.write("events.csv", report::events_csv(trajectories()).as_bytes())?;
     output.write("run.json", format!("{summary:#}\n").as_bytes())?;
@@ -117,7 +117,12 @@ fn outcome(blocks: &[Simulated<'_>]) -> &'static str {
     }
 }
 
-fn run_json(output: &Output, config: &Config, blocks: &[Simulated<'_>]) -> Value {
+fn run_json(
+    output: &Output,
+    config: &Config,
+    setting: &Setting,
+    blocks: &[Simulated<'_>],
+) -> Value {
     let (mut stats, mut balance) = (Stats::default(), Balance::default());
     for block in blocks {
         stats += block.run.stats;
@@ -137,21 +142,25 @@ fn run_json(output: &Output, config: &Config, blocks: &[Simulated<'_>]) -> Value
         let mode = run.mode.to_string();
         Some(json!({ "t": run.t, "bay": 1, "joint": run.joint, "mode": mode, "message": message }))
     });
+    let mut counts = json!({
+        "n_rhs": stats.work.n_rhs,
+        "n_accepted": stats.n_accepted,
+        "n_rejected": stats.n_rejected,
+        "n_retaken": stats.n_retaken,
+        "n_events": n_events,
+        "n_jac": stats.work.n_jac,
+        "n_factorisations": stats.work.n_factorisations,
+        "n_lin_solves": stats.work.n_lin_solves,
+    });
+    if let Some(order) = setting.method.series_order(setting.rtol()) {
+        counts["series_order"] = order.into();
+    }
     json!({
         "hash": output.hash,
         "config": config.to_json(),
         "version": env!("CARGO_PKG_VERSION"),
         "wall_s": blocks.iter().map(|block| block.wall).sum::<Duration>().as_secs_f64(),
-        "counts": {
-            "n_rhs": stats.work.n_rhs,
-            "n_accepted": stats.n_accepted,
-            "n_rejected": stats.n_rejected,
-            "n_retaken": stats.n_retaken,
-            "n_events": n_events,
-            "n_jac": stats.work.n_jac,
-            "n_factorisations": stats.work.n_factorisations,
-            "n_lin_solves": stats.work.n_lin_solves,
-        },
+        "counts": counts,
         "work_by_phase": work_by_phase(blocks),
         "energy": balance,
         "reached_90_s": blocks.iter().filter_map(reached).collect::<Vec<_>>(),

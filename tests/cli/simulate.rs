@@ -114,6 +114,17 @@ fn work_by_phase_adds_up_to_the_counts() {
 }
 
 #[test]
+fn a_series_counts_once_and_tells_its_order() {
+    let scratch = Scratch::new();
+    scratch.simulate("out", &[SHORT, "solver.method=taylor"]);
+    let run = scratch.json("out/run.json");
+    assert!((5..=20).contains(&counts(&run, "series_order")));
+    assert!(counts(&run, "n_rhs") < 2 * counts(&run, "n_accepted"));
+    scratch.simulate("rk45", &[SHORT]);
+    assert!(scratch.json("rk45/run.json")["counts"]["series_order"].is_null());
+}
+
+#[test]
 fn sample_zero_writes_every_accepted_step() {
     for (dir, method) in [("a", "solver.method=rk45"), ("b", "solver.method=bdf")] {
         let scratch = Scratch::new();

@@ -172,6 +172,14 @@ impl Method {
         )
     }
 
+    /// Order of its series at a relative tolerance, or with a fixed step; none where it has no series.
+    pub fn series_order(&self, rtol: Option<f64>) -> Option<usize> {
+        match self.scheme {
+            Scheme::Taylor => Some(rtol.map_or(taylor::FIXED_STEP_ORDER, taylor::order_for)),
+            _ => None,
+        }
+    }
+
     /// Residuals of the conditions that its [tableau](Tableau::residuals) must meet; none where it
     /// has no tableau.
     pub fn residuals(&self) -> Vec<f64> {
