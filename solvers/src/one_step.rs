@@ -25,7 +25,8 @@ const NEWTON_RETAKES: usize = 8;
 
 /// A method that knows nothing but the start of its step: explicit, Rosenbrock, Radau or Taylor.
 ///
-/// It never chooses a step size and has not heard of events.
+/// It decides on no step and has not heard of transitions: a size it may [propose](Self::propose), and
+/// where a guard falls on its step it may [know better](Self::first_to_fall) than a search.
 pub trait OneStep<P: System> {
     /// What it hands on.
     type Step: Step<P::State<f64>>;

@@ -1,13 +1,12 @@
-//! The stage loop of Radau IIA methods: fully implicit, their stages found by Newton's iteration.
+//! The stages of a Radau step, by simplified Newton iteration.
 
 use nalgebra::Complex;
 
+use super::{Radau, RadauStep, transformed};
 use crate::control::Control;
 use crate::linear::{Jacobian, Shifted};
 use crate::one_step::OneStep;
-use crate::order_conditions::{residuals, trees};
 use crate::stats::Stats;
-use crate::step::Step;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 
@@ -23,153 +22,6 @@ const REST: f64 = 0.03;
 const NOISE: f64 = 1e-8;
 /// States smaller than this part of the largest one are iterated as if they had that size.
 const SMALLEST: f64 = 1e-6;
-
-/// A collocation method of three stages, the last one at the end of the step, whose `A⁻¹` has one real
-/// eigenvalue and a pair of complex ones.
-///
-/// ```text
-/// z_i = h Σ_j a_ij f(t + c_j h, y + z_j),   y₁ = y + z₃
-/// A⁻¹ T = T Λ,   Λ = [γ 0 0; 0 α −β; 0 β α],   z = T w
-/// ```
-///
-/// Simplified Newton for `w` then has two linear systems an iteration, one real and one complex,
-/// with the Jacobian `J` at the start of the step; `f` and `w` with the index 2,3 stand for the complex
-/// number of the two:
-///
-/// ```text
-/// (γ I − hJ) Δw₁ = h (T⁻¹ f)₁ − γ w₁
-/// ((α + iβ) I − hJ) Δw₂,₃ = h (T⁻¹ f)₂,₃ − (α + iβ) w₂,₃
-/// ```
-///
-/// The error estimate is the filtered defect of the collocation polynomial's slope at the start, where
-/// it need not fit; it falls as h⁴, `u` being cubic. The same defect bends the dense output where it is
-/// seen; behind the filter it stays as small as the error however stiff the system is:
-///
-/// ```text
-/// u(θ) cubic through y, y + z₁, y + z₂, y₁ at θ = 0, c₁, c₂, 1
-/// error = (γ I − hJ)⁻¹ (h ẏ − u′(0))
-/// y(t + θh) = u(θ) + γ error ψ(θ),   ψ′(θ) = (1 − θ/c₁)(1 − θ/c₂)(1 − θ),   ψ(0) = ψ(1) = 0
-/// ```
-///
-/// E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., Springer (1996), IV.8,
-/// and their code RADAU5; the dense output derived here.
-#[derive(Debug)]
-pub struct Radau {
-    /// Order of the propagated solution.
-    pub order: usize,
-    /// Order of the embedded solution.
-    pub embedded_order: usize,
-    /// Order of the dense output: its local error falls with one power more.
-    pub dense_order: usize,
-    /// Order of the stages: their local errors fall with one power more.
-    pub stage_order: usize,
-    /// Nodes.
-    pub c: [f64; 3],
-    /// Rows of the matrix; the last one has the weights.
-    pub a: [[f64; 3]; 3],
-    /// Real eigenvalue γ of `A⁻¹`.
-    pub real: f64,
-    /// Real and imaginary part of its complex eigenvalue α + iβ.
-    pub complex: [f64; 2],
-    /// Rows of T.
-    pub t: [[f64; 3]; 3],
-    /// Rows of T⁻¹.
-    pub t_inverse: [[f64; 3]; 3],
-    /// ψ(θ) = θ (1 − θ)² (1 − θ/root).
-    pub bubble_root: f64,
-}
-
-impl Radau {
-    /// Residuals of all that the coefficients promise: the row sums `Σ_j a_ij = c_i` and the other
-    /// conditions of the stages' order, `Σ_j a_ij c_jᵏ⁻¹ = c_iᵏ/k`; the [order
-    /// conditions](crate::order_conditions) of the last row, of the embedded solution and of the dense
-    /// output at θ = 1/3; `A T Λ = T` and `T⁻¹ T = I`.
-    pub fn residuals(&self) -> Vec<f64> {
-        let mut all = Vec::new();
-        for k in 1..=self.stage_order as i32 {
-            for (row, c) in self.a.iter().zip(self.c) {
-                let sum: f64 = row.iter().zip(self.c).map(|(a, c)| a * c.powi(k - 1)).sum();
-                all.push(sum - c.powi(k) / f64::from(k));
-            }
-        }
-
-        let rows = self.a.each_ref().map(|row| &row[..]);
-        all.extend(residuals(&self.a[2], &trees(&rows, &rows, self.order)));
-
-        // With the slope at the start as a stage before the others.
-        let start = |row: &[f64; 3]| [0.0, row[0], row[1], row[2]];
-        let (zero, [a, b, c]) = ([0.0; 4], self.a.each_ref().map(start));
-        let rows = [&zero[..], &a[..], &b[..], &c[..]];
-        let defect = self.defect_weights();
-        let embedded: [f64; 4] = std::array::from_fn(|i| c[i] + defect[i] / self.real);
-        all.extend(residuals(&embedded, &trees(&rows, &rows, self.embedded_order)));
-
-        let theta: f64 = 1.0 / 3.0;
-        let bubble = theta * (1.0 - theta).powi(2) * (1.0 - theta / self.bubble_root);
-        let stages = self.stage_weights(theta);
-        let dense: [f64; 4] = std::array::from_fn(|i| {
-            let cubic: f64 = [a, b, c].iter().zip(stages).map(|(row, w)| row[i] * w).sum();
-            cubic + bubble * defect[i]
-        });
-        for tree in trees(&rows, &rows, self.dense_order) {
-            let order = tree.order as i32;
-            all.push(
-                residuals(&dense, std::slice::from_ref(&tree))[0]
-                    + (1.0 - theta.powi(order)) / tree.density,
-            );
-        }
-
-        let [alpha, beta] = self.complex;
-        let lambda = [[self.real, 0.0, 0.0], [0.0, alpha, -beta], [0.0, beta, alpha]];
-        let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let (left, right) = (product(&product(&self.a, &self.t), &lambda), self.t);
-        let (one, unit) = (product(&self.t_inverse, &self.t), identity);
-        for (left, right) in [(left, right), (one, unit)] {
-            let entries = left.as_flattened().iter().zip(right.as_flattened());
-            all.extend(entries.map(|(left, right)| left - right));
-        }
-        all
-    }
-
-    /// Weights of the `z_i` in `u(θ) − y`.
-    fn stage_weights(&self, theta: f64) -> [f64; 3] {
-        std::array::from_fn(|i| {
-            let mut z = [[0.0]; 3];
-            z[i] = [1.0];
-            let [e, d] = self.bend(z.each_ref().map(|z| z[0]));
-            theta * (z[2][0] - (1.0 - theta) * (e + theta * d))
-        })
-    }
-
-    /// Weights of the slopes at the start and at the stages in the unfiltered defect over h.
-    fn defect_weights(&self) -> [f64; 4] {
-        let mut weights = [1.0, 0.0, 0.0, 0.0];
-        for j in 0..3 {
-            let z = std::array::from_fn(|i| self.a[i][j]);
-            let [e, _] = self.bend(z);
-            weights[j + 1] = e - z[2];
-        }
-        weights
-    }
-
-    /// `e` and `d` of the cubic through the stages: `u(θ) = y + θ (z₃ − (1 − θ)(e + d θ))`.
-    fn bend(&self, z: [f64; 3]) -> [f64; 2] {
-        let [c1, c2, _] = self.c;
-        let second = |z: f64, c: f64, z3: f64| (z3 - z / c) / (1.0 - c);
-        let (one, two) = (second(z[0], c1, z[2]), second(z[1], c2, z[2]));
-        let d = (one - two) / (c1 - c2);
-        [two - c2 * d, d]
-    }
-}
-
-fn product(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    a.map(|row| transformed(&[0, 1, 2].map(|j| b.map(|row| row[j])), row))
-}
-
-/// `M x`.
-fn transformed(matrix: &[[f64; 3]; 3], x: [f64; 3]) -> [f64; 3] {
-    matrix.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2])
-}
 
 /// How an iteration ended.
 enum Iteration {
@@ -211,22 +63,6 @@ pub struct RadauMethod<Y> {
     step: RadauStep<Y>,
 }
 
-/// A step of a Radau method.
-#[derive(Debug)]
-pub struct RadauStep<Y> {
-    t0: f64,
-    t1: f64,
-    h: f64,
-    y0: Y,
-    y1: Y,
-    slope0: Y,
-    slope1: Y,
-    error: Y,
-    /// `e` and `d` of the cubic.
-    bend: [Y; 2],
-    tableau: &'static Radau,
-}
-
 impl<Y: Vector<f64>> RadauMethod<Y> {
     /// The method of `tableau` for systems of `n` states, its steps chosen by `control`.
     ///
@@ -247,18 +83,6 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         let rest = tolerance.as_ref().map_or(0.0, |tolerance| {
             (10.0 * f64::EPSILON / tolerance.rtol).max(tolerance.rtol.sqrt().min(REST))
         });
-        let step = RadauStep {
-            t0: 0.0,
-            t1: 0.0,
-            h: 0.0,
-            y0: zero(),
-            y1: zero(),
-            slope0: zero(),
-            slope1: zero(),
-            error: zero(),
-            bend: [zero(), zero()],
-            tableau,
-        };
         Self {
             tableau,
             tolerance,
@@ -279,7 +103,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
             delta: zero(),
             delta_pair: vec![Complex::new(0.0, 0.0); n],
             scale: zero(),
-            step,
+            step: RadauStep::new(tableau, n),
         }
     }
 
@@ -619,61 +443,5 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
 
     fn error_norm_sq(&self, tolerance: &Tolerance) -> f64 {
         self.step.norm_sq(self.tolerance.as_ref().unwrap_or(tolerance))
-    }
-}
-
-impl<Y: Vector<f64>> RadauStep<Y> {
-    fn norm_sq(&self, tolerance: &Tolerance) -> f64 {
-        tolerance.norm_sq(self.error.as_ref(), self.y0.as_ref(), self.y1.as_ref())
-    }
-
-    /// Makes `component` of the end no number: a linear solve would spread it to all.
-    fn spoil(&mut self, component: usize) {
-        self.y1.clone_from(&self.y0);
-        self.y1.as_mut()[component] = f64::NAN;
-        self.error.as_mut().fill(0.0);
-        self.error.as_mut()[component] = f64::NAN;
-    }
-}
-
-impl<Y: Vector<f64>> Step<Y> for RadauStep<Y> {
-    fn t0(&self) -> f64 {
-        self.t0
-    }
-
-    fn t1(&self) -> f64 {
-        self.t1
-    }
-
-    fn y0(&self) -> &Y {
-        &self.y0
-    }
-
-    fn y1(&self) -> &Y {
-        &self.y1
-    }
-
-    fn slope0(&self) -> &Y {
-        &self.slope0
-    }
-
-    fn slope1(&self) -> &Y {
-        &self.slope1
-    }
-
-    fn interpolate(&self, t: f64, y: &mut Y) {
-        if t == self.t1 {
-            y.clone_from(&self.y1);
-            return;
-        }
-        let theta = (t - self.t0) / self.h;
-        let rest = 1.0 - theta;
-        let bubble = self.tableau.real * rest * (1.0 - theta / self.tableau.bubble_root);
-        let ends = self.y0.as_ref().iter().zip(self.y1.as_ref());
-        let [e, d] = self.bend.each_ref().map(|bend| bend.as_ref());
-        let bends = self.error.as_ref().iter().zip(e.iter().zip(d));
-        for ((y, (y0, y1)), (error, (e, d))) in y.as_mut().iter_mut().zip(ends).zip(bends) {
-            *y = rest * y0 + theta * y1 + theta * rest * (bubble * error - e - theta * d);
-        }
     }
 }
