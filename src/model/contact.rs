@@ -72,8 +72,6 @@ pub struct PinPose<S> {
     pub delta: S,
     /// `δ̇ = n·v` [m/s].
     pub delta_dot: S,
-    /// `t·v`, `t = (n_Y, −n_X)`: tangential velocity of the pin's centre [m/s].
-    pub w: S,
 }
 
 impl<S: Real> PinPose<S> {
@@ -84,13 +82,13 @@ impl<S: Real> PinPose<S> {
         let rho = (d[0] * d[0] + d[1] * d[1]).sqrt();
         let per_rho = S::cst(1.0) / rho;
         let n = [d[0] * per_rho, d[1] * per_rho];
-        Self {
-            n,
-            rho,
-            delta: rho - c,
-            delta_dot: (d[0] * v[0] + d[1] * v[1]) * per_rho,
-            w: (d[1] * v[0] - d[0] * v[1]) * per_rho,
-        }
+        Self { n, rho, delta: rho - c, delta_dot: (d[0] * v[0] + d[1] * v[1]) * per_rho }
+    }
+
+    /// `t·v`, `t = (n_Y, −n_X)`: tangential velocity [m/s] of the pin's centre, which moves at `v`.
+    #[inline(always)]
+    pub fn w(&self, v: [S; 2]) -> S {
+        self.n[1] * v[0] - self.n[0] * v[1]
     }
 }
 
@@ -127,7 +125,7 @@ mod tests {
         let pose = PinPose::new(d, v, 1e-4);
         let t = [pose.n[1], -pose.n[0]];
         for i in 0..2 {
-            assert!((pose.n[i] * pose.delta_dot + t[i] * pose.w - v[i]).abs() < 1e-18);
+            assert!((pose.n[i] * pose.delta_dot + t[i] * pose.w(v) - v[i]).abs() < 1e-18);
         }
     }
 }

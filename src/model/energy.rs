@@ -52,7 +52,7 @@ impl Block {
         let pose = self.pose(y);
         let damping = self.normal.damping * pose.delta_dot * pose.delta_dot;
         let turning = self.pin_radius * y[5];
-        let speed = turning + self.reading.tangential_force * pose.w;
+        let speed = turning + self.reading.tangential_force * pose.w([y[3], y[4]]);
         let friction = self.forces(mode, y, &pose).tangential * speed;
         Power { drive, dissipated: damping - friction }
     }

@@ -11,7 +11,7 @@ impl Block {
     /// `v_T = t·v + θ̇ r` [m/s]: tangential velocity of the pin's surface at the contact point.
     #[inline(always)]
     pub fn v_t<S: Real>(&self, pose: &PinPose<S>, y: &State<S>) -> S {
-        pose.w + y[5] * self.pin_radius
+        pose.w([y[3], y[4]]) + y[5] * self.pin_radius
     }
 
     /// The forces of a contact in `mode`: `F_N` of the normal law, and `F_T = −σ μ F_N` slipping,
@@ -39,9 +39,9 @@ impl Block {
     /// v̇_T = t·(Ẍ, Ÿ) − (t·v) δ̇/ρ + θ̈ r
     /// ```
     #[inline(always)]
-    fn v_t_dot<S: Real>(&self, pose: &PinPose<S>, a: [S; 3]) -> S {
-        pose.n[1] * a[0] - pose.n[0] * a[1] - pose.w * pose.delta_dot / pose.rho
-            + a[2] * self.pin_radius
+    fn v_t_dot<S: Real>(&self, y: &State<S>, pose: &PinPose<S>, a: [S; 3]) -> S {
+        let w = pose.w([y[3], y[4]]);
+        pose.n[1] * a[0] - pose.n[0] * a[1] - w * pose.delta_dot / pose.rho + a[2] * self.pin_radius
     }
 
     /// `v̇_T` under the normal force alone.
@@ -54,7 +54,7 @@ impl Block {
     ) -> S {
         let normal = self.normal.force(pose.delta, pose.delta_dot);
         let forces = ContactForces::frictionless(normal);
-        self.v_t_dot(pose, self.accelerations(y, arrow, pose, forces))
+        self.v_t_dot(y, pose, self.accelerations(y, arrow, pose, forces))
     }
 
     /// `∂v̇_T/∂F_T` [1/kg], and the accelerations that a unit of `F_T` adds.
@@ -79,7 +79,7 @@ impl Block {
     pub(super) fn v_t_dot_in<S: Real>(&self, mode: Mode, y: &State<S>, pose: &PinPose<S>) -> f64 {
         let forces = self.forces(mode, y, pose);
         let a = self.accelerations(y, &self.inertia.at(y[2]), pose, forces);
-        self.v_t_dot(pose, a).value()
+        self.v_t_dot(y, pose, a).value()
     }
 
     /// Makes v_T zero, to rounding, by changing the velocity of the pin's centre along t.

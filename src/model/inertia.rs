@@ -145,14 +145,25 @@ impl BlockInertia {
     /// ```
     #[inline(always)]
     pub fn accelerations<S: Real>(&self, arrow: &Arrow<S>, omega_sq: S, q: [S; 3]) -> [S; 3] {
-        let Arrow { sin, cos, p_cos, q_sin, per_schur } = *arrow;
-        let by_forces = p_cos * q[0] - q_sin * q[1];
-        let theta = (q[2] + sin * cos * omega_sq * self.j_c - by_forces) * per_schur;
-        [
-            sin * omega_sq * self.p + q[0] * self.per_mass[0] - p_cos * theta,
-            cos * omega_sq * self.q + q[1] * self.per_mass[1] + q_sin * theta,
-            theta,
-        ]
+        let swing = [arrow.sin * omega_sq, arrow.cos * omega_sq];
+        let by_forces = arrow.p_cos * q[0] - arrow.q_sin * q[1];
+        let moment = swing[0] * arrow.cos * self.j_c + q[2] - by_forces;
+        let [x, y, theta] = self.turned(arrow, swing, moment);
+        [x + q[0] * self.per_mass[0], y + q[1] * self.per_mass[1], theta]
+    }
+
+    /// The same under a moment `Q_θ` alone.
+    #[inline(always)]
+    pub fn free_accelerations<S: Real>(&self, arrow: &Arrow<S>, omega_sq: S, q: f64) -> [S; 3] {
+        let swing = [arrow.sin * omega_sq, arrow.cos * omega_sq];
+        self.turned(arrow, swing, swing[0] * arrow.cos * self.j_c + q)
+    }
+
+    /// The same without what forces add to Ẍ and Ÿ, of `(sin θ, cos θ) θ̇²` and the numerator of θ̈.
+    #[inline(always)]
+    fn turned<S: Real>(&self, arrow: &Arrow<S>, swing: [S; 2], moment: S) -> [S; 3] {
+        let theta = moment * arrow.per_schur;
+        [swing[0] * self.p - arrow.p_cos * theta, swing[1] * self.q + arrow.q_sin * theta, theta]
     }
 }
 

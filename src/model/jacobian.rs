@@ -25,8 +25,8 @@ impl PoseGradient {
     /// ```text
     /// ∂δ/∂d = n,   ∂δ̇/∂d = (w/ρ) t,   ∂δ̇/∂v = n,   ∂w/∂d = −(δ̇/ρ) t,   ∂w/∂v = t
     /// ```
-    fn new(pose: &PinPose<f64>) -> Self {
-        let PinPose { n, rho, delta_dot, w, .. } = *pose;
+    fn new(pose: &PinPose<f64>, w: f64) -> Self {
+        let PinPose { n, rho, delta_dot, .. } = *pose;
         let t = [n[1], -n[0]];
         let turned = |i: usize, scale: f64| [t[0] * t[i] / rho * scale, t[1] * t[i] / rho * scale];
         let on = |d: [f64; 2], v: [f64; 2]| [d[0], d[1], 0.0, v[0], v[1], 0.0];
@@ -53,7 +53,7 @@ impl Block {
                 let none = ContactForces { normal: 0.0, tangential: 0.0 };
                 // Without force any direction serves; the pin may be at the centre.
                 let pose = PinPose::new([0.0, -self.clearance], [0.0, 0.0], self.clearance);
-                let still = PoseGradient::new(&pose);
+                let still = PoseGradient::new(&pose, 0.0);
                 self.gradients(y, &pose, &still, none, [[0.0; 6]; 2])
             }
             Mode::SlipPlus | Mode::SlipMinus | Mode::Stick => self.contact_gradients(mode, y),
@@ -74,7 +74,8 @@ impl Block {
 
     fn contact_gradients(&self, mode: Mode, y: &State<f64>) -> [Gradient; 3] {
         let pose = self.pose(y);
-        let d = PoseGradient::new(&pose);
+        let w = pose.w([y[3], y[4]]);
+        let d = PoseGradient::new(&pose, w);
         let forces = self.forces(mode, y, &pose);
         let slope = self.normal.slope(pose.delta);
         let normal = gradient(|j| slope * d.delta[j] + self.normal.damping * d.delta_dot[j]);
@@ -90,8 +91,8 @@ impl Block {
         let v_t_dot = gradient(|j| {
             let along_t = pose.n[1] * frozen[0][j] - pose.n[0] * frozen[1][j];
             let turning = d.n[1][j] * a[0] - d.n[0][j] * a[1];
-            let curving = (d.w[j] * pose.delta_dot + pose.w * d.delta_dot[j]
-                - pose.w * pose.delta_dot / pose.rho * d.delta[j])
+            let curving = (d.w[j] * pose.delta_dot + w * d.delta_dot[j]
+                - w * pose.delta_dot / pose.rho * d.delta[j])
                 / pose.rho;
             along_t + turning - curving + self.pin_radius * frozen[2][j]
         });

@@ -19,6 +19,10 @@ pub struct Reading {
 }
 
 impl Reading {
+    /// The contact force acts at the pin, friction is a torque only, signs are as derived.
+    pub const AT_PIN: Self =
+        Self { normal_moment: [0.0, 0.0], tangential_force: 0.0, centrifugal: 1.0 };
+
     /// The reading called `name` of joint 1 (`joint = 0`) or 2 (`joint = 1`).
     ///
     /// - `pin`: the contact force acts at the pin, whose partial velocity has no part in θ;
@@ -31,7 +35,7 @@ impl Reading {
     /// - `cosine`: as `centroid` without its sin θ terms, friction as torque and force: it
     ///   reproduces the paper's 9 s for strut AF.
     pub fn of(name: ReadingName, joint: usize) -> Self {
-        let at_pin = Self { normal_moment: [0.0, 0.0], tangential_force: 0.0, centrifugal: 1.0 };
+        let at_pin = Self::AT_PIN;
         match (name, joint) {
             (ReadingName::Pin, _) => at_pin,
             (ReadingName::Full, _) => Self { tangential_force: 1.0, ..at_pin },
