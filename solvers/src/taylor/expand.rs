@@ -2,8 +2,10 @@
 
 use std::cell::Cell;
 
+use super::guards::FIRST_LOOK;
 use super::rows::{MAX_ORDER, Rows, Table};
 use super::series::Series;
+use super::unrolled::OfOrder;
 use crate::system::{System, Vector};
 
 /// The Taylor coefficients of a solution about the start of a step, and of the guards along it.
@@ -45,8 +47,8 @@ impl<Y: Vector<f64>> Expansion<Y> {
         P: System<State<f64> = Y>,
     {
         loop {
-            let run = Run { rows: &self.rows, t0, k: 0 };
-            self.n_rows = run.rhs(problem, mode, y0, slope);
+            let run = Run { rows: &self.rows, t0, problem, mode };
+            self.n_rows = RhsRun { run, y: y0, next: slope }.unrolled(0);
             if !self.rows.grow(self.n_rows) {
                 return;
             }
@@ -67,70 +69,79 @@ impl<Y: Vector<f64>> Expansion<Y> {
         for k in 1..self.order() {
             let (below, above) = self.y.split_at_mut(k + 1);
             let next = &mut above[0];
-            let run = Run { rows: &self.rows, t0, k };
-            let n = run.rhs(problem, mode, &below[k], next);
-            assert_eq!(n, self.n_rows, "operations of order {k} differ from those of order 0");
-            let share = 1.0 / (k + 1) as f64;
-            for y in next.as_mut() {
-                *y *= share;
-            }
+            let run = Run { rows: &self.rows, t0, problem, mode };
+            let n = RhsRun { run, y: &below[k], next }.unrolled(k);
+            assert!(n == self.n_rows, "operations of order {k} differ from those of order 0");
         }
     }
 }
 
-/// One run of a right-hand side or of guards, for their coefficients of order `k`.
-#[derive(Clone, Copy)]
-pub(super) struct Run<'a> {
-    /// The table, for this and the orders below.
+/// One run of a system over series.
+pub(super) struct Run<'a, P: System> {
+    /// The table, for this order and those below.
     pub(super) rows: &'a Rows,
     /// Time about which is expanded.
     pub(super) t0: f64,
-    /// Order.
-    pub(super) k: usize,
+    /// The system.
+    pub(super) problem: &'a P,
+    /// The mode.
+    pub(super) mode: P::Mode,
 }
 
-impl Run<'_> {
-    /// Time and state, of which `y` is the coefficient of this order.
-    #[inline(always)]
-    fn start<'a, Y: Vector<Series<'a>>>(self, table: Table<'a>, y: &[f64]) -> (Series<'a>, Y) {
-        let t = match self.k {
-            0 => self.t0,
-            1 => 1.0,
-            _ => 0.0,
-        };
-        let t = Series::new(table, t);
-        (t, Y::from_fn(y.len(), |i| Series::new(table, y[i])))
-    }
+/// Time and state, of which `y` is the coefficient of the order of `table`.
+#[inline(always)]
+fn start<'a, Y: Vector<Series<'a>>>(table: Table<'a>, t0: f64, y: &[f64]) -> (Series<'a>, Y) {
+    let t = match table.k {
+        0 => t0,
+        1 => 1.0,
+        _ => 0.0,
+    };
+    let t = Series::new(table, t);
+    (t, Y::from_fn(y.len(), |i| Series::new(table, y[i])))
+}
 
-    /// The coefficients of the right-hand side to `f`; the rows it took.
-    fn rhs<P: System>(
-        self,
-        problem: &P,
-        mode: P::Mode,
-        y: &P::State<f64>,
-        f: &mut P::State<f64>,
-    ) -> usize {
-        let (k, n) = (self.k, Cell::new(0));
-        let (t, y): (_, P::State<Series<'_>>) = self.start(self.rows.table(&n, k), y.as_ref());
-        let f = f.as_mut();
-        let mut series = P::State::<Series<'_>>::from_fn(f.len(), |_| Series::constant(0.0));
-        problem.rhs(mode, t, &y, &mut series);
-        let series = series.as_ref();
-        each(f.len().min(series.len()), |i| f[i] = series[i].coefficient(k));
+/// The coefficients of the state of the next order, `y_(k+1) = f_k/(k + 1)`; gives the rows it took.
+struct RhsRun<'a, P: System> {
+    run: Run<'a, P>,
+    y: &'a P::State<f64>,
+    next: &'a mut P::State<f64>,
+}
+
+impl<P: System> OfOrder for RhsRun<'_, P> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn of_order(self, k: usize) -> usize {
+        let Run { rows, t0, problem, mode } = self.run;
+        let n = Cell::new(0);
+        let (t, y): (_, P::State<Series<'_>>) = start(rows.table(&n, k), t0, self.y.as_ref());
+        let next = self.next.as_mut();
+        let mut f = P::State::<Series<'_>>::from_fn(next.len(), |_| Series::constant(0.0));
+        problem.rhs(mode, t, &y, &mut f);
+        let (f, share) = (f.as_ref(), 1.0 / (k + 1) as f64);
+        each(next.len().min(f.len()), |i| next[i] = f[i].coefficient(k) * share);
         n.get()
     }
+}
 
-    /// The coefficients of the guards to `g`; the rows they took.
-    pub(super) fn guards<P: System>(
-        self,
-        problem: &P,
-        mode: P::Mode,
-        y: &P::State<f64>,
-        g: &mut P::Guards<f64>,
-    ) -> usize {
-        let (k, n) = (self.k, Cell::new(0));
-        let (t, y): (_, P::State<Series<'_>>) = self.start(self.rows.table(&n, k), y.as_ref());
-        let g = g.as_mut();
+/// The coefficients of the guards to `g`, the same.
+pub(super) struct GuardsRun<'a, P: System> {
+    pub(super) run: Run<'a, P>,
+    pub(super) y: &'a P::State<f64>,
+    pub(super) g: &'a mut P::Guards<f64>,
+}
+
+impl<P: System> OfOrder for GuardsRun<'_, P> {
+    type Output = usize;
+
+    const HIGHEST: usize = FIRST_LOOK;
+
+    #[inline(always)]
+    fn of_order(self, k: usize) -> usize {
+        let Run { rows, t0, problem, mode } = self.run;
+        let n = Cell::new(0);
+        let (t, y): (_, P::State<Series<'_>>) = start(rows.table(&n, k), t0, self.y.as_ref());
+        let g = self.g.as_mut();
         let mut series = P::Guards::<Series<'_>>::from_fn(g.len(), |_| Series::constant(0.0));
         problem.guards(mode, t, &y, &mut series);
         let series = series.as_ref();

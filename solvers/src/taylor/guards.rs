@@ -1,8 +1,9 @@
 //! Guards along a step: polynomials too, and when the first of them falls.
 
-use super::expand::Run;
+use super::expand::{GuardsRun, Run};
 use super::polynomial::Polynomial;
 use super::rows::Rows;
+use super::unrolled::OfOrder;
 use crate::error::Error;
 use crate::event::{Fall, GuardWatch};
 use crate::root::minimum;
@@ -10,7 +11,7 @@ use crate::step::Step;
 use crate::system::{System, Vector};
 
 /// Order to which guards are expanded at first: enough to see that they are far from zero.
-const FIRST_LOOK: usize = 6;
+pub(super) const FIRST_LOOK: usize = 6;
 /// How exactly roots of the polynomials are found, as a fraction of the step.
 const PRECISION: f64 = 1e-14;
 
@@ -46,8 +47,8 @@ impl<G: Vector<f64>> GuardSeries<G> {
     ) {
         while self.n_known <= order {
             let k = self.n_known;
-            let run = Run { rows: &self.rows, t0, k };
-            let n = run.guards(problem, mode, &y[k], &mut self.g[k]);
+            let run = Run { rows: &self.rows, t0, problem, mode };
+            let n = GuardsRun { run, y: &y[k], g: &mut self.g[k] }.unrolled(k);
             let is_short = self.rows.grow(n);
             self.n_known = if is_short { 0 } else { k + 1 };
         }

@@ -24,6 +24,7 @@ pub mod polynomial;
 pub mod recurrence;
 pub mod rows;
 pub mod series;
+mod unrolled;
 
 pub use method::{TaylorMethod, TaylorStep};
 pub use order::{FIXED_STEP_ORDER, order_for};

@@ -8,6 +8,7 @@
 //! E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, I.8.
 
 use super::rows::Row;
+use super::unrolled::HIGHEST;
 
 /// `a b + c`, fused where the target has an instruction for it.
 #[inline(always)]
@@ -18,6 +19,9 @@ fn fma(a: f64, b: f64, c: f64) -> f64 {
 /// `Σ a_j b_(k−j)` over `j = 1 … k − 1`, `k ≥ 1`; none where there is none to sum.
 #[inline(always)]
 fn inner(k: usize, a: &Row, b: &Row) -> Option<f64> {
+    if k > HIGHEST {
+        return Some(long_inner(k, a, b));
+    }
     let mut sum = if k.is_multiple_of(2) { Some(a.at(k / 2) * b.at(k / 2)) } else { None };
     for j in (1..k.div_ceil(2)).rev() {
         let of_j = match sum {
@@ -29,9 +33,31 @@ fn inner(k: usize, a: &Row, b: &Row) -> Option<f64> {
     sum
 }
 
+/// The same of many terms, four sums beside each other.
+#[inline(always)]
+fn long_inner(k: usize, a: &Row, b: &Row) -> f64 {
+    let mut sums = [0.0; 4];
+    let mut j = 1;
+    while j + 4 <= k {
+        for (i, sum) in sums.iter_mut().enumerate() {
+            *sum = fma(a.at(j + i), b.at(k - j - i), *sum);
+        }
+        j += 4;
+    }
+    let mut rest = 0.0;
+    while j < k {
+        rest = fma(a.at(j), b.at(k - j), rest);
+        j += 1;
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
+}
+
 /// The same for `b = a`.
 #[inline(always)]
 fn inner_square(k: usize, a: &Row) -> Option<f64> {
+    if k > HIGHEST {
+        return Some(long_inner(k, a, a));
+    }
     let mut pairs = None;
     for j in (1..k.div_ceil(2)).rev() {
         pairs = Some(match pairs {

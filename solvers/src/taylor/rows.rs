@@ -55,6 +55,7 @@ impl Rows {
     }
 
     /// Makes room for a run that took `n` rows; whether it had too little, and is worth nothing.
+    #[inline]
     pub(super) fn grow(&mut self, n: usize) -> bool {
         let is_short = self.rows.len() < n;
         if is_short {
