@@ -6,8 +6,8 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use deltazero_plots::{
-    Axis, Band, Cells, Circle, Figure, Guide, Heatmap, Level, LineChart, Marker, Note, Orbit,
-    Panel, Scale, Series, Size, StepHistory, StepLook,
+    Axis, Band, Cells, Circle, Figure, Group, Guide, Heatmap, Histogram, Level, LineChart, Marker,
+    Note, Orbit, Panel, Scale, Series, Size, StepHistory, Upright,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -18,6 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("work_precision_short", work_precision(2)),
         ("time_series", time_series()),
         ("step_history", step_history()),
+        ("histogram", histogram()),
         ("orbit", orbit()),
         ("heatmaps", heatmaps()),
         ("ranges", ranges()),
@@ -83,6 +84,7 @@ fn work_precision(methods: usize) -> Figure {
             Guide { slope: -5.0, through: (1e3, 1e-6), span: None, label: "order 5".into() },
         ],
         levels: vec![Level { y: 1e-12, label: "rounding of the reference".into() }],
+        uprights: vec![Upright { x: 2e4, label: "what a peer takes".into() }],
         ..LineChart::default()
     };
     let size = if methods > 2 { Size::WIDE } else { Size::SINGLE };
@@ -146,11 +148,37 @@ fn step_history() -> Figure {
             accepted,
             events: (0..60).map(|i| 0.2 * (f64::from(i) / 60.0).powi(2)).collect(),
             color: m,
-            look: StepLook::Dots,
+            ..StepHistory::default()
         }
         .into()
     };
     Figure::stacked("Step sizes through 60 impacts", names.iter().enumerate().map(panel).collect())
+}
+
+fn histogram() -> Figure {
+    let bins: Vec<(f64, f64)> =
+        (0..20).map(|i| 10f64.powf(-6.0 + 0.1 * f64::from(i))).map(|h| (h, 1.26 * h)).collect();
+    let bell = |middle: f64, n: f64| {
+        (0..20).map(|i| (n * (-0.1 * (f64::from(i) - middle).powi(2)).exp()).floor()).collect()
+    };
+    let groups = [("free", 5, 16.0, 40.0), ("slip", 2, 10.0, 4e3), ("stick", 4, 12.0, 300.0)];
+    let panel = |(title, y): (&str, Axis)| -> Panel {
+        let group = |(label, color, middle, n): (&str, usize, f64, f64)| Group {
+            label: label.into(),
+            color,
+            counts: bell(middle, n),
+        };
+        Histogram {
+            title: title.into(),
+            x: Axis::log("h [s]"),
+            y,
+            bins: bins.clone(),
+            groups: groups.map(group).to_vec(),
+        }
+        .into()
+    };
+    let panels = [("linear", Axis::linear("steps")), ("log", Axis::log("steps").within(0.5, 1e4))];
+    Figure { cols: 2, panels: panels.map(panel).to_vec(), size: Size::WIDE, ..Figure::default() }
 }
 
 fn orbit() -> Figure {

@@ -29,7 +29,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | `axis`, `series`, `marker` | what charts are described with |
-//! | `line`, `steps`, `orbit`, `heatmap` | one kind of chart each, as a value |
+//! | `line`, `steps`, `histogram`, `orbit`, `heatmap` | one kind of chart each, as a value |
 //! | `panel`, `plane`, `tiles` | a chart made ready: what its axes cover, how it is drawn |
 //! | `view`, `reference`, `ticks` | values to places; lines to compare with; where ticks stand |
 //! | `frame`, `legend`, `layout`, `figure` | what surrounds the data, and where everything goes |
@@ -45,6 +45,7 @@ mod frame;
 mod geometry;
 mod glyphs;
 mod heatmap;
+mod histogram;
 mod layout;
 mod legend;
 mod line;
@@ -66,8 +67,9 @@ pub use axis::{Axis, Scale};
 pub use error::Error;
 pub use figure::{Figure, Size};
 pub use heatmap::{Cells, Heatmap};
+pub use histogram::{Group, Histogram};
 pub use legend::Legend;
-pub use line::{Band, Guide, Level, LineChart, Note};
+pub use line::{Band, Bars, Guide, Level, LineChart, Note, Upright};
 pub use marker::Marker;
 pub use orbit::{Circle, Orbit};
 pub use panel::Panel;

@@ -39,6 +39,26 @@ pub struct Level {
     pub label: String,
 }
 
+/// A labelled vertical reference line; an x axis without a range includes it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Upright {
+    /// Where it stands.
+    pub x: f64,
+    /// Written beside it.
+    pub label: String,
+}
+
+/// Bars that stand on zero, or on the lower end of a logarithmic axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bars {
+    /// What the legend says; empty for no entry.
+    pub label: String,
+    /// Index into the palette.
+    pub color: usize,
+    /// Both sides and the top of each.
+    pub bars: Vec<((f64, f64), f64)>,
+}
+
 /// A text at a point of the chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Note {
@@ -59,6 +79,8 @@ pub struct LineChart {
     pub y: Axis,
     /// The data, later series above earlier ones.
     pub series: Vec<Series>,
+    /// Bars, below the series.
+    pub bars: Vec<Bars>,
     /// Shaded intervals of x.
     pub bands: Vec<Band>,
     /// Thin vertical lines: times of events.
@@ -71,6 +93,8 @@ pub struct LineChart {
     pub guides: Vec<Guide>,
     /// Horizontal reference lines.
     pub levels: Vec<Level>,
+    /// Vertical reference lines.
+    pub uprights: Vec<Upright>,
     /// Texts.
     pub notes: Vec<Note>,
     /// One unit of x is as long as one of y, in a square plot area.

@@ -9,6 +9,7 @@ use crate::font::Fonts;
 use crate::frame::Frame;
 use crate::geometry::Rect;
 use crate::heatmap::Heatmap;
+use crate::histogram::Histogram;
 use crate::legend::Entry;
 use crate::line::LineChart;
 use crate::orbit::Orbit;
@@ -24,6 +25,8 @@ pub enum Panel {
     Line(LineChart),
     /// Step size over time.
     Steps(StepHistory),
+    /// Counts over bins.
+    Histogram(Histogram),
     /// A curve in the plane.
     Orbit(Orbit),
     /// A table of colours.
@@ -64,6 +67,7 @@ impl Panel {
             Panel::Heatmap(map) => return Ok(Box::new(Tiles::new(map)?)),
             Panel::Line(chart) => Cow::Borrowed(chart),
             Panel::Steps(history) => Cow::Owned(history.chart()),
+            Panel::Histogram(histogram) => Cow::Owned(histogram.chart()),
             Panel::Orbit(orbit) => Cow::Owned(orbit.chart()),
         };
         Ok(Box::new(Plane::new(chart)?))

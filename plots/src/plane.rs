@@ -2,18 +2,18 @@
 
 use std::borrow::Cow;
 
-use crate::axis::{Axis, ROOM, Span};
+use crate::axis::{Axis, ROOM, Scale, Span};
 use crate::canvas::{Align, Canvas};
 use crate::error::Error;
 use crate::font::Fonts;
 use crate::frame::{Frame, Side};
 use crate::geometry::{Point, Rect};
 use crate::legend::{Entry, Sample};
-use crate::line::LineChart;
+use crate::line::{Bars, LineChart};
 use crate::panel::{Content, Ruler};
 use crate::reference::{self, tint};
 use crate::series::Series;
-use crate::style::{LABEL, MUTED, NOTE, PANEL, TEXT, TICK};
+use crate::style::{LABEL, MUTED, NOTE, PANEL, TEXT, TICK, palette};
 use crate::ticks::Ticks;
 use crate::view::View;
 
@@ -32,9 +32,14 @@ impl<'a> Plane<'a> {
         let (x, y) = (&chart.x, &chart.y);
         let points = || {
             let all = chart.series.iter().flat_map(|series| series.points.iter().copied());
-            all.filter(|&point| shown(point, x, y))
+            let bars = chart.bars.iter().flat_map(|bars| &bars.bars);
+            let tops = bars.flat_map(|&((left, right), top)| [(left, top), (right, top)]);
+            all.chain(tops).filter(|&point| shown(point, x, y))
         };
-        let levels = chart.levels.iter().map(|level| level.y);
+        let stands_on_zero = !chart.bars.is_empty() && y.scale == Scale::Linear;
+        let zero = stands_on_zero.then_some(0.0);
+        let levels = chart.levels.iter().map(|level| level.y).chain(zero);
+        let uprights = chart.uprights.iter().map(|upright| upright.x);
         let empty = points().next().is_none();
         // Ticks of events at the upper border are not to cover data.
         let above = if chart.ticks.is_empty() { ROOM } else { 3.0 * ROOM };
@@ -45,7 +50,7 @@ impl<'a> Plane<'a> {
             silent: false,
         };
         let rulers = [
-            ruler(x, x.span(points().map(|point| point.0), ROOM)?),
+            ruler(x, x.span(points().map(|point| point.0).chain(uprights), ROOM)?),
             ruler(y, y.span(points().map(|point| point.1).chain(levels), above)?),
         ];
         Ok(Self { chart, rulers, empty })
@@ -61,6 +66,16 @@ impl<'a> Plane<'a> {
     fn view(&self, plot: Rect) -> View {
         let [x, y] = self.spans();
         View { plot, x, y }
+    }
+}
+
+impl Bars {
+    fn draw(&self, view: &View, canvas: &mut Canvas) {
+        for &((left, right), top) in &self.bars {
+            if let Some(rect) = view.bar((left, right), top) {
+                canvas.rect(rect, palette(self.color));
+            }
+        }
     }
 }
 
@@ -99,6 +114,9 @@ impl Content for Plane<'_> {
         frame.draw_grid(plot, canvas);
         reference::draw_lines(chart, &view, canvas);
         reference::draw_grounds(&labels, canvas);
+        for bars in &chart.bars {
+            bars.draw(&view, canvas);
+        }
         for series in &chart.series {
             series.draw(&view, canvas);
         }
@@ -124,7 +142,11 @@ impl Content for Plane<'_> {
             .map(|band| Entry { label: band.label.clone(), sample: Sample::Swatch(tint(band)) });
         let ticks = (!chart.ticks.is_empty())
             .then(|| Entry { label: chart.ticks_label.clone(), sample: Sample::Tick(TEXT) });
-        series.chain(bands).chain(ticks).collect()
+        let bars = chart.bars.iter().map(|bars| Entry {
+            label: bars.label.clone(),
+            sample: Sample::Swatch(palette(bars.color)),
+        });
+        series.chain(bars).chain(bands).chain(ticks).collect()
     }
 
     fn rulers(&mut self) -> Option<&mut [Ruler; 2]> {

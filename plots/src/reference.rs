@@ -24,7 +24,7 @@ pub(crate) fn draw_bands(chart: &LineChart, view: &View, canvas: &mut Canvas) {
     }
 }
 
-/// Vertical marks, levels and guides.
+/// Vertical marks, levels, uprights and guides.
 pub(crate) fn draw_lines(chart: &LineChart, view: &View, canvas: &mut Canvas) {
     let plot = view.plot;
     for x in view.columns(&chart.marks) {
@@ -32,6 +32,9 @@ pub(crate) fn draw_lines(chart: &LineChart, view: &View, canvas: &mut Canvas) {
     }
     for y in chart.levels.iter().filter_map(|level| view.up(level.y)) {
         canvas.rule(vec![(plot.left, y), (plot.right, y)], GUIDE);
+    }
+    for x in chart.uprights.iter().filter_map(|upright| view.across(upright.x)) {
+        canvas.rule(vec![(x, plot.top), (x, plot.bottom)], GUIDE);
     }
     for ends in chart.guides.iter().filter_map(|guide| view.guide(guide)) {
         for part in dash(&ends, DASH) {
@@ -53,7 +56,7 @@ impl Label<'_> {
     }
 }
 
-/// The texts of levels, guides and notes, each where it crosses the fewest lines of data and earlier texts.
+/// The texts of levels, uprights, guides and notes, each where it crosses the fewest lines of data and earlier texts.
 pub(crate) fn labels<'a>(chart: &'a LineChart, view: &View, fonts: &Fonts) -> Vec<Label<'a>> {
     let mut texts: Vec<(&str, Vec<Point>)> = Vec::new();
     let plot = view.plot;
@@ -65,6 +68,18 @@ pub(crate) fn labels<'a>(chart: &'a LineChart, view: &View, fonts: &Fonts) -> Ve
             texts.push((
                 &level.label,
                 heights.into_iter().flat_map(|y| along.map(|x| (x, y))).collect(),
+            ));
+        }
+    }
+    for upright in &chart.uprights {
+        if let Some(x) = view.across(upright.x) {
+            let width = fonts.width(&upright.label, NOTE);
+            let room = plot.height() - NOTE.size - 2.0 * GAP;
+            let down = [0.0, 1.0, 0.25, 0.5, 0.75].map(|part| plot.top + NOTE.size + part * room);
+            let sides = [x - GAP - width, x + GAP];
+            texts.push((
+                &upright.label,
+                down.into_iter().flat_map(|y| sides.map(|x| (x, y + GAP))).collect(),
             ));
         }
     }

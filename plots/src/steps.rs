@@ -1,7 +1,7 @@
 //! Step histories: the step size over time.
 
 use crate::axis::Axis;
-use crate::line::LineChart;
+use crate::line::{Band, LineChart};
 use crate::marker::Marker;
 use crate::panel::Panel;
 use crate::series::{Series, Stroke};
@@ -31,6 +31,8 @@ pub struct StepHistory {
     pub rejected: Vec<(f64, f64)>,
     /// Times of events, drawn as ticks at the upper border.
     pub events: Vec<f64>,
+    /// Shaded intervals of time: modes.
+    pub bands: Vec<Band>,
     /// Index into the palette, for the accepted steps.
     pub color: usize,
     /// How the accepted steps are drawn.
@@ -59,6 +61,7 @@ impl StepHistory {
             x: self.t.clone(),
             y: self.h.clone(),
             series: vec![accepted, rejected],
+            bands: self.bands.clone(),
             ticks: self.events.clone(),
             ticks_label: "event".into(),
             ..LineChart::default()

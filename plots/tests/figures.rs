@@ -1,8 +1,8 @@
 //! What every figure keeps to, seen from outside.
 
 use deltazero_plots::{
-    Axis, Band, Cells, Error, Figure, Guide, Heatmap, Level, LineChart, Marker, Note, Orbit, Panel,
-    Series, Size, StepHistory, StepLook,
+    Axis, Band, Cells, Error, Figure, Group, Guide, Heatmap, Histogram, Level, LineChart, Marker,
+    Note, Orbit, Panel, Series, Size, StepHistory, StepLook, Upright,
 };
 
 fn chart(points: Vec<(f64, f64)>) -> LineChart {
@@ -36,6 +36,16 @@ fn table(values: Vec<f64>) -> Heatmap {
     }
 }
 
+fn counts(counts: Vec<f64>) -> Histogram {
+    let bins = (0..counts.len()).map(|i| (i as f64, i as f64 + 1.0)).collect();
+    let groups = [0, 1].map(|color| Group {
+        label: format!("group {color}"),
+        color,
+        counts: counts.clone(),
+    });
+    Histogram { bins, groups: groups.to_vec(), ..Histogram::default() }
+}
+
 fn every_kind() -> Figure {
     let points: Vec<_> = (1..200).map(|i| (f64::from(i), 1.0 / f64::from(i * i))).collect();
     let orbit =
@@ -44,9 +54,10 @@ fn every_kind() -> Figure {
         chart(points.clone()).into(),
         history(points).into(),
         orbit.into(),
+        counts(vec![3.0, 0.0, 1.0]).into(),
         table(vec![1.0, 2.0, 3.0, f64::NAN]).into(),
     ];
-    Figure { rows: 2, cols: 2, panels, size: Size::PAGE, ..Figure::default() }
+    Figure { rows: 3, cols: 2, panels, size: Size::PAGE, ..Figure::default() }
 }
 
 #[test]
@@ -82,6 +93,7 @@ fn a_figure_without_data_says_so() {
         Figure::single("", chart(nothing)),
         Figure::single("", history(vec![])),
         Figure::single("", Orbit::default()),
+        Figure::single("", counts(vec![0.0, f64::NAN])),
         Figure::single("", Heatmap::default()),
     ] {
         assert!(figure.svg().unwrap().contains("no data"));
@@ -123,6 +135,10 @@ fn references_that_cannot_be_shown_are_left_out() {
             Guide { slope: 1.0, through: (0.0, 2.0), label: "invisible".into(), span: None },
         ],
         levels: vec![Level { y: -1.0, label: "invisible".into() }],
+        uprights: vec![
+            Upright { x: -1.0, label: "invisible".into() },
+            Upright { x: nowhere, label: "invisible".into() },
+        ],
         notes: vec![Note { at: (1e9, 1.0), text: "invisible".into() }],
         ..chart(vec![(1.0, 1.0), (2.0, 3.0)])
     };
@@ -146,6 +162,15 @@ fn stairs_are_as_long_as_the_steps() {
         ..history(vec![(0.0, 0.5), (0.5, 0.5)])
     };
     Figure::single("", stairs).svg().unwrap();
+}
+
+#[test]
+fn a_histogram_has_a_bar_for_each_count_above_zero() {
+    let svg = |values: Vec<f64>| Figure::single("", counts(values)).svg().unwrap();
+    let fills = |values| svg(values).matches("<polygon").count();
+    // Of each of the two groups.
+    assert_eq!(fills(vec![1.0, 2.0, 3.0]) - fills(vec![1.0, 0.0, 3.0]), 2);
+    assert!(svg(vec![1.0]).contains("group 1"));
 }
 
 #[test]
