@@ -1,5 +1,7 @@
 //! Tables to text: Markdown and CSV.
 
+pub mod steps;
+
 use std::fmt::Write as _;
 
 use crate::figures::Drawing;
@@ -209,17 +211,6 @@ pub fn events_csv<'a>(blocks: impl Iterator<Item = (&'a Block, &'a BlockTrajecto
     let mut csv = String::from("bay,joint,t_s,mode_before,mode_after\n");
     for (joint, change) in rows {
         let _ = writeln!(csv, "1,{joint},{:e},{},{}", change.t, change.before, change.after);
-    }
-    csv
-}
-
-/// `steps.csv`: what the figure of step sizes shows.
-pub fn steps_csv(histories: &[crate::study::step_size::StepHistory]) -> String {
-    let mut csv = String::from("method,t_s,h_s\n");
-    for history in histories {
-        for (t, h) in &history.steps {
-            let _ = writeln!(csv, "{},{t:e},{h:e}", field(&history.title));
-        }
     }
     csv
 }

@@ -9,7 +9,7 @@ use deltazero::figures::{self, Drawing};
 use deltazero::report;
 use deltazero::run::Limits;
 use deltazero::study::motion::motion;
-use deltazero::study::step_size::step_histories;
+use deltazero::study::step_tables::StepTables;
 use deltazero::study::work_precision::{Row, Status, WorkPrecision, work_precision};
 use serde_json::{Value, json};
 
@@ -120,16 +120,18 @@ fn write_figures(
     stop: &AtomicBool,
 ) -> Result<Vec<Drawing>, Failure> {
     let limits = Limits { max_rhs: config.study.max_rhs, stop };
-    let histories = step_histories(config, limits);
+    let steps = StepTables::new(config, table, limits);
     let motion = motion(config, limits);
     if stop.load(Ordering::Relaxed) {
         return Err(Failure::Interrupted(RESUMED));
     }
-    output.write("steps.csv", report::steps_csv(&histories).as_bytes())?;
+    for (name, text) in report::steps::files(&steps) {
+        output.write(name, text.as_bytes())?;
+    }
     if let Some(motion) = &motion {
         output.write("motion.csv", report::motion_csv(motion).as_bytes())?;
     }
-    let drawings = figures::of_study(table, &histories, motion.as_ref());
+    let drawings = figures::of_study(table, &steps, motion.as_ref());
     for drawing in &drawings {
         let fail = |error| Failure::Run(format!("cannot draw {}: {error}", drawing.name));
         let (svg, png) = (drawing.figure.svg().map_err(fail)?, drawing.figure.png().map_err(fail)?);

@@ -2,16 +2,25 @@
 
 mod contact;
 mod orbit;
+mod proportionality;
+mod restarts;
 mod rk4_order;
+mod stability;
+mod stays;
+mod step_histogram;
 mod step_size;
 mod work_precision;
 
-use deltazero_plots::{Figure, Marker, Series};
+use deltazero_plots::{Axis, Figure, Marker, Series};
 
 use crate::config::Events;
 use crate::study::motion::Motion;
-use crate::study::step_size::StepHistory;
+use crate::study::step_size::{ModeKind, StepHistory, quantile};
+use crate::study::step_tables::StepTables;
 use crate::study::work_precision::{Row, WorkPrecision};
+
+/// Room left at both ends of an axis of step sizes, as factors: above, for the ticks of events.
+const SIZE_ROOM: (f64, f64) = (1.5, 3.0);
 
 /// A figure with what is said about it.
 #[derive(Clone, Debug)]
@@ -27,20 +36,58 @@ pub struct Drawing {
 /// All figures of a study.
 pub fn of_study(
     table: &WorkPrecision,
-    histories: &[StepHistory],
+    steps: &StepTables,
     motion: Option<&Motion>,
 ) -> Vec<Drawing> {
     let mut drawings = vec![
         work_precision::against_time(table),
         work_precision::against_rhs(table),
-        step_size::drawing(histories),
+        step_size::whole(table, &steps.histories),
+        step_size::zoom(table, &steps.histories),
+        step_histogram::drawing(&steps.histories, &steps.histogram),
+        stays::drawing(table, &steps.stays),
+        restarts::drawing(&steps.restarts, &steps.restart_costs),
     ];
     if let Some(motion) = motion {
         drawings.push(contact::drawing(motion));
         drawings.push(orbit::drawing(motion));
     }
     drawings.push(rk4_order::drawing(table));
+    drawings.extend(steps.stability.as_ref().map(stability::drawing));
+    drawings.push(proportionality::drawing(table, &steps.proportionality));
     drawings
+}
+
+/// The number of a method in the study, which is that of its colour and marker in every figure.
+fn number(table: &WorkPrecision, method: &str) -> usize {
+    let mut methods: Vec<&str> = table.rows.iter().map(|row| row.method.as_str()).collect();
+    methods.dedup();
+    methods.iter().position(|known| *known == method).unwrap_or(methods.len())
+}
+
+/// The colour of a kind of modes.
+fn kind_color(kind: ModeKind) -> usize {
+    match kind {
+        ModeKind::Flight => 0,
+        ModeKind::Slip => 9,
+        ModeKind::Stick => 3,
+    }
+}
+
+/// An axis for the step sizes of all methods but their smallest per mille: a step cut short by an
+/// event may be as small as time resolves.
+fn size_axis(histories: &[StepHistory]) -> Axis {
+    let axis = Axis::log("h [s]");
+    let at = |fraction: f64| {
+        histories.iter().filter_map(move |history| {
+            let mut sizes: Vec<f64> = history.steps.iter().map(|step| step.h_s).collect();
+            quantile(&mut sizes, fraction)
+        })
+    };
+    match (at(1e-3).reduce(f64::min), at(1.0).reduce(f64::max)) {
+        (Some(least), Some(most)) => axis.within(least / SIZE_ROOM.0, most * SIZE_ROOM.1),
+        _ => axis,
+    }
 }
 
 /// The curve of one method: filled and solid where events are located, hollow and dashed where

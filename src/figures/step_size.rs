@@ -1,46 +1,123 @@
-//! Step size over time, a panel a method.
+//! Step size over time, a panel a method: the whole run, and around the first flight.
 
-use deltazero_plots::{Axis, Figure, Panel, StepHistory as Chart, StepLook};
+use deltazero_plots::{Axis, Band, Figure, Panel, StepHistory as Chart, StepLook};
 
-use super::Drawing;
-use crate::study::step_size::StepHistory;
+use super::{Drawing, kind_color, number, size_axis};
+use crate::study::step_size::{ACCURACY, StepHistory, StepRow, quantile};
+use crate::study::work_precision::WorkPrecision;
 
-/// Step size of each method on joint 1 over time, events as ticks.
-pub(super) fn drawing(histories: &[StepHistory]) -> Drawing {
-    let panel = |(color, history): (usize, &StepHistory)| -> Panel {
-        Chart {
-            title: history.title.clone(),
-            t: Axis::linear("t [s]"),
-            h: Axis::log("h [s]"),
-            accepted: history.steps.clone(),
-            events: history.events.clone(),
-            color,
-            look: StepLook::Dots,
-            ..Chart::default()
-        }
-        .into()
-    };
-    let panels = histories.iter().enumerate().map(panel).collect();
-    let spreads: Vec<String> = histories.iter().map(spread).collect();
+/// Joint that is shown.
+const JOINT: usize = 1;
+/// Time shown before and after the middle of the first flight, in flights.
+const MARGIN: f64 = 3.0;
+/// Zoom of a run without a flight, as a fraction of it.
+const FIRST_PART: f64 = 0.02;
+
+/// Step size of each method on joint 1 over the whole run.
+pub(super) fn whole(table: &WorkPrecision, histories: &[StepHistory]) -> Drawing {
+    let shown: Vec<&StepHistory> = of_joint(histories).collect();
+    let ends = shown.iter().filter_map(|history| history.steps.last()).map(StepRow::end);
+    let end = ends.fold(0.0, f64::max);
+    let sizes = size_axis(histories);
+    let draw = |own: &&StepHistory| panel(table, own, (0.0, end), (&sizes, StepLook::Dots));
+    let panels = shown.iter().map(draw).collect();
+    let spreads: Vec<String> = shown.iter().map(|history| spread(history)).collect();
     let caption = format!(
-        "Accepted steps on joint 1 over time, events located (ticks). {}.",
+        "Accepted steps on joint 1, events located (ticks), each method at its cheapest setting with \
+         e ≤ {ACCURACY:e} and all events, or its most accurate; all on one scale, the smallest thousandth of the steps \
+         may lie below. {}.",
         spreads.join("; ")
     );
-    Drawing { name: "step_size", caption, figure: Figure::stacked("Step size over time", panels) }
+    let figure = Figure { share_y: true, ..Figure::stacked("Step size over time", panels) };
+    Drawing { name: "step_size", caption, figure }
+}
+
+/// The same around the first flight.
+pub(super) fn zoom(table: &WorkPrecision, histories: &[StepHistory]) -> Drawing {
+    let shown: Vec<&StepHistory> = of_joint(histories).collect();
+    let best = shown.iter().min_by(|a, b| a.e.total_cmp(&b.e));
+    let flight = best.and_then(|history| first_flight(&history.steps));
+    let end = best.and_then(|history| history.steps.last()).map_or(1.0, StepRow::end);
+    let window = flight.map_or((0.0, FIRST_PART * end), |(from, to)| {
+        let (middle, margin) = (0.5 * (from + to), MARGIN * (to - from));
+        ((middle - margin).max(0.0), (middle + margin).min(end))
+    });
+    let sizes = size_axis(histories);
+    let draw = |own: &&StepHistory| panel(table, own, window, (&sizes, StepLook::Stairs));
+    let panels = shown.iter().map(draw).collect();
+    let counts: Vec<String> = shown
+        .iter()
+        .map(|history| {
+            let begins = |step: &&StepRow| window.0 <= step.t_s && step.t_s < window.1;
+            let inside = || history.steps.iter().filter(begins);
+            let free = inside().filter(|step| !step.kind().is_contact()).count();
+            format!("{} {} ({free} in flight)", history.method, inside().count())
+        })
+        .collect();
+    let shows = match flight {
+        Some((from, to)) => format!("the first flight, {:.2} ms long", 1e3 * (to - from)),
+        None => "the start, for there is no flight".to_owned(),
+    };
+    let caption = format!(
+        "The same runs around {shows}: each step as a line of its own length. Steps that begin in the \
+         {:.1} ms shown: {}.",
+        1e3 * (window.1 - window.0),
+        counts.join(", ")
+    );
+    let figure = Figure { share_y: true, ..Figure::stacked("Step size around one flight", panels) };
+    Drawing { name: "step_size_zoom", caption, figure }
+}
+
+fn of_joint(histories: &[StepHistory]) -> impl Iterator<Item = &StepHistory> {
+    histories.iter().filter(|history| history.joint == JOINT)
+}
+
+fn panel(
+    table: &WorkPrecision,
+    history: &StepHistory,
+    window: (f64, f64),
+    (sizes, look): (&Axis, StepLook),
+) -> Panel {
+    let overlaps = |step: &&StepRow| step.end() > window.0 && step.t_s < window.1;
+    let steps: Vec<&StepRow> = history.steps.iter().filter(overlaps).collect();
+    Chart {
+        title: format!("{}, e = {:.1e}", history.title(), history.e),
+        t: Axis::linear("t [s]").within(window.0, window.1.max(window.0 + f64::MIN_POSITIVE)),
+        h: sizes.clone(),
+        accepted: steps.iter().map(|step| (step.t_s, step.h_s)).collect(),
+        events: history.events.clone(),
+        bands: bands(&steps),
+        color: number(table, &history.method),
+        look,
+        ..Chart::default()
+    }
+    .into()
+}
+
+/// The times in flight, slip and stick.
+fn bands(steps: &[&StepRow]) -> Vec<Band> {
+    let runs = steps.chunk_by(|a, b| a.kind() == b.kind());
+    let band = |steps: &[&StepRow]| {
+        let (first, last) = (steps.first()?, steps.last()?);
+        let kind = first.kind();
+        let x = (first.t_s, last.end());
+        Some(Band { x, color: kind_color(kind), label: kind.name().into() })
+    };
+    runs.filter_map(band).collect()
+}
+
+/// The first flight between two contacts.
+fn first_flight(steps: &[StepRow]) -> Option<(f64, f64)> {
+    let begin = steps.iter().position(|step| step.kind().is_contact())?;
+    let from = begin + steps[begin..].iter().position(|step| !step.kind().is_contact())?;
+    let to = from + steps[from..].iter().position(|step| step.kind().is_contact())?;
+    Some((steps[from].t_s, steps[to].t_s))
 }
 
 fn spread(history: &StepHistory) -> String {
-    let mut sizes: Vec<f64> = history.steps.iter().map(|(_, h)| *h).collect();
-    sizes.sort_unstable_by(f64::total_cmp);
-    let at = |fraction: f64| {
-        let last = sizes.len().saturating_sub(1) as f64;
-        sizes.get((fraction * last) as usize).copied().unwrap_or(f64::NAN)
-    };
-    format!(
-        "{}: {} steps, nine in ten between {:.1e} and {:.1e} s",
-        history.title,
-        sizes.len(),
-        at(0.05),
-        at(0.95)
-    )
+    let mut sizes: Vec<f64> = history.steps.iter().map(|step| step.h_s).collect();
+    let n = sizes.len();
+    let mut at = |fraction: f64| quantile(&mut sizes, fraction).unwrap_or(f64::NAN);
+    let (least, most) = (at(0.05), at(0.95));
+    format!("{}: {n} steps, nine in ten between {least:.1e} and {most:.1e} s", history.title())
 }

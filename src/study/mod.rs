@@ -1,5 +1,11 @@
 //! The experiments, each a function from a configuration to a table.
 
 pub mod motion;
+pub mod proportionality;
+pub mod restarts;
+pub mod stability;
+pub mod stays;
+pub mod step_histogram;
 pub mod step_size;
+pub mod step_tables;
 pub mod work_precision;

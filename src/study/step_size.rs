@@ -8,34 +8,206 @@ use serde::{Deserialize, Serialize};
 use crate::config::{Config, Events};
 use crate::model::{Block, Mechanism};
 use crate::run::{Accuracy, Limits, Setting, integrate};
+use crate::study::work_precision::{Row, WorkPrecision};
 
-/// Tolerance at which step sizes are shown.
-const RTOL: f64 = 1e-6;
-/// Step of the fixed-step methods at which they are shown, nearest to this many steps in a run.
-const FIXED_STEPS: f64 = 2e4;
+/// Error at which methods are compared: each at its cheapest setting that reaches it with all events.
+pub const ACCURACY: f64 = 1e-6;
 
-/// The steps of one method on joint 1.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StepHistory {
-    /// Method and setting.
-    pub title: String,
-    /// End [s] and size [s] of each accepted step.
-    pub steps: Vec<(f64, f64)>,
-    /// Times of the events [s].
-    pub events: Vec<f64>,
+/// What a joint does in a mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ModeKind {
+    /// Free, or held without clearance.
+    Flight,
+    /// In contact, the surfaces sliding.
+    Slip,
+    /// In contact, the surfaces rolling on each other.
+    Stick,
 }
 
-struct Steps(StepHistory);
+impl ModeKind {
+    /// All, in the order of figures.
+    pub const ALL: [Self; 3] = [Self::Flight, Self::Slip, Self::Stick];
+
+    /// Of a mode as the files write it: 0 free, ±1 slip, 2 stick.
+    pub fn of(mode: i8) -> Self {
+        match mode {
+            0 => Self::Flight,
+            2 => Self::Stick,
+            _ => Self::Slip,
+        }
+    }
+
+    /// As the files write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Flight => "flight",
+            Self::Slip => "slip",
+            Self::Stick => "stick",
+        }
+    }
+
+    /// Whether a contact force acts.
+    pub fn is_contact(self) -> bool {
+        self != Self::Flight
+    }
+}
+
+/// An accepted step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StepRow {
+    /// Its start [s].
+    pub t_s: f64,
+    /// Its size [s].
+    pub h_s: f64,
+    /// Its mode: 0 free, ±1 slip, 2 stick.
+    pub mode: i8,
+    /// Its number since the last event, or the start of the run, from 1.
+    pub since_restart: usize,
+    /// Steps rejected since the one before it.
+    pub n_rejected: u64,
+    /// Whether it was cut short to land on an event.
+    pub lands: bool,
+}
+
+impl StepRow {
+    /// Its end [s].
+    pub fn end(&self) -> f64 {
+        self.t_s + self.h_s
+    }
+
+    /// What the joint does in it.
+    pub fn kind(&self) -> ModeKind {
+        ModeKind::of(self.mode)
+    }
+}
+
+/// The steps of one method on one joint, events located.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StepHistory {
+    /// Method.
+    pub method: String,
+    /// Tolerance or step as text.
+    pub setting: String,
+    /// Error `e` of that setting in the study, both joints together.
+    pub e: f64,
+    /// Joint, 1 or 2.
+    pub joint: usize,
+    /// Accepted steps, in the order of the run.
+    pub steps: Vec<StepRow>,
+    /// Times of the events [s].
+    pub events: Vec<f64>,
+    /// Evaluations of the right-hand side.
+    pub n_rhs: u64,
+    /// Of those, the ones that began phases.
+    pub n_rhs_restart: u64,
+    /// Of those, the ones that located events.
+    pub n_rhs_location: u64,
+}
+
+impl StepHistory {
+    /// Method and setting.
+    pub fn title(&self) -> String {
+        format!("{}, {}", self.method, self.setting)
+    }
+}
+
+/// The accepted steps of every method of the study on both joints, joint by joint, at the cheapest
+/// located setting of `table` with `e` at most [`ACCURACY`] and the events of the reference, or the
+/// most accurate one where there is none; a method without a finished run is left out.
+pub fn step_histories(
+    config: &Config,
+    table: &WorkPrecision,
+    limits: Limits<'_>,
+) -> Vec<StepHistory> {
+    let mechanism = Mechanism::new(config);
+    let mut histories = Vec::new();
+    for block in &mechanism.blocks {
+        for name in &config.study.methods {
+            let chosen = comparable(&table.rows, name).and_then(|row| {
+                let setting = setting(row, config)?;
+                Some(history(block, &setting, row, config.run.t_end, limits))
+            });
+            histories.extend(chosen);
+        }
+    }
+    histories
+}
+
+/// The located run of a method at which it is compared with others; by right-hand sides, which do
+/// not change from one measurement to the next.
+fn comparable<'a>(rows: &'a [Row], method: &str) -> Option<&'a Row> {
+    let own = || {
+        let located = |row: &&Row| row.method == method && row.events == Events::Located;
+        rows.iter().filter(located).filter_map(|row| Some((row, row.e?)))
+    };
+    let reaching = own().filter(|(row, e)| *e <= ACCURACY && row.events_are_right());
+    let cheapest = reaching.min_by_key(|(row, _)| row.n_rhs);
+    let chosen = cheapest.or_else(|| own().min_by(|a, b| a.1.total_cmp(&b.1)));
+    chosen.map(|(row, _)| row)
+}
+
+/// The setting of a row.
+fn setting(row: &Row, config: &Config) -> Option<Setting> {
+    let accuracy = match (row.rtol, row.step) {
+        (Some(rtol), _) => Accuracy::Rtol(rtol, config.solver.atol),
+        (None, step) => Accuracy::Step(step?),
+    };
+    Some(Setting { method: Method::named(&row.method)?, events: row.events, accuracy })
+}
+
+fn history(
+    block: &Block,
+    setting: &Setting,
+    row: &Row,
+    t_end: f64,
+    limits: Limits<'_>,
+) -> StepHistory {
+    let mut record = (Steps::default(), limits);
+    let run = integrate(block, setting, block.initial_state(), t_end, &mut record);
+    let Steps { steps, events, .. } = record.0;
+    StepHistory {
+        method: row.method.clone(),
+        setting: setting.accuracy.to_string(),
+        e: row.e.unwrap_or(f64::NAN),
+        joint: block.joint,
+        steps,
+        events,
+        n_rhs: run.stats.work.n_rhs,
+        n_rhs_restart: run.stats.restart.n_rhs,
+        n_rhs_location: run.stats.location.n_rhs,
+    }
+}
+
+/// A recorder of steps.
+#[derive(Default)]
+struct Steps {
+    steps: Vec<StepRow>,
+    events: Vec<f64>,
+    since_restart: usize,
+    n_rejected: u64,
+}
 
 impl Record<Block> for Steps {
     fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
         let (t0, t1) = (accepted.step.t0(), accepted.step.t1());
-        self.0.steps.push((t1, t1 - t0));
+        let n_rejected = accepted.stats.n_rejected;
+        self.since_restart += 1;
+        self.steps.push(StepRow {
+            t_s: t0,
+            h_s: t1 - t0,
+            mode: accepted.mode.code(),
+            since_restart: self.since_restart,
+            n_rejected: n_rejected - self.n_rejected,
+            lands: accepted.landed_on.is_some(),
+        });
+        self.n_rejected = n_rejected;
         ControlFlow::Continue(())
     }
 
     fn event(&mut self, event: &Event<'_, Block>) -> ControlFlow<()> {
-        self.0.events.push(event.t);
+        self.events.push(event.t);
+        self.since_restart = 0;
         ControlFlow::Continue(())
     }
 
@@ -44,30 +216,9 @@ impl Record<Block> for Steps {
     }
 }
 
-/// The accepted steps of every method of the study on joint 1, events located: adaptive ones at
-/// rtol 1e-6, fixed-step ones at the study's step nearest to 20 000 steps a run.
-pub fn step_histories(config: &Config, limits: Limits<'_>) -> Vec<StepHistory> {
-    let mechanism = Mechanism::new(config);
-    let block = &mechanism.blocks[0];
-    let methods = config.study.methods.iter().filter_map(|name| Method::named(name));
-    let history = |method: &'static Method| {
-        let accuracy = if method.is_fixed_step() {
-            Accuracy::Step(shown_step(config)?)
-        } else {
-            Accuracy::Rtol(RTOL, config.solver.atol)
-        };
-        let setting = Setting { method, events: Events::Located, accuracy };
-        let title = format!("{}, {accuracy}", method.name);
-        let empty = StepHistory { title, steps: Vec::new(), events: Vec::new() };
-        let mut record = (Steps(empty), limits);
-        integrate(block, &setting, block.initial_state(), config.run.t_end, &mut record);
-        Some(record.0.0)
-    };
-    methods.filter_map(history).collect()
-}
-
-fn shown_step(config: &Config) -> Option<f64> {
-    let wanted = config.run.t_end / FIXED_STEPS;
-    let distance = |step: &f64| libm::log(step / wanted).abs();
-    config.study.steps.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+/// Quantile of `values`, which it sorts: the element nearest below the fraction of its length.
+pub(crate) fn quantile(values: &mut [f64], fraction: f64) -> Option<f64> {
+    values.sort_unstable_by(f64::total_cmp);
+    let last = values.len().checked_sub(1)?;
+    values.get((fraction * last as f64 + 0.5) as usize).copied()
 }

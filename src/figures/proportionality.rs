@@ -1,0 +1,88 @@
+//! Error against tolerance: proportional, or not, and down to which floor?
+
+use deltazero_plots::{Axis, Figure, Guide, Level, LineChart, Panel, Series, Size};
+
+use super::{Drawing, curve, groups, number};
+use crate::config::Events;
+use crate::study::proportionality::{Floor, ToleranceRow};
+use crate::study::work_precision::WorkPrecision;
+
+/// `e` against rtol of each method, located on the left, blind on the right.
+pub(super) fn drawing(table: &WorkPrecision, rows: &[ToleranceRow]) -> Drawing {
+    let kinds = [Events::Located, Events::Blind];
+    let panels: Vec<Panel> = kinds
+        .into_iter()
+        .filter(|events| rows.iter().any(|row| row.events == *events))
+        .enumerate()
+        .map(|(i, events)| panel(table, rows, events, i == 0))
+        .collect();
+    let findings: Vec<String> = rows.iter().map(finding).collect();
+    let caption = format!(
+        "Error e against the relative tolerance, dashed: e = rtol, and level the floors. Slope of log e over log rtol (1 is ideal) by least \
+         squares where e < 1e-2, down to the floor; with it the largest distance from the line, and \
+         the floor: the tolerance that no tighter one improves by half. {}.",
+        findings.join("; ")
+    );
+    let figure = Figure {
+        title: "Does the error track the tolerance".into(),
+        cols: panels.len().max(1),
+        panels,
+        size: Size { width: 1100, height: 520 },
+        share_x: true,
+        share_y: true,
+        ..Figure::default()
+    };
+    Drawing { name: "tolerance", caption, figure }
+}
+
+/// One treatment of events; `names` puts the methods into the legend.
+fn panel(table: &WorkPrecision, rows: &[ToleranceRow], events: Events, names: bool) -> Panel {
+    let mut series: Vec<Series> = Vec::new();
+    for (method, own, runs) in groups(&table.rows) {
+        let points: Vec<(f64, f64)> = runs.iter().filter_map(|row| row.rtol.zip(row.e)).collect();
+        if own == events && !points.is_empty() {
+            series.push(Series {
+                label: if names { method.into() } else { String::new() },
+                ..curve(method, own, number(table, method), points)
+            });
+        }
+    }
+    let (title, label) = match events {
+        Events::Located => ("events located", "e = rtol"),
+        Events::Blind => ("event-blind", ""),
+    };
+    let good = table.reference.agreement;
+    let tightest = table.rows.iter().filter_map(|row| row.rtol).fold(f64::INFINITY, f64::min);
+    let ideal = Guide { slope: 1.0, through: (1e-6, 1e-6), span: None, label: label.into() };
+    let floor = |row: &ToleranceRow| {
+        let Floor { rtol, e } = row.floor?;
+        let span = Some((tightest, rtol));
+        Some(Guide { slope: 0.0, through: (rtol, e), span, label: String::new() })
+    };
+    let floors = rows.iter().filter(|row| row.events == events).filter_map(floor);
+    LineChart {
+        title: title.into(),
+        x: Axis::log("rtol"),
+        y: Axis::log("error e"),
+        series,
+        guides: floors.chain([ideal]).collect(),
+        levels: vec![Level { y: good, label: "the reference's own error".into() }],
+        ..LineChart::default()
+    }
+    .into()
+}
+
+fn finding(row: &ToleranceRow) -> String {
+    let fit = match (row.slope, row.scatter_decades) {
+        (Some(slope), Some(scatter)) => format!(
+            "slope {slope:.2} within {scatter:.1} decades, e about {:.0e} rtol",
+            row.e_over_rtol.unwrap_or(f64::NAN)
+        ),
+        _ => "too few runs for a slope".to_owned(),
+    };
+    let floor = match row.floor {
+        Some(Floor { rtol, e }) => format!("floor {e:.1e} from rtol {rtol:e}"),
+        None => "no floor".to_owned(),
+    };
+    format!("{} {}: {fit}, {floor}", row.method, row.events)
+}
