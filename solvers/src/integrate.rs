@@ -5,9 +5,10 @@ use std::collections::VecDeque;
 use crate::error::{Error, Outcome};
 use crate::event::GuardWatch;
 use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
+use crate::real::Real;
 use crate::record::{Event, Record};
 use crate::stats::Stats;
-use crate::system::{Next, System};
+use crate::system::{Next, System, Vector};
 
 /// Transitions at one instant beyond which two modes are held to chatter, or twice as many as there are
 /// guards.
@@ -28,10 +29,7 @@ pub struct Integration<'a, P: System> {
     pub point: Point<P>,
     /// Work so far.
     pub stats: Stats,
-    watch: GuardWatch<P>,
-    last_events: VecDeque<f64>,
-    t_start: f64,
-    t_end: f64,
+    switchboard: Switchboard<P>,
 }
 
 impl<'a, P: System> Integration<'a, P> {
@@ -42,10 +40,7 @@ impl<'a, P: System> Integration<'a, P> {
             problem,
             point: Point { t, y, mode },
             stats: Stats::default(),
-            watch: GuardWatch::new(problem),
-            last_events: VecDeque::with_capacity(STORM),
-            t_start: t,
-            t_end: t,
+            switchboard: Switchboard::new(problem, t),
         }
     }
 
@@ -62,18 +57,16 @@ impl<'a, P: System> Integration<'a, P> {
         solver: &mut dyn PhaseSolver<P>,
         record: &mut dyn Record<P>,
     ) -> Result<Outcome, Error> {
-        if !t_end.is_finite() {
-            let allowed = "the end of a run must be finite";
-            return Err(Error::BadArgument { name: "t_end", value: t_end, allowed });
-        }
-        check_finite(&self.point, &self.point.y)?;
-        self.t_end = t_end;
-        let mut guard = self.violated()?;
+        let mut guard = self.switchboard.begin(self.problem, &self.point, t_end)?;
         loop {
-            if let Some(guard) = guard
-                && let Some(outcome) = self.switch(guard, record)?
-            {
-                return Ok(outcome);
+            if let Some(guard) = guard {
+                let Point { t, y, mode } = &mut self.point;
+                let at = Instant { t: *t, y, mode };
+                let ends =
+                    self.switchboard.switch(self.problem, at, guard, &mut self.stats, record)?;
+                if let Some(outcome) = ends {
+                    return Ok(outcome);
+                }
             }
             let point = &mut self.point;
             match solver.solve_phase(self.problem, point, t_end, &mut self.stats, record)? {
@@ -83,74 +76,103 @@ impl<'a, P: System> Integration<'a, P> {
             }
         }
     }
+}
 
-    fn violated(&mut self) -> Result<Option<usize>, Error> {
-        let Point { t, y, mode } = &self.point;
-        self.watch.violated(self.problem, *mode, *t, y)
+/// Where a run stands between two phases, in numbers of any kind.
+pub(crate) struct Instant<'a, P: System, B: Real> {
+    pub(crate) t: B,
+    pub(crate) y: &'a mut P::State<B>,
+    pub(crate) mode: &'a mut P::Mode,
+}
+
+impl<P: System, B: Real> Instant<'_, P, B> {
+    fn point(&self) -> Point<P> {
+        Point { t: self.t.value(), y: rounded::<P, B>(self.y), mode: *self.mode }
+    }
+}
+
+/// The nearest `f64` of a state.
+pub(crate) fn rounded<P: System, B: Real>(y: &P::State<B>) -> P::State<f64> {
+    let y = y.as_ref();
+    Vector::from_fn(y.len(), |i| y[i].value())
+}
+
+/// What happens between phases: transitions, until no guard is violated.
+pub(crate) struct Switchboard<P: System> {
+    watch: GuardWatch<P>,
+    last_events: VecDeque<f64>,
+    t_start: f64,
+    t_end: f64,
+}
+
+impl<P: System> Switchboard<P> {
+    /// For an integration that starts at `t`.
+    pub(crate) fn new(problem: &P, t: f64) -> Self {
+        let watch = GuardWatch::new(problem);
+        Self { watch, last_events: VecDeque::with_capacity(STORM), t_start: t, t_end: t }
+    }
+
+    /// Begins a run from `point` to `t_end`; the first guard violated there.
+    pub(crate) fn begin(
+        &mut self,
+        problem: &P,
+        point: &Point<P>,
+        t_end: f64,
+    ) -> Result<Option<usize>, Error> {
+        if !t_end.is_finite() {
+            let allowed = "the end of a run must be finite";
+            return Err(Error::BadArgument { name: "t_end", value: t_end, allowed });
+        }
+        check_finite(point, &point.y)?;
+        self.t_end = t_end;
+        self.violated(problem, point)
+    }
+
+    fn violated(&mut self, problem: &P, point: &Point<P>) -> Result<Option<usize>, Error> {
+        self.watch.violated(problem, point.mode, point.t, &point.y)
     }
 
     /// Makes the transition of `guard`, and those of all guards that are then violated at the
-    /// same instant, one after the other.
-    fn switch(
+    /// same instant, one after the other; an outcome where the run ends here.
+    pub(crate) fn switch<B: Real>(
         &mut self,
+        problem: &P,
+        mut at: Instant<'_, P, B>,
         mut guard: usize,
+        stats: &mut Stats,
         record: &mut dyn Record<P>,
     ) -> Result<Option<Outcome>, Error> {
-        let mut last = (self.point.mode, guard);
-        let most = CHATTER.max(2 * self.problem.n_guards());
+        let mut last = (*at.mode, guard);
+        let most = CHATTER.max(2 * problem.n_guards());
         for _ in 0..most {
-            last = (self.point.mode, guard);
-            let Point { t, y, mode } = &mut self.point;
-            let after = self.problem.transition(*mode, guard, *t, y);
-            let mut outcome = self.enter(guard, after, record)?;
+            last = (*at.mode, guard);
+            let after = problem.transition(*at.mode, guard, at.t, at.y);
+            let mut outcome = enter(&mut at, guard, after, stats, record)?;
             if outcome.is_none()
-                && let Some(span) = self.storm()
+                && let Some(span) = self.storm(at.t.value())
             {
-                let Point { t, y, mode } = &mut self.point;
-                let Some(limit) = self.problem.accumulation(*mode, guard, *t, y) else {
+                let Point { t, mut y, mode } = at.point();
+                let Some(limit) = problem.accumulation(mode, guard, t, &mut y) else {
                     let mode = format!("{mode:?}");
-                    return Err(Error::EventStorm { t: *t, n: STORM, span, mode });
+                    return Err(Error::EventStorm { t, n: STORM, span, mode });
                 };
-                outcome = self.enter(guard, Next::Mode(limit), record)?;
+                *at.y = Vector::from_fn(y.as_ref().len(), |i| B::cst(y.as_ref()[i]));
+                outcome = enter(&mut at, guard, Next::Mode(limit), stats, record)?;
             }
             if outcome.is_some() {
                 return Ok(outcome);
             }
-            match self.violated()? {
+            match self.violated(problem, &at.point())? {
                 None => return Ok(None),
                 Some(next) => guard = next,
             }
         }
         let (mode, guard) = last;
-        Err(Error::Chatter { t: self.point.t, n: most, mode: format!("{mode:?}"), guard })
+        Err(Error::Chatter { t: at.t.value(), n: most, mode: format!("{mode:?}"), guard })
     }
 
-    /// Enters what follows an event of `guard`, the state being put on it already; an outcome where
-    /// the run ends here.
-    fn enter(
-        &mut self,
-        guard: usize,
-        after: Next<P::Mode>,
-        record: &mut dyn Record<P>,
-    ) -> Result<Option<Outcome>, Error> {
-        let Point { t, y, mode } = &mut self.point;
-        let before = *mode;
-        if let Next::Mode(next) = after {
-            *mode = next;
-        }
-        self.stats.n_events += 1;
-        let go_on = record.event(&Event { t: *t, guard, before, after, y });
-        check_finite(&self.point, &self.point.y)?;
-        Ok(match after {
-            Next::Stop => Some(Outcome::Stopped),
-            Next::Mode(_) if go_on.is_break() => Some(Outcome::Interrupted),
-            Next::Mode(_) => None,
-        })
-    }
-
-    /// Takes note of an event; the time over which the last ones accumulated, if they did.
-    fn storm(&mut self) -> Option<f64> {
-        let t = self.point.t;
+    /// Takes note of an event at `t`; the time over which the last ones accumulated, if they did.
+    fn storm(&mut self, t: f64) -> Option<f64> {
         self.last_events.push_back(t);
         if self.last_events.len() < STORM {
             return None;
@@ -164,4 +186,28 @@ impl<'a, P: System> Integration<'a, P> {
         self.last_events.clear();
         Some(span)
     }
+}
+
+/// Enters what follows an event of `guard`, the state being put on it already; an outcome where
+/// the run ends here.
+fn enter<P: System, B: Real>(
+    at: &mut Instant<'_, P, B>,
+    guard: usize,
+    after: Next<P::Mode>,
+    stats: &mut Stats,
+    record: &mut dyn Record<P>,
+) -> Result<Option<Outcome>, Error> {
+    let before = *at.mode;
+    if let Next::Mode(next) = after {
+        *at.mode = next;
+    }
+    stats.n_events += 1;
+    let point = at.point();
+    let go_on = record.event(&Event { t: point.t, guard, before, after, y: &point.y });
+    check_finite(&point, &point.y)?;
+    Ok(match after {
+        Next::Stop => Some(Outcome::Stopped),
+        Next::Mode(_) if go_on.is_break() => Some(Outcome::Interrupted),
+        Next::Mode(_) => None,
+    })
 }

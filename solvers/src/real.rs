@@ -7,6 +7,7 @@ use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use num_dual::Dual64;
+use twofloat::TwoFloat;
 
 /// A real number, or something that computes like one.
 ///
@@ -108,6 +109,37 @@ impl Real for Dual64 {
 
     fn powf(self, a: f64) -> Self {
         Self::new(libm::pow(self.re, a), a * libm::pow(self.re, a - 1.0) * self.eps)
+    }
+}
+
+/// A sum of two `f64`: some 31 digits, for finite values.
+impl Real for TwoFloat {
+    fn cst(x: f64) -> Self {
+        Self::from(x)
+    }
+
+    fn value(self) -> f64 {
+        self.hi()
+    }
+
+    fn sqrt(self) -> Self {
+        Self::sqrt(self)
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        Self::sin_cos(self)
+    }
+
+    fn exp(self) -> Self {
+        Self::exp(self)
+    }
+
+    fn ln(self) -> Self {
+        Self::ln(self)
+    }
+
+    fn powf(self, a: f64) -> Self {
+        Self::powf(self, Self::from(a))
     }
 }
 

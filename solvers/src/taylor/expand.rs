@@ -2,50 +2,41 @@
 
 use std::cell::Cell;
 
+use super::base::Base;
 use super::guards::FIRST_LOOK;
-use super::rows::{MAX_ORDER, Rows, Table};
+use super::rows::{Rows, Table};
 use super::series::Series;
 use super::unrolled::OfOrder;
 use crate::system::{System, Vector};
 
-/// The Taylor coefficients of a solution about the start of a step, and of the guards along it.
+/// The expansion of a solution about the start of a step.
 ///
 /// ```text
 /// y(t₀ + s) = Σ y_k sᵏ,   y_(k+1) = f_k/(k + 1),   f(t₀ + s, y(t₀ + s)) = Σ f_k sᵏ
 /// ```
 #[derive(Debug)]
-pub struct Expansion<Y> {
-    rows: Rows,
+pub struct Expansion<B: Copy> {
+    rows: Rows<B>,
     /// Those that the present expansion takes.
     n_rows: usize,
-    /// Coefficients of the solution, a state an order.
-    y: Vec<Y>,
 }
 
-impl<Y: Vector<f64>> Expansion<Y> {
-    /// Memory for an expansion of `n` states to `order`.
-    pub fn new(n: usize, order: usize) -> Self {
-        let zero = || Y::from_fn(n, |_| 0.0);
-        let y = (0..=order.min(MAX_ORDER)).map(|_| zero()).collect();
-        Self { rows: Rows::new(), n_rows: 0, y }
-    }
-
-    /// The highest order.
-    pub fn order(&self) -> usize {
-        self.y.len() - 1
-    }
-
-    /// The coefficients of the solution, by order.
-    pub fn coefficients(&self) -> &[Y] {
-        &self.y
+impl<B: Base> Expansion<B> {
+    /// Memory for an expansion.
+    pub fn new() -> Self {
+        Self { rows: Rows::new(), n_rows: 0 }
     }
 
     /// Begins an expansion about `(t0, y0)`, whose slope there goes to `slope`: the value of the
     /// right-hand side to the bit.
-    pub fn begin<P>(&mut self, problem: &P, mode: P::Mode, t0: f64, y0: &Y, slope: &mut Y)
-    where
-        P: System<State<f64> = Y>,
-    {
+    pub fn begin<P: System>(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        t0: B,
+        y0: &P::State<B>,
+        slope: &mut P::State<B>,
+    ) {
         loop {
             let run = Run { rows: &self.rows, t0, problem, mode };
             self.n_rows = RhsRun { run, y: y0, next: slope }.unrolled(0);
@@ -55,33 +46,34 @@ impl<Y: Vector<f64>> Expansion<Y> {
         }
     }
 
-    /// Completes the expansion that was last begun, about `(t0, y0)` with `slope`.
+    /// Completes the expansion that was last begun, about the state `y[0]` at `t0` with the slope
+    /// `y[1]`: writes the coefficients from `y[2]` on.
     ///
     /// # Panics
     /// Where the right-hand side makes other operations at another order: it may branch on its mode
     /// and on the [`value`](crate::Real::value) of its arguments only.
-    pub fn complete<P>(&mut self, problem: &P, mode: P::Mode, t0: f64, y0: &Y, slope: &Y)
-    where
-        P: System<State<f64> = Y>,
-    {
-        self.y[0].clone_from(y0);
-        self.y[1].clone_from(slope);
-        for k in 1..self.order() {
-            let (below, above) = self.y.split_at_mut(k + 1);
-            let next = &mut above[0];
+    pub fn complete<P: System>(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        t0: B,
+        y: &mut [P::State<B>],
+    ) {
+        for k in 1..y.len() - 1 {
+            let (below, above) = y.split_at_mut(k + 1);
             let run = Run { rows: &self.rows, t0, problem, mode };
-            let n = RhsRun { run, y: &below[k], next }.unrolled(k);
+            let n = RhsRun { run, y: &below[k], next: &mut above[0] }.unrolled(k);
             assert!(n == self.n_rows, "operations of order {k} differ from those of order 0");
         }
     }
 }
 
 /// One run of a system over series.
-pub(super) struct Run<'a, P: System> {
+pub(super) struct Run<'a, P: System, B: Copy> {
     /// The table, for this order and those below.
-    pub(super) rows: &'a Rows,
+    pub(super) rows: &'a Rows<B>,
     /// Time about which is expanded.
-    pub(super) t0: f64,
+    pub(super) t0: B,
     /// The system.
     pub(super) problem: &'a P,
     /// The mode.
@@ -90,62 +82,71 @@ pub(super) struct Run<'a, P: System> {
 
 /// Time and state, of which `y` is the coefficient of the order of `table`.
 #[inline(always)]
-fn start<'a, Y: Vector<Series<'a>>>(table: Table<'a>, t0: f64, y: &[f64]) -> (Series<'a>, Y) {
+fn start<'a, B: Base, Y: Vector<Series<'a, B>>>(
+    table: Table<'a, B>,
+    t0: B,
+    y: &[B],
+) -> (Series<'a, B>, Y) {
     let t = match table.k {
         0 => t0,
-        1 => 1.0,
-        _ => 0.0,
+        1 => B::cst(1.0),
+        _ => B::cst(0.0),
     };
     let t = Series::new(table, t);
     (t, Y::from_fn(y.len(), |i| Series::new(table, y[i])))
 }
 
 /// The coefficients of the state of the next order, `y_(k+1) = f_k/(k + 1)`; gives the rows it took.
-struct RhsRun<'a, P: System> {
-    run: Run<'a, P>,
-    y: &'a P::State<f64>,
-    next: &'a mut P::State<f64>,
+struct RhsRun<'a, P: System, B: Base> {
+    run: Run<'a, P, B>,
+    y: &'a P::State<B>,
+    next: &'a mut P::State<B>,
 }
 
-impl<P: System> OfOrder for RhsRun<'_, P> {
+impl<P: System, B: Base> OfOrder for RhsRun<'_, P, B> {
     type Output = usize;
+
+    const HIGHEST: usize = B::HIGHEST_UNROLLED;
 
     #[inline(always)]
     fn of_order(self, k: usize) -> usize {
         let Run { rows, t0, problem, mode } = self.run;
         let n = Cell::new(0);
-        let (t, y): (_, P::State<Series<'_>>) = start(rows.table(&n, k), t0, self.y.as_ref());
+        let (t, y): (_, P::State<Series<'_, B>>) = start(rows.table(&n, k), t0, self.y.as_ref());
         let next = self.next.as_mut();
-        let mut f = P::State::<Series<'_>>::from_fn(next.len(), |_| Series::constant(0.0));
+        let zero = |_| Series::constant(B::cst(0.0));
+        let mut f = P::State::<Series<'_, B>>::from_fn(next.len(), zero);
         problem.rhs(mode, t, &y, &mut f);
-        let (f, share) = (f.as_ref(), 1.0 / (k + 1) as f64);
+        let (f, share) = (f.as_ref(), B::cst(1.0) / (k + 1) as f64);
         each(next.len().min(f.len()), |i| next[i] = f[i].coefficient(k) * share);
         n.get()
     }
 }
 
-/// The coefficients of the guards to `g`, the same.
-pub(super) struct GuardsRun<'a, P: System> {
-    pub(super) run: Run<'a, P>,
-    pub(super) y: &'a P::State<f64>,
+/// The coefficients of the guards to `g`, to the nearest `f64`; the same.
+pub(super) struct GuardsRun<'a, P: System, B: Base> {
+    pub(super) run: Run<'a, P, B>,
+    pub(super) y: &'a P::State<B>,
     pub(super) g: &'a mut P::Guards<f64>,
 }
 
-impl<P: System> OfOrder for GuardsRun<'_, P> {
+impl<P: System, B: Base> OfOrder for GuardsRun<'_, P, B> {
     type Output = usize;
 
-    const HIGHEST: usize = FIRST_LOOK;
+    const HIGHEST: usize =
+        if B::HIGHEST_UNROLLED < FIRST_LOOK { B::HIGHEST_UNROLLED } else { FIRST_LOOK };
 
     #[inline(always)]
     fn of_order(self, k: usize) -> usize {
         let Run { rows, t0, problem, mode } = self.run;
         let n = Cell::new(0);
-        let (t, y): (_, P::State<Series<'_>>) = start(rows.table(&n, k), t0, self.y.as_ref());
+        let (t, y): (_, P::State<Series<'_, B>>) = start(rows.table(&n, k), t0, self.y.as_ref());
         let g = self.g.as_mut();
-        let mut series = P::Guards::<Series<'_>>::from_fn(g.len(), |_| Series::constant(0.0));
+        let zero = |_| Series::constant(B::cst(0.0));
+        let mut series = P::Guards::<Series<'_, B>>::from_fn(g.len(), zero);
         problem.guards(mode, t, &y, &mut series);
         let series = series.as_ref();
-        each(g.len().min(series.len()), |i| g[i] = series[i].coefficient(k));
+        each(g.len().min(series.len()), |i| g[i] = series[i].coefficient(k).value());
         n.get()
     }
 }

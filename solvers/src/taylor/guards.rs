@@ -1,5 +1,6 @@
 //! Guards along a step: polynomials too, and when the first of them falls.
 
+use super::base::Base;
 use super::expand::{GuardsRun, Run};
 use super::polynomial::Polynomial;
 use super::rows::Rows;
@@ -17,14 +18,14 @@ const PRECISION: f64 = 1e-14;
 
 /// The Taylor coefficients of the guards about the start of a step.
 #[derive(Debug)]
-pub struct GuardSeries<G> {
-    rows: Rows,
+pub struct GuardSeries<G, B: Copy> {
+    rows: Rows<B>,
     g: Vec<G>,
     /// Orders known.
     n_known: usize,
 }
 
-impl<G: Vector<f64>> GuardSeries<G> {
+impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
     /// Memory for `n` guards to `order`.
     pub fn new(n: usize, order: usize) -> Self {
         let g = (0..=order).map(|_| G::from_fn(n, |_| 0.0)).collect();
@@ -41,8 +42,8 @@ impl<G: Vector<f64>> GuardSeries<G> {
         &mut self,
         problem: &P,
         mode: P::Mode,
-        t0: f64,
-        y: &[P::State<f64>],
+        t0: B,
+        y: &[P::State<B>],
         order: usize,
     ) {
         while self.n_known <= order {
@@ -66,7 +67,8 @@ impl<G: Vector<f64>> GuardSeries<G> {
         }))
     }
 
-    /// The guard that falls first on `step`, a polynomial of `degree` with the coefficients `y`.
+    /// The guard that falls first on `step`, a polynomial of `degree` with the coefficients `y` about
+    /// `t0`.
     ///
     /// A guard is a polynomial on the step, to the order of the method. It is clear where
     ///
@@ -86,11 +88,11 @@ impl<G: Vector<f64>> GuardSeries<G> {
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
-        (y, degree): (&[P::State<f64>], usize),
+        (t0, y, degree): (B, &[P::State<B>], usize),
         watch: &mut GuardWatch<P>,
     ) -> Result<Option<Fall>, Error> {
-        let (t0, t1) = (step.t0(), step.t1());
-        let h = t1 - t0;
+        let (start, t1) = (step.t0(), step.t1());
+        let h = t1 - start;
         watch.violated(problem, mode, t1, step.y1())?;
         self.expand(problem, mode, t0, y, FIRST_LOOK.min(degree));
         let mut first: Option<Fall> = None;
@@ -103,7 +105,7 @@ impl<G: Vector<f64>> GuardSeries<G> {
             self.expand(problem, mode, t0, y, degree);
             if self.g[..=degree].iter().any(|g| !g.as_ref()[guard].is_finite()) {
                 // Singular at the start of the step: no polynomial tells what it does.
-                watch.start_at(problem, mode, t0, step.y0(), step.slope0());
+                watch.start_at(problem, mode, start, step.y0(), step.slope0());
                 return if watch.is_clear(problem, mode, step) {
                     Ok(None)
                 } else {
@@ -119,7 +121,7 @@ impl<G: Vector<f64>> GuardSeries<G> {
             let (s, violated_at) = match dip {
                 Some((s, violated)) if violated < 1.0 => {
                     watch.note_dip(guard, violated);
-                    (s, t0 + violated * h)
+                    (s, start + violated * h)
                 }
                 // Violated at the end by the polynomial, if not by the guard.
                 Some((s, _)) if at_end => (s, t1),
@@ -127,10 +129,10 @@ impl<G: Vector<f64>> GuardSeries<G> {
                 None if at_end => (1.0, t1),
                 None => continue,
             };
-            let t = t0 + s * h;
+            let t = start + s * h;
             // At one instant, to rounding, the first in number is first.
-            let tie = 4.0 * f64::EPSILON * t1.abs().max(t0.abs());
-            if first.is_none_or(|other| (t - t0).abs() < (other.t - t0).abs() - tie) {
+            let tie = 4.0 * f64::EPSILON * t1.abs().max(start.abs());
+            if first.is_none_or(|other| (t - start).abs() < (other.t - start).abs() - tie) {
                 first = Some(Fall { guard, t, violated_at });
             }
         }
@@ -138,6 +140,12 @@ impl<G: Vector<f64>> GuardSeries<G> {
             watch.keep();
         }
         Ok(first)
+    }
+
+    /// The rate of guard `i` at `s` from the start of the step, by its polynomial of `degree`.
+    pub(super) fn rate(&self, i: usize, s: f64, degree: usize) -> f64 {
+        let terms = self.g[1..=degree].iter().enumerate().rev();
+        terms.fold(0.0, |sum, (k, g)| sum * s + (k + 1) as f64 * g.as_ref()[i])
     }
 
     /// Whether guard `i`, `end` at the end of a step of size `h`, stays above zero on it, by more than

@@ -3,6 +3,7 @@
 use super::expand::Expansion;
 use super::guards::GuardSeries;
 use super::order::{self, Reach};
+use super::rows::MAX_ORDER;
 use crate::error::Error;
 use crate::event::{Fall, GuardWatch};
 use crate::one_step::OneStep;
@@ -15,7 +16,8 @@ use crate::tolerance::Tolerance;
 #[derive(Debug)]
 pub struct TaylorMethod<Y, G> {
     step: TaylorStep<Y>,
-    guards: GuardSeries<G>,
+    expansion: Expansion<f64>,
+    guards: GuardSeries<G, f64>,
     /// Whether the series is complete, and not its first order alone.
     is_expanded: bool,
     /// Degree that the tolerance asks for; none to have it chosen by the step.
@@ -26,33 +28,43 @@ pub struct TaylorMethod<Y, G> {
 /// A step of the Taylor method: a polynomial.
 #[derive(Debug)]
 pub struct TaylorStep<Y> {
-    t0: f64,
-    t1: f64,
-    y0: Y,
-    y1: Y,
-    slope0: Y,
-    slope1: Y,
-    expansion: Expansion<Y>,
+    pub(super) t0: f64,
+    /// What the start has beyond `t0`, where it has more digits.
+    pub(super) t0_low: f64,
+    pub(super) t1: f64,
+    pub(super) y1: Y,
+    pub(super) slope1: Y,
+    /// Coefficients by order, from the state and the slope at the start on.
+    pub(super) y: Vec<Y>,
     /// Degree of the polynomial that the step is taken with.
-    degree: usize,
+    pub(super) degree: usize,
+}
+
+impl<Y: Vector<f64>> TaylorStep<Y> {
+    /// Memory for a step of `order`, one at least, for systems of `n` states.
+    pub(super) fn new(n: usize, order: usize) -> Self {
+        let zero = || Y::from_fn(n, |_| 0.0);
+        let y = (0..=order.clamp(1, MAX_ORDER)).map(|_| zero()).collect();
+        Self { t0: 0.0, t0_low: 0.0, t1: 0.0, y1: zero(), slope1: zero(), y, degree: order }
+    }
+
+    /// The polynomial that the step is taken with, by its coefficients.
+    pub(super) fn polynomial(&self) -> &[Y] {
+        &self.y[..=self.degree]
+    }
 }
 
 impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
     /// The method of `order` for systems of `n` states and `n_guards` guards.
     pub fn new(n: usize, n_guards: usize, order: usize) -> Self {
-        let zero = || Y::from_fn(n, |_| 0.0);
-        let step = TaylorStep {
-            t0: 0.0,
-            t1: 0.0,
-            y0: zero(),
-            y1: zero(),
-            slope0: zero(),
-            slope1: zero(),
-            expansion: Expansion::new(n, order),
-            degree: order,
-        };
-        let guards = GuardSeries::new(n_guards, order);
-        Self { step, guards, is_expanded: false, degree: None, error: zero() }
+        Self {
+            step: TaylorStep::new(n, order),
+            expansion: Expansion::new(),
+            guards: GuardSeries::new(n_guards, order),
+            is_expanded: false,
+            degree: None,
+            error: Y::from_fn(n, |_| 0.0),
+        }
     }
 
     /// Expands about the start of the step, once.
@@ -61,8 +73,8 @@ impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
         P: System<State<f64> = Y>,
     {
         if !std::mem::replace(&mut self.is_expanded, true) {
-            let TaylorStep { t0, y0, slope0, expansion, .. } = &mut self.step;
-            expansion.complete(problem, mode, *t0, y0, slope0);
+            let TaylorStep { t0, y, .. } = &mut self.step;
+            self.expansion.complete(problem, mode, *t0, y);
             self.guards.forget();
             stats.work.n_rhs += 1;
         }
@@ -73,7 +85,7 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
     type Step = TaylorStep<P::State<f64>>;
 
     fn embedded_order(&self) -> Option<usize> {
-        Some(self.step.expansion.order())
+        Some(self.step.y.len() - 1)
     }
 
     fn restart(
@@ -86,9 +98,9 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
     ) {
         let step = &mut self.step;
         (step.t0, step.t1) = (t, t);
-        step.y0.clone_from(y);
+        step.y[0].clone_from(y);
         step.y1.clone_from(y);
-        step.expansion.begin(problem, mode, t, y, &mut step.slope0);
+        self.expansion.begin(problem, mode, t, y, &mut step.y[1]);
         self.is_expanded = false;
         self.degree = None;
     }
@@ -101,7 +113,7 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
         stats: &mut Stats,
     ) -> Option<f64> {
         self.expand(problem, mode, stats);
-        let reach = order::reach(self.step.expansion.coefficients(), tolerance);
+        let reach = order::reach(&self.step.y, tolerance);
         self.degree = reach.map(|Reach { degree, .. }| degree);
         reach.map(|Reach { h, .. }| h)
     }
@@ -119,10 +131,9 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
         self.expand(problem, mode, stats);
         let step = &mut self.step;
         step.t1 = t1;
-        let y = step.expansion.coefficients();
-        step.degree = self.degree.unwrap_or_else(|| order::convergent_degree(y, h));
-        sum_with_slope(&y[..=step.degree], h, &mut step.y1, &mut self.error);
-        step.expansion.begin(problem, mode, t1, &step.y1, &mut step.slope1);
+        step.degree = self.degree.unwrap_or_else(|| order::convergent_degree(&step.y, h));
+        sum_with_slope(&step.y[..=step.degree], h, &mut step.y1, &mut self.error);
+        self.expansion.begin(problem, mode, t1, &step.y1, &mut step.slope1);
         let share = h / (step.degree + 1) as f64;
         for (error, slope) in self.error.as_mut().iter_mut().zip(step.slope1.as_ref()) {
             *error = share * (*error - slope);
@@ -139,15 +150,15 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
         _stats: &mut Stats,
     ) -> Result<Option<Fall>, Error> {
         let step = &self.step;
-        let y = (step.expansion.coefficients(), step.degree);
-        self.guards.first_to_fall(problem, mode, step, y, watch)
+        let polynomial = (step.t0, &step.y[..], step.degree);
+        self.guards.first_to_fall(problem, mode, step, polynomial, watch)
     }
 
     fn advance(&mut self) {
         let step = &mut self.step;
         step.t0 = step.t1;
-        std::mem::swap(&mut step.y0, &mut step.y1);
-        std::mem::swap(&mut step.slope0, &mut step.slope1);
+        std::mem::swap(&mut step.y[0], &mut step.y1);
+        std::mem::swap(&mut step.y[1], &mut step.slope1);
         self.is_expanded = false;
         self.degree = None;
     }
@@ -198,7 +209,7 @@ impl<Y: Vector<f64>> Step<Y> for TaylorStep<Y> {
     }
 
     fn y0(&self) -> &Y {
-        &self.y0
+        &self.y[0]
     }
 
     fn y1(&self) -> &Y {
@@ -206,7 +217,7 @@ impl<Y: Vector<f64>> Step<Y> for TaylorStep<Y> {
     }
 
     fn slope0(&self) -> &Y {
-        &self.slope0
+        &self.y[1]
     }
 
     fn slope1(&self) -> &Y {
@@ -217,7 +228,7 @@ impl<Y: Vector<f64>> Step<Y> for TaylorStep<Y> {
         if t == self.t1 {
             y.clone_from(&self.y1);
         } else {
-            sum(&self.expansion.coefficients()[..=self.degree], t - self.t0, y);
+            sum(self.polynomial(), (t - self.t0) - self.t0_low, y);
         }
     }
 }

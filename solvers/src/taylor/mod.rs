@@ -16,7 +16,9 @@
 //! À. Jorba, M. Zou, "A software package for the numerical integration of ODEs by means of high-order
 //! Taylor methods", Exp. Math. 14(1), 99–117 (2005).
 
+pub mod base;
 pub mod expand;
+pub mod extended;
 pub mod guards;
 pub mod method;
 pub mod order;
@@ -26,5 +28,6 @@ pub mod rows;
 pub mod series;
 mod unrolled;
 
+pub use extended::ExtendedIntegration;
 pub use method::{TaylorMethod, TaylorStep};
 pub use order::{FIXED_STEP_ORDER, order_for};

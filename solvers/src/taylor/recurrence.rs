@@ -7,46 +7,46 @@
 //! A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd ed., SIAM (2008), table 13.1 and 13.2;
 //! E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, I.8.
 
+use super::base::Base;
 use super::rows::Row;
-use super::unrolled::HIGHEST;
 
-/// `a b + c`, fused where the target has an instruction for it.
+/// `1/k`, a constant where the order is one.
 #[inline(always)]
-fn fma(a: f64, b: f64, c: f64) -> f64 {
-    if cfg!(target_feature = "fma") { a.mul_add(b, c) } else { a * b + c }
+fn reciprocal<B: Base>(k: usize) -> B {
+    B::cst(1.0) / k as f64
 }
 
 /// `Σ a_j b_(k−j)` over `j = 1 … k − 1`, `k ≥ 1`; none where there is none to sum.
 #[inline(always)]
-fn inner(k: usize, a: &Row, b: &Row) -> Option<f64> {
-    if k > HIGHEST {
+fn inner<B: Base>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
+    if k > B::HIGHEST_UNROLLED {
         return Some(long_inner(k, a, b));
     }
     let mut sum = if k.is_multiple_of(2) { Some(a.at(k / 2) * b.at(k / 2)) } else { None };
     for j in (1..k.div_ceil(2)).rev() {
         let of_j = match sum {
             None => a.at(j) * b.at(k - j),
-            Some(sum) => fma(a.at(j), b.at(k - j), sum),
+            Some(sum) => B::fma(a.at(j), b.at(k - j), sum),
         };
-        sum = Some(fma(a.at(k - j), b.at(j), of_j));
+        sum = Some(B::fma(a.at(k - j), b.at(j), of_j));
     }
     sum
 }
 
 /// The same of many terms, four sums beside each other.
 #[inline(always)]
-fn long_inner(k: usize, a: &Row, b: &Row) -> f64 {
-    let mut sums = [0.0; 4];
+fn long_inner<B: Base>(k: usize, a: &Row<B>, b: &Row<B>) -> B {
+    let mut sums = [B::cst(0.0); 4];
     let mut j = 1;
     while j + 4 <= k {
         for (i, sum) in sums.iter_mut().enumerate() {
-            *sum = fma(a.at(j + i), b.at(k - j - i), *sum);
+            *sum = B::fma(a.at(j + i), b.at(k - j - i), *sum);
         }
         j += 4;
     }
-    let mut rest = 0.0;
+    let mut rest = B::cst(0.0);
     while j < k {
-        rest = fma(a.at(j), b.at(k - j), rest);
+        rest = B::fma(a.at(j), b.at(k - j), rest);
         j += 1;
     }
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
@@ -54,38 +54,38 @@ fn long_inner(k: usize, a: &Row, b: &Row) -> f64 {
 
 /// The same for `b = a`.
 #[inline(always)]
-fn inner_square(k: usize, a: &Row) -> Option<f64> {
-    if k > HIGHEST {
+fn inner_square<B: Base>(k: usize, a: &Row<B>) -> Option<B> {
+    if k > B::HIGHEST_UNROLLED {
         return Some(long_inner(k, a, a));
     }
     let mut pairs = None;
     for j in (1..k.div_ceil(2)).rev() {
         pairs = Some(match pairs {
             None => a.at(j) * a.at(k - j),
-            Some(sum) => fma(a.at(j), a.at(k - j), sum),
+            Some(sum) => B::fma(a.at(j), a.at(k - j), sum),
         });
     }
     let middle = if k.is_multiple_of(2) { Some(a.at(k / 2)) } else { None };
     match (middle, pairs) {
         (None, None) => None,
         (Some(middle), None) => Some(middle * middle),
-        (None, Some(pairs)) => Some(2.0 * pairs),
-        (Some(middle), Some(pairs)) => Some(fma(middle, middle, 2.0 * pairs)),
+        (None, Some(pairs)) => Some(pairs * 2.0),
+        (Some(middle), Some(pairs)) => Some(B::fma(middle, middle, pairs * 2.0)),
     }
 }
 
 /// `a b + sum`, of a sum that may be none.
 #[inline(always)]
-fn onto(sum: Option<f64>, a: f64, b: f64) -> f64 {
+fn onto<B: Base>(sum: Option<B>, a: B, b: B) -> B {
     match sum {
         None => a * b,
-        Some(sum) => fma(a, b, sum),
+        Some(sum) => B::fma(a, b, sum),
     }
 }
 
 /// `a − sum`, the same.
 #[inline(always)]
-fn less(a: f64, sum: Option<f64>) -> f64 {
+fn less<B: Base>(a: B, sum: Option<B>) -> B {
     match sum {
         None => a,
         Some(sum) => a - sum,
@@ -94,48 +94,48 @@ fn less(a: f64, sum: Option<f64>) -> f64 {
 
 /// `c = a b`: `c_k = Σ a_j b_(k−j)`.
 #[inline(always)]
-pub(super) fn product(k: usize, (a, a_k): (&Row, f64), (b, b_k): (&Row, f64)) -> f64 {
-    fma(b_k, a.at(0), onto(inner(k, a, b), a_k, b.at(0)))
+pub(super) fn product<B: Base>(k: usize, (a, a_k): (&Row<B>, B), (b, b_k): (&Row<B>, B)) -> B {
+    B::fma(b_k, a.at(0), onto(inner(k, a, b), a_k, b.at(0)))
 }
 
 /// `c = a²`.
 #[inline(always)]
-pub(super) fn square(k: usize, (a, a_k): (&Row, f64)) -> f64 {
-    onto(inner_square(k, a), 2.0 * a.at(0), a_k)
+pub(super) fn square<B: Base>(k: usize, (a, a_k): (&Row<B>, B)) -> B {
+    onto(inner_square(k, a), a.at(0) * 2.0, a_k)
 }
 
 /// `c = a/b`: `b_0 c_k = a_k − Σ c_j b_(k−j)` over `j < k`; `b` keeps nothing, `c` keeps `1/b_0`.
 #[inline(always)]
-pub(super) fn quotient(k: usize, a_k: f64, (b, b_k): (&Row, f64), c: &Row) -> f64 {
-    fma(-b_k, c.at(0), less(a_k, inner(k, c, b))) * c.kept.get()
+pub(super) fn quotient<B: Base>(k: usize, a_k: B, (b, b_k): (&Row<B>, B), c: &Row<B>) -> B {
+    B::fma(-b_k, c.at(0), less(a_k, inner(k, c, b))) * c.kept.get()
 }
 
 /// `c = √a`: `2 c_0 c_k = a_k − Σ c_j c_(k−j)` over `0 < j < k`; `c` keeps `1/(2 c_0)`.
 #[inline(always)]
-pub(super) fn sqrt(k: usize, a_k: f64, c: &Row) -> f64 {
+pub(super) fn sqrt<B: Base>(k: usize, a_k: B, c: &Row<B>) -> B {
     less(a_k, inner_square(k, c)) * c.kept.get()
 }
 
 /// `Σ j a_j b_(k−j)/k` over `j = 1 … k`, of the row `d_j = j a_j`: what `b da/ds` integrates to.
 #[inline(always)]
-pub(super) fn integral(k: usize, (d, a_k): (&Row, f64), b: &Row) -> f64 {
-    onto(inner(k, d, b).map(|sum| sum * (1.0 / k as f64)), a_k, b.at(0))
+pub(super) fn integral<B: Base>(k: usize, (d, a_k): (&Row<B>, B), b: &Row<B>) -> B {
+    onto(inner(k, d, b).map(|sum| sum * reciprocal::<B>(k)), a_k, b.at(0))
 }
 
 /// `c = ln a`: `a_0 c_k = a_k − Σ j c_j a_(k−j)/k` over `0 < j < k`, of the row `d_j = j c_j`, which
 /// keeps `1/a_0`.
 #[inline(always)]
-pub(super) fn ln(k: usize, (a, a_k): (&Row, f64), d: &Row) -> f64 {
-    less(a_k, inner(k, d, a).map(|sum| sum * (1.0 / k as f64))) * d.kept.get()
+pub(super) fn ln<B: Base>(k: usize, (a, a_k): (&Row<B>, B), d: &Row<B>) -> B {
+    less(a_k, inner(k, d, a).map(|sum| sum * reciprocal::<B>(k))) * d.kept.get()
 }
 
 /// `c = aᵖ`: `k a_0 c_k = Σ (p (k − j) − j) c_j a_(k−j)` over `j < k`; `c` keeps `1/a_0`.
 #[inline(always)]
-pub(super) fn power(k: usize, (a, a_k): (&Row, f64), p: f64, c: &Row) -> f64 {
-    let mut sum = 0.0;
+pub(super) fn power<B: Base>(k: usize, (a, a_k): (&Row<B>, B), p: f64, c: &Row<B>) -> B {
+    let mut sum = B::cst(0.0);
     for j in 1..k {
         let weight = p * (k - j) as f64 - j as f64;
-        sum = fma(weight * c.at(j), a.at(k - j), sum);
+        sum = B::fma(c.at(j) * weight, a.at(k - j), sum);
     }
-    fma(p * a_k, c.at(0), sum * (1.0 / k as f64)) * c.kept.get()
+    B::fma(a_k * p, c.at(0), sum * reciprocal::<B>(k)) * c.kept.get()
 }

@@ -2,6 +2,8 @@
 
 use std::cell::Cell;
 
+use super::base::Base;
+
 /// The highest order of a series.
 pub const MAX_ORDER: usize = 20;
 
@@ -10,25 +12,26 @@ const N_ROWS: usize = 64;
 
 /// The Taylor coefficients of one intermediate result.
 #[derive(Debug)]
-pub struct Row {
-    coefficients: [Cell<f64>; MAX_ORDER + 1],
+pub struct Row<B: Copy> {
+    coefficients: [Cell<B>; MAX_ORDER + 1],
     /// What an operation keeps for the orders to come, such as the reciprocal of a divisor.
-    pub(super) kept: Cell<f64>,
+    pub(super) kept: Cell<B>,
 }
 
-impl Row {
-    const fn new() -> Self {
-        Self { coefficients: [const { Cell::new(0.0) }; MAX_ORDER + 1], kept: Cell::new(0.0) }
+impl<B: Base> Row<B> {
+    fn new() -> Self {
+        let zero = || Cell::new(B::cst(0.0));
+        Self { coefficients: std::array::from_fn(|_| zero()), kept: zero() }
     }
 
     /// The coefficient of order `k`.
     #[inline(always)]
-    pub fn at(&self, k: usize) -> f64 {
+    pub fn at(&self, k: usize) -> B {
         self.coefficients[k].get()
     }
 
     #[inline(always)]
-    pub(super) fn set(&self, k: usize, coefficient: f64) {
+    pub(super) fn set(&self, k: usize, coefficient: B) {
         self.coefficients[k].set(coefficient);
     }
 }
@@ -38,17 +41,17 @@ impl Row {
 /// Each order is one run of the right-hand side, and each run begins at the first row. So an
 /// operation finds its row by counting, as long as every run makes the same operations.
 #[derive(Debug)]
-pub struct Rows {
-    rows: Vec<Row>,
+pub struct Rows<B: Copy> {
+    rows: Vec<Row<B>>,
 }
 
-impl Default for Rows {
+impl<B: Base> Default for Rows<B> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Rows {
+impl<B: Base> Rows<B> {
     /// A table that is enough for most, and grows with its use.
     pub fn new() -> Self {
         Self { rows: (0..N_ROWS).map(|_| Row::new()).collect() }
@@ -68,7 +71,7 @@ impl Rows {
     ///
     /// The count is not kept here: a local one is no memory where all is inlined.
     #[inline(always)]
-    pub(super) fn table<'a>(&'a self, n: &'a Cell<usize>, k: usize) -> Table<'a> {
+    pub(super) fn table<'a>(&'a self, n: &'a Cell<usize>, k: usize) -> Table<'a, B> {
         let rows = &self.rows[..];
         // Never false; it spares the checks of constant rows.
         assert!(rows.len() >= N_ROWS, "a table of rows never shrinks");
@@ -78,31 +81,31 @@ impl Rows {
 
 /// The table in the hands of one run.
 #[derive(Clone, Copy)]
-pub(super) struct Table<'a> {
-    rows: &'a [Row],
+pub(super) struct Table<'a, B: Copy> {
+    rows: &'a [Row<B>],
     n: &'a Cell<usize>,
     /// Order of the run.
     pub(super) k: usize,
 }
 
-impl<'a> Table<'a> {
+impl<'a, B: Base> Table<'a, B> {
     /// The next row; any one where there is none, in a run that [begins anew](Rows::grow).
     #[inline(always)]
-    pub(super) fn next(self) -> &'a Row {
+    pub(super) fn next(self) -> &'a Row<B> {
         let n = self.n.get();
         self.n.set(n + 1);
         self.row(n)
     }
 
     #[inline(always)]
-    fn row(self, n: usize) -> &'a Row {
+    fn row(self, n: usize) -> &'a Row<B> {
         if n < self.rows.len() { &self.rows[n] } else { &self.rows[0] }
     }
 
     /// What `call` gives with a count of its own, and the row that it took last. A function that is
     /// not inlined would force the count into memory.
     #[inline(always)]
-    pub(super) fn apart(self, call: impl FnOnce(Table<'_>) -> f64) -> (&'a Row, f64) {
+    pub(super) fn apart(self, call: impl FnOnce(Table<'_, B>) -> B) -> (&'a Row<B>, B) {
         let n = Cell::new(self.n.get());
         let coefficient = call(Table { rows: self.rows, n: &n, k: self.k });
         self.n.set(n.get());

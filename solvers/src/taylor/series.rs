@@ -3,6 +3,7 @@
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::base::Base;
 use super::recurrence;
 use super::rows::{Row, Table};
 use crate::real::Real;
@@ -21,48 +22,48 @@ const LARGEST_PRODUCT: f64 = 64.0;
 /// [`value`](Real::value) at every order: decisions taken on it are the same in every run, as the
 /// table needs them to be.
 #[derive(Clone, Copy)]
-pub struct Series<'a> {
-    place: Option<Place<'a>>,
+pub struct Series<'a, B: Copy> {
+    place: Option<Place<'a, B>>,
     /// The coefficient of the present order; of a constant its value, at every order.
-    coefficient: f64,
+    coefficient: B,
 }
 
 /// Where the coefficients of a series are.
 #[derive(Clone, Copy)]
-struct Place<'a> {
-    table: Table<'a>,
-    row: &'a Row,
+struct Place<'a, B: Copy> {
+    table: Table<'a, B>,
+    row: &'a Row<B>,
 }
 
-impl<'a> Series<'a> {
+impl<'a, B: Base> Series<'a, B> {
     /// A constant.
     #[inline(always)]
-    pub(super) fn constant(x: f64) -> Self {
+    pub(super) fn constant(x: B) -> Self {
         Self { place: None, coefficient: x }
     }
 
     /// A new row with this coefficient.
     #[inline(always)]
-    pub(super) fn new(table: Table<'a>, coefficient: f64) -> Self {
+    pub(super) fn new(table: Table<'a, B>, coefficient: B) -> Self {
         Self::at(table, table.next(), coefficient)
     }
 
     /// The coefficient of the present order in `row`.
     #[inline(always)]
-    fn at(table: Table<'a>, row: &'a Row, coefficient: f64) -> Self {
+    fn at(table: Table<'a, B>, row: &'a Row<B>, coefficient: B) -> Self {
         row.set(table.k, coefficient);
         Self { place: Some(Place { table, row }), coefficient }
     }
 
     /// The coefficient of order `k`, which is the run's.
     #[inline(always)]
-    pub(super) fn coefficient(self, k: usize) -> f64 {
-        if self.place.is_some() || k == 0 { self.coefficient } else { 0.0 }
+    pub(super) fn coefficient(self, k: usize) -> B {
+        if self.place.is_some() || k == 0 { self.coefficient } else { B::cst(0.0) }
     }
 
     /// A linear function of this series, with this coefficient; of a constant, its value.
     #[inline(always)]
-    fn linear(self, coefficient: f64) -> Self {
+    fn linear(self, coefficient: B) -> Self {
         match self.place {
             None => Self::constant(coefficient),
             Some(Place { table, .. }) => Self::new(table, coefficient),
@@ -71,9 +72,21 @@ impl<'a> Series<'a> {
 
     /// The series with `x` added to its coefficient of order zero.
     #[inline(always)]
-    fn plus(self, x: f64) -> Self {
+    fn plus(self, x: B) -> Self {
         let is_value = self.place.is_none_or(|place| place.table.k == 0);
         self.linear(if is_value { self.coefficient + x } else { self.coefficient })
+    }
+
+    /// The series over the constant `x`.
+    #[inline(always)]
+    fn over(self, x: B) -> Self {
+        let is_value = self.place.is_none_or(|place| place.table.k == 0);
+        // Higher orders need not be those of an f64 to the bit, and a division is slow.
+        self.linear(if is_value {
+            self.coefficient / x
+        } else {
+            self.coefficient * (B::cst(1.0) / x)
+        })
     }
 
     #[inline(always)]
@@ -85,7 +98,9 @@ impl<'a> Series<'a> {
     }
 
     /// The coefficient of `aᵖ`, in the row taken last.
-    fn power(table: Table<'_>, (row, a_k): (&Row, f64), p: f64) -> f64 {
+    // Inlined, its loops keep the count of rows of all operations around them in memory.
+    #[inline(never)]
+    fn power(table: Table<'_, B>, (row, a_k): (&Row<B>, B), p: f64) -> B {
         let k = table.k;
         if (2.0..=LARGEST_PRODUCT).contains(&p) && p.fract() == 0.0 {
             let base = Series { place: Some(Place { table, row }), coefficient: a_k };
@@ -96,7 +111,7 @@ impl<'a> Series<'a> {
         }
         let c = table.next();
         let c_k = if k == 0 {
-            c.kept.set(1.0 / a_k);
+            c.kept.set(B::cst(1.0) / a_k);
             Real::powf(a_k, p)
         } else {
             recurrence::power(k, (row, a_k), p, c)
@@ -121,10 +136,10 @@ impl<'a> Series<'a> {
     }
 }
 
-impl fmt::Debug for Series<'_> {
+impl<B: Base> fmt::Debug for Series<'_, B> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.place {
-            None => write!(f, "{}", self.coefficient),
+            None => write!(f, "{:?}", self.coefficient),
             Some(Place { table, row }) => {
                 let k = table.k;
                 f.debug_list().entries((0..k).map(|j| row.at(j))).entry(&self.coefficient).finish()
@@ -133,7 +148,7 @@ impl fmt::Debug for Series<'_> {
     }
 }
 
-impl Neg for Series<'_> {
+impl<B: Base> Neg for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
@@ -142,7 +157,7 @@ impl Neg for Series<'_> {
     }
 }
 
-impl Add for Series<'_> {
+impl<B: Base> Add for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
@@ -157,7 +172,7 @@ impl Add for Series<'_> {
     }
 }
 
-impl Sub for Series<'_> {
+impl<B: Base> Sub for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
@@ -175,7 +190,7 @@ impl Sub for Series<'_> {
     }
 }
 
-impl Mul for Series<'_> {
+impl<B: Base> Mul for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
@@ -199,44 +214,44 @@ impl Mul for Series<'_> {
     }
 }
 
-impl Div for Series<'_> {
+impl<B: Base> Div for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         let Some(Place { table, row: b }) = other.place else {
-            return self / other.coefficient;
+            return self.over(other.coefficient);
         };
         let (k, b_k) = (table.k, other.coefficient);
         let a_k = self.coefficient(k);
         let c = table.next();
         if k == 0 {
-            c.kept.set(1.0 / b_k);
+            c.kept.set(B::cst(1.0) / b_k);
             return Self::at(table, c, a_k / b_k);
         }
         Self::at(table, c, recurrence::quotient(k, a_k, (b, b_k), c))
     }
 }
 
-impl Add<f64> for Series<'_> {
+impl<B: Base> Add<f64> for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
     fn add(self, x: f64) -> Self {
-        self.plus(x)
+        self.plus(B::cst(x))
     }
 }
 
-impl Sub<f64> for Series<'_> {
+impl<B: Base> Sub<f64> for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
     fn sub(self, x: f64) -> Self {
-        self.plus(-x)
+        self.plus(B::cst(-x))
     }
 }
 
-impl Mul<f64> for Series<'_> {
+impl<B: Base> Mul<f64> for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
@@ -245,26 +260,24 @@ impl Mul<f64> for Series<'_> {
     }
 }
 
-impl Div<f64> for Series<'_> {
+impl<B: Base> Div<f64> for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
     fn div(self, x: f64) -> Self {
-        let is_value = self.place.is_none_or(|place| place.table.k == 0);
-        // Higher orders need not be those of an f64 to the bit, and a division is slow.
-        self.linear(if is_value { self.coefficient / x } else { self.coefficient * (1.0 / x) })
+        self.over(B::cst(x))
     }
 }
 
-impl Real for Series<'_> {
+impl<B: Base> Real for Series<'_, B> {
     #[inline(always)]
     fn cst(x: f64) -> Self {
-        Self::constant(x)
+        Self::constant(B::cst(x))
     }
 
     #[inline(always)]
     fn value(self) -> f64 {
-        self.place.map_or(self.coefficient, |place| place.row.at(0))
+        self.place.map_or(self.coefficient, |place| place.row.at(0)).value()
     }
 
     #[inline(always)]
@@ -275,7 +288,7 @@ impl Real for Series<'_> {
         let (k, a_k, c) = (table.k, self.coefficient, table.next());
         if k == 0 {
             let root = Real::sqrt(a_k);
-            c.kept.set(0.5 / root);
+            c.kept.set(B::cst(0.5) / root);
             return Self::at(table, c, root);
         }
         Self::at(table, c, recurrence::sqrt(k, a_k, c))
@@ -292,7 +305,7 @@ impl Real for Series<'_> {
         let (sin_k, cos_k) = if k == 0 {
             Real::sin_cos(a_k)
         } else {
-            d.set(k, k as f64 * a_k);
+            d.set(k, a_k * k as f64);
             (recurrence::integral(k, (d, a_k), cos), -recurrence::integral(k, (d, a_k), sin))
         };
         (Self::at(table, sin, sin_k), Self::at(table, cos, cos_k))
@@ -308,7 +321,7 @@ impl Real for Series<'_> {
         if k == 0 {
             return Self::at(table, c, Real::exp(a_k));
         }
-        d.set(k, k as f64 * a_k);
+        d.set(k, a_k * k as f64);
         Self::at(table, c, recurrence::integral(k, (d, a_k), c))
     }
 
@@ -320,11 +333,11 @@ impl Real for Series<'_> {
         let (k, a_k) = (table.k, self.coefficient);
         let (d, c) = (table.next(), table.next());
         if k == 0 {
-            d.kept.set(1.0 / a_k);
+            d.kept.set(B::cst(1.0) / a_k);
             return Self::at(table, c, Real::ln(a_k));
         }
         let c_k = recurrence::ln(k, (a, a_k), d);
-        d.set(k, k as f64 * c_k);
+        d.set(k, c_k * k as f64);
         Self::at(table, c, c_k)
     }
 
@@ -334,7 +347,7 @@ impl Real for Series<'_> {
             return Self::constant(Real::powf(self.coefficient, p));
         };
         if p == 0.0 || p == 1.0 {
-            return if p == 0.0 { Self::constant(1.0) } else { self };
+            return if p == 0.0 { Self::constant(B::cst(1.0)) } else { self };
         }
         let (c, c_k) = table.apart(|table| Self::power(table, (row, self.coefficient), p));
         Self { place: Some(Place { table, row: c }), coefficient: c_k }
@@ -364,7 +377,7 @@ mod tests {
     }
 
     /// Coefficients of order `k` of the operations about `x`, those below being in `rows`.
-    fn coefficients(rows: &Rows, x: f64, k: usize) -> [f64; 8] {
+    fn coefficients(rows: &Rows<f64>, x: f64, k: usize) -> [f64; 8] {
         let n = Cell::new(0);
         let x = Series::new(rows.table(&n, k), [x, 1.0, 0.0][k.min(2)]);
         operations(x).map(|series| series.coefficient(k))

@@ -3,17 +3,13 @@
 //! Its loops over lower orders are then straight lines of code, and the place of each
 //! coefficient in the table is a constant: two to three times less work than with rolled loops.
 
-/// The highest order that has code of its own. Beyond it the code of all orders does not fit into the
-/// first cache of instructions, and to fetch it takes longer than to loop.
-pub(super) const HIGHEST: usize = 8;
-
 /// Something that is done for one order of a series.
 pub(super) trait OfOrder: Sized {
     /// What it gives.
     type Output;
 
-    /// Orders above this one are not worth the code.
-    const HIGHEST: usize = HIGHEST;
+    /// Orders above this one are not worth code of their own; at most eight.
+    const HIGHEST: usize;
 
     /// Does it for order `k`; inlined, for the sake of a `k` that is a constant.
     fn of_order(self, k: usize) -> Self::Output;

@@ -1,0 +1,321 @@
+//! The Taylor method in twice the digits of an `f64`: runs that others are measured against.
+//!
+//! Time, state, coefficients and transitions are double-double numbers. That a guard falls is seen on
+//! polynomials with the nearest `f64` coefficients, as in [`method`](super::method); Newton's iteration
+//! with all digits then closes on its zero. Recorders are shown the nearest `f64` of everything.
+
+use twofloat::TwoFloat;
+
+use super::expand::Expansion;
+use super::guards::GuardSeries;
+use super::method::TaylorStep;
+use super::order::{self, Reach};
+use super::rows::MAX_ORDER;
+use crate::error::{Error, Outcome};
+use crate::event::{Fall, GuardWatch};
+use crate::integrate::{Instant, Switchboard, rounded};
+use crate::phase::{PhaseEnd, Point, check_finite};
+use crate::real::Real;
+use crate::record::{Accepted, Record};
+use crate::stats::Stats;
+use crate::system::{System, Vector};
+use crate::tolerance::Tolerance;
+
+/// Most iterations of Newton's to close on an event: enough for roots of order four to get close.
+const MOST_ITERATIONS: usize = 40;
+/// The least by which one iteration's correction is smaller than the one before: a root of order four
+/// makes it 3/4.
+const CONTRACTION: f64 = 0.9;
+/// How closely the time of an event is found, as a fraction of the time.
+const PRECISION: f64 = 1e-30;
+
+/// An integration with double-double numbers: where it stands and what it has cost.
+pub struct ExtendedIntegration<'a, P: System> {
+    problem: &'a P,
+    /// Time.
+    pub t: TwoFloat,
+    /// Mode.
+    pub mode: P::Mode,
+    /// Work so far.
+    pub stats: Stats,
+    tolerance: Tolerance,
+    expansion: Expansion<TwoFloat>,
+    guards: GuardSeries<P::Guards<f64>, TwoFloat>,
+    /// Coefficients by order, from the present state on.
+    y: Vec<P::State<TwoFloat>>,
+    t1: TwoFloat,
+    y1: P::State<TwoFloat>,
+    slope1: P::State<TwoFloat>,
+    /// The nearest `f64` of all that.
+    step: TaylorStep<P::State<f64>>,
+    watch: GuardWatch<P>,
+    switchboard: Switchboard<P>,
+}
+
+impl<'a, P: System> ExtendedIntegration<'a, P> {
+    /// An integration that starts at `(t, y)` in the mode that the system gives it, with series of the
+    /// highest order. Tolerances may be as small as 1e-28.
+    ///
+    /// # Errors
+    /// [`Error::BadArgument`] for a bad tolerance.
+    pub fn new(
+        problem: &'a P,
+        t: f64,
+        y: &P::State<f64>,
+        tolerance: Tolerance,
+    ) -> Result<Self, Error> {
+        let n = problem.dim();
+        let extended = P::State::<TwoFloat>::from_fn(n, |i| TwoFloat::from(y.as_ref()[i]));
+        Ok(Self {
+            problem,
+            t: TwoFloat::from(t),
+            mode: problem.initial_mode(t, y),
+            stats: Stats::default(),
+            tolerance,
+            expansion: Expansion::new(),
+            guards: GuardSeries::new(problem.n_guards(), MAX_ORDER),
+            y: vec![extended.clone(); MAX_ORDER + 1],
+            t1: TwoFloat::from(t),
+            y1: extended.clone(),
+            slope1: extended,
+            step: TaylorStep::new(n, MAX_ORDER),
+            watch: GuardWatch::new(problem),
+            switchboard: Switchboard::new(problem, t),
+        })
+    }
+
+    /// The present state.
+    pub fn state(&self) -> &P::State<TwoFloat> {
+        &self.y[0]
+    }
+
+    /// Integrates to `t_end` (before the present time: backward), and shows the nearest `f64` of every
+    /// accepted step and every event to `record`.
+    ///
+    /// # Errors
+    /// As [`Integration::run`](crate::Integration::run).
+    pub fn run(&mut self, t_end: f64, record: &mut dyn Record<P>) -> Result<Outcome, Error> {
+        let mut guard = self.switchboard.begin(self.problem, &self.point(), t_end)?;
+        loop {
+            if let Some(guard) = guard {
+                let instant = Instant { t: self.t, y: &mut self.y[0], mode: &mut self.mode };
+                let ends = self.switchboard.switch(
+                    self.problem,
+                    instant,
+                    guard,
+                    &mut self.stats,
+                    record,
+                )?;
+                if let Some(outcome) = ends {
+                    return Ok(outcome);
+                }
+            }
+            match self.phase(t_end, record)? {
+                PhaseEnd::EndOfTime => return Ok(Outcome::Finished),
+                PhaseEnd::Interrupted => return Ok(Outcome::Interrupted),
+                PhaseEnd::Guard(fallen) => guard = Some(fallen),
+            }
+        }
+    }
+
+    fn point(&self) -> Point<P> {
+        Point { t: self.t.value(), y: rounded::<P, _>(self.state()), mode: self.mode }
+    }
+
+    /// Goes on in the present mode, to `t_end` or the zero of the first guard that falls.
+    fn phase(&mut self, t_end: f64, record: &mut dyn Record<P>) -> Result<PhaseEnd, Error> {
+        let (problem, mode) = (self.problem, self.mode);
+        let (start, rest) = self.y.split_at_mut(1);
+        self.expansion.begin(problem, mode, self.t, &start[0], &mut rest[0]);
+        let point = self.point();
+        self.watch.begin(problem, mode, point.t, &point.y, &rounded::<P, _>(&self.y[1]));
+        while self.t.value() != t_end {
+            self.take_step(t_end)?;
+            let landed_on = self.locate()?;
+            self.stats.n_accepted += 1;
+            let accepted = Accepted { mode, step: &self.step, landed_on, stats: &self.stats };
+            let go_on = record.step(&accepted);
+            self.t = self.t1;
+            std::mem::swap(&mut self.y[0], &mut self.y1);
+            std::mem::swap(&mut self.y[1], &mut self.slope1);
+            match landed_on {
+                _ if go_on.is_break() => return Ok(PhaseEnd::Interrupted),
+                Some(guard) => return Ok(PhaseEnd::Guard(guard)),
+                None => {}
+            }
+        }
+        Ok(PhaseEnd::EndOfTime)
+    }
+
+    /// Expands about the present state, and takes a step as long as the last terms and the defect at its
+    /// end allow.
+    fn take_step(&mut self, t_end: f64) -> Result<(), Error> {
+        self.expansion.complete(self.problem, self.mode, self.t, &mut self.y);
+        self.stats.work.n_rhs += 1;
+        self.guards.forget();
+        (self.step.t0, self.step.t0_low) = (self.t.hi(), self.t.lo());
+        for (rounded_y, y) in self.step.y.iter_mut().zip(&self.y) {
+            *rounded_y = rounded::<P, _>(y);
+        }
+        let reach = order::reach(&self.step.y, &self.tolerance);
+        let Some(Reach { degree, mut h }) = reach else {
+            let point = self.point();
+            check_finite(&point, &self.step.y[MAX_ORDER])?;
+            return Err(self.underflow(0.0));
+        };
+        self.step.degree = degree;
+        let span = TwoFloat::from(t_end) - self.t;
+        loop {
+            let is_last = h >= span.value().abs();
+            let ahead = self.t + h.copysign(span.value());
+            let t1 = if is_last { TwoFloat::from(t_end) } else { ahead };
+            if t1.value() == self.step.t0 {
+                return Err(self.underflow(h));
+            }
+            if self.attempt(t1) <= 1.0 {
+                return check_finite(&self.point(), &self.step.y1);
+            }
+            self.stats.n_rejected += 1;
+            h = 0.5 * (t1 - self.t).value().abs();
+        }
+    }
+
+    fn underflow(&self, h: f64) -> Error {
+        Error::StepUnderflow { t: self.t.value(), h, mode: format!("{:?}", self.mode) }
+    }
+
+    /// Sums the series at `t1`; the norm of the error that its defect there tells.
+    fn attempt(&mut self, t1: TwoFloat) -> f64 {
+        let (size, degree) = (t1 - self.t, self.step.degree);
+        self.t1 = t1;
+        let n = self.problem.dim();
+        let mut defect = rounded::<P, _>(&self.y1);
+        let mut ends = vec![TwoFloat::from(0.0); n];
+        for i in 0..n {
+            let (mut y, mut slope) = (TwoFloat::from(0.0), TwoFloat::from(0.0));
+            for c in self.y[..=degree].iter().rev() {
+                slope = slope * size + y;
+                y = y * size + c.as_ref()[i];
+            }
+            self.y1.as_mut()[i] = y;
+            ends[i] = slope;
+        }
+        self.expansion.begin(self.problem, self.mode, self.t1, &self.y1, &mut self.slope1);
+        self.step.t1 = self.t1.value();
+        self.step.y1 = rounded::<P, _>(&self.y1);
+        self.step.slope1 = rounded::<P, _>(&self.slope1);
+        let share = size.value() / (degree + 1) as f64;
+        for (i, defect) in defect.as_mut().iter_mut().enumerate() {
+            *defect = share * (ends[i] - self.slope1.as_ref()[i]).value();
+        }
+        let (y0, y1) = (self.step.y[0].as_ref(), self.step.y1.as_ref());
+        self.tolerance.norm(defect.as_ref(), y0, y1)
+    }
+
+    /// Cuts the step at the zero of the guard that falls first on it; that guard.
+    fn locate(&mut self) -> Result<Option<usize>, Error> {
+        let (problem, mode) = (self.problem, self.mode);
+        loop {
+            let polynomial = (self.t, &self.y[..], self.step.degree);
+            let falls = self.guards.first_to_fall(
+                problem,
+                mode,
+                &self.step,
+                polynomial,
+                &mut self.watch,
+            )?;
+            let Some(Fall { guard, t, violated_at }) = falls else { return Ok(None) };
+            if violated_at != self.step.t1 {
+                let t1 = self.t1;
+                self.attempt(TwoFloat::from(violated_at));
+                if self.watch.violated(problem, mode, violated_at, &self.step.y1)?.is_none() {
+                    self.attempt(t1);
+                    self.watch.disprove_dip(guard);
+                    continue;
+                }
+            }
+            let zero = self.zero_of(guard, TwoFloat::from(t) - self.t);
+            self.attempt(self.t + zero);
+            return Ok(Some(guard));
+        }
+    }
+
+    /// The zero of `guard` near `s` from the start of the step, by Newton's iteration on the guard itself
+    /// along the series of the state, as long as it closes in.
+    fn zero_of(&self, guard: usize, s: TwoFloat) -> TwoFloat {
+        let n = self.problem.n_guards();
+        let mut g = P::Guards::<TwoFloat>::from_fn(n, |_| TwoFloat::from(0.0));
+        let mut y = self.y1.clone();
+        let close = PRECISION * self.step.t1.abs().max(self.step.t0.abs());
+        let (mut zero, mut last) = (s, f64::INFINITY);
+        for _ in 0..MOST_ITERATIONS {
+            y.clone_from(&self.y[self.step.degree]);
+            for c in self.y[..self.step.degree].iter().rev() {
+                for (y, c) in y.as_mut().iter_mut().zip(c.as_ref()) {
+                    *y = *y * zero + *c;
+                }
+            }
+            self.problem.guards(self.mode, self.t + zero, &y, &mut g);
+            let rate = self.guards.rate(guard, zero.value(), self.step.degree);
+            let correction = g.as_ref()[guard] / rate;
+            let size = correction.value().abs();
+            let next = zero - correction;
+            let is_before = (next.value() < 0.0) != (s.value() < 0.0);
+            // False for what is not a number.
+            let closes_in = size < CONTRACTION * last;
+            if !closes_in || is_before {
+                break;
+            }
+            (zero, last) = (next, size);
+            if size <= close {
+                break;
+            }
+        }
+        zero
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problems::{BouncingBall, CompliantBall, Exit};
+
+    fn ends_at<P: System>(problem: &P, y0: P::State<f64>, t_end: f64, rtol: f64) -> Vec<TwoFloat> {
+        let tolerance = Tolerance { rtol, atol: vec![rtol; problem.dim()] };
+        let mut run = ExtendedIntegration::new(problem, 0.0, &y0, tolerance).unwrap();
+        assert_eq!(run.run(t_end, &mut ()), Ok(Outcome::Finished));
+        assert_eq!(run.t, TwoFloat::from(t_end));
+        run.state().as_ref().to_vec()
+    }
+
+    #[test]
+    fn bounces_are_exact_to_thirty_digits() {
+        let ball = BouncingBall { restitution: 0.75, gravity: 9.81, height: 1.3 };
+        let end = ends_at(&ball, ball.start(), 2.0, 1e-24);
+        // The closed form after three bounces, in decimals of fifty digits.
+        let exact = [
+            (0.19725779362559154, -1.158941531916326e-17),
+            (0.8181210843127956, 4.179952327285011e-18),
+        ];
+        for (found, (hi, lo)) in end.iter().zip(exact) {
+            let exact = TwoFloat::new_add(hi, lo);
+            // Measured: 6e-33.
+            assert!((*found - exact).abs() < 6e-32, "{found:?}, {exact:?}");
+        }
+    }
+
+    #[test]
+    fn error_follows_the_tolerance_far_below_that_of_an_f64() {
+        let (exit, start) = (Exit::Penetration, [0.5, 2.0]);
+        let ball =
+            CompliantBall { mass: 1.0, stiffness: 100.0, damping: 4.0, exit, gap: 1.0, start };
+        let run = |rtol| ends_at(&ball, start, 2.0, rtol);
+        let exact = run(1e-28);
+        for rtol in [1e-16, 1e-20, 1e-24] {
+            for (found, exact) in run(rtol).iter().zip(&exact) {
+                let error = (*found - *exact).abs().hi();
+                assert!(error < 10.0 * rtol, "{error:e} at {rtol:e}");
+            }
+        }
+    }
+}
