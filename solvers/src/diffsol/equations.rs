@@ -1,6 +1,6 @@
 //! A [`System`] in one mode, as `diffsol` wants its equations.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 use diffsol::{
     ConstantOp, Matrix as _, NalgebraContext, NalgebraMat, NalgebraVec, NonLinearOp,
@@ -18,6 +18,8 @@ pub(crate) struct Equations<'p, P: System> {
     pub(crate) problem: &'p P,
     pub(crate) mode: P::Mode,
     pub(crate) y0: P::State<f64>,
+    /// The slope last evaluated.
+    pub(crate) slope: RefCell<P::State<f64>>,
     pub(crate) n_rhs: Cell<u64>,
     pub(crate) n_jac: Cell<u64>,
     /// The state whose slope was not finite when last evaluated.
@@ -33,6 +35,7 @@ impl<'p, P: System> Equations<'p, P> {
         Self {
             problem,
             mode,
+            slope: RefCell::new(y0.clone()),
             y0,
             n_rhs,
             n_jac,
@@ -44,9 +47,11 @@ impl<'p, P: System> Equations<'p, P> {
 }
 
 /// The state in `x`.
+#[inline]
 pub(crate) fn state<P: System>(problem: &P, x: &V) -> P::State<f64> {
-    let x = x.inner();
-    P::State::from_fn(problem.dim(), |i| x[i])
+    let n = problem.dim();
+    let x = &x.inner().as_slice()[..n];
+    P::State::from_fn(n, |i| x[i])
 }
 
 impl<P: System> Op for Equations<'_, P> {
@@ -108,11 +113,10 @@ impl<P: System> ConstantOp for &Equations<'_, P> {
 impl<P: System> NonLinearOp for &Equations<'_, P> {
     fn call_inplace(&self, x: &V, t: f64, y: &mut V) {
         self.n_rhs.set(self.n_rhs.get() + 1);
-        let mut dydt = self.y0.clone();
-        self.problem.rhs(self.mode, t, &state(self.problem, x), &mut dydt);
-        let non_finite = dydt.as_ref().iter().position(|d| !d.is_finite());
-        self.non_finite.set(non_finite);
-        y.inner_mut().as_mut_slice().copy_from_slice(dydt.as_ref());
+        let slope = &mut *self.slope.borrow_mut();
+        self.problem.rhs(self.mode, t, &state(self.problem, x), slope);
+        self.non_finite.set(slope.as_ref().iter().position(|d| !d.is_finite()));
+        y.inner_mut().as_mut_slice().copy_from_slice(slope.as_ref());
     }
 }
 

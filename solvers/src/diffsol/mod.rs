@@ -5,9 +5,10 @@
 //! interpolant, so an event time is as good as that interpolant and no better.
 
 mod equations;
+mod lu;
 
 use diffsol::{
-    DiffsolError, NalgebraLU, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState,
+    DiffsolError, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState,
     OdeSolverStopReason, VectorCommon,
 };
 
@@ -20,6 +21,7 @@ use crate::step::Step;
 use crate::system::System;
 use crate::tolerance::Tolerance;
 use equations::{Equations, M, V, state};
+use lu::Lu;
 
 /// Span that `diffsol` takes for none, as a fraction of the time.
 const RESOLUTION: f64 = 100.0 * f64::EPSILON;
@@ -144,13 +146,13 @@ impl<P: System> DiffsolSolver<P> {
             let at_end = reason? == OdeSolverStopReason::TstopReached;
             let y1 = state(problem, solver.state().y);
             check_finite(point, &y1)?;
-            // The solver's own slope is a difference quotient, of first order only.
+            let reached = solver.state().t;
+            // One last correction of the iteration away from that at the end, and already there.
+            let slope1 = equations.slope.borrow().clone();
             let slope = |t: f64| match solver.interpolate_dy(t) {
                 Ok(slope) => Ok(state(problem, &slope)),
                 Err(error) => Err(failure(point, &error)),
             };
-            let reached = solver.state().t;
-            let slope1 = slope(reached)?;
             let interpolant = |t: f64, y: &mut P::State<f64>| {
                 let past = (t - reached) * (t_end - point.t) > 0.0;
                 match solver.interpolate(if past { reached } else { t }) {
@@ -163,18 +165,22 @@ impl<P: System> DiffsolSolver<P> {
             let (t0, y0) = (point.t, &point.y);
             let mut step = SolverStep { interpolant, t0, t1, y0, y1, slope0, slope1 };
             let mut landed_on = None;
-            // A dip of the interpolant cannot be checked by retaking the step.
-            let doubt = Some(&self.tolerance);
-            if !self.watch.is_clear(problem, mode, &step)
-                && let Some(fall) =
-                    self.watch.first_to_fall(problem, mode, &step, f64::EPSILON, doubt)?
-            {
-                let mut y = step.y1.clone();
-                step.interpolate(fall.t, &mut y);
-                check_finite(point, &y)?;
-                (step.t1, step.y1) = (fall.t, y);
-                step.slope1 = slope(fall.t)?;
-                landed_on = Some(fall.guard);
+            if !self.watch.is_clear(problem, mode, &step) {
+                // The search is one of the interpolant, and goes by its slopes.
+                (step.slope0, step.slope1) = (slope(t0)?, slope(reached)?);
+                self.watch.start_at(problem, mode, t0, y0, &step.slope0);
+                self.watch.rates(problem, mode, t1, &step.y1, &step.slope1);
+                // A dip of it cannot be checked by retaking the step.
+                let doubt = Some(&self.tolerance);
+                let fall = self.watch.first_to_fall(problem, mode, &step, f64::EPSILON, doubt)?;
+                if let Some(fall) = fall {
+                    let mut y = step.y1.clone();
+                    step.interpolate(fall.t, &mut y);
+                    check_finite(point, &y)?;
+                    (step.t1, step.y1) = (fall.t, y);
+                    step.slope1 = slope(fall.t)?;
+                    landed_on = Some(fall.guard);
+                }
             }
             let go_on = record.step(&Accepted { mode, step: &step, landed_on, stats });
             let SolverStep { t1, y1, slope1, .. } = step;
@@ -223,13 +229,13 @@ impl<P: System> PhaseSolver<P> for DiffsolSolver<P> {
         }
         match self.scheme {
             DiffsolScheme::Bdf => {
-                advance!(built.bdf_solver::<LU>(started(&built, point, span, order)?))
+                advance!(built.bdf_solver::<Lu>(started(&built, point, span, order)?))
             }
             DiffsolScheme::TrBdf2 => {
-                advance!(built.tr_bdf2_solver::<LU>(started(&built, point, span, order)?))
+                advance!(built.tr_bdf2_solver::<Lu>(started(&built, point, span, order)?))
             }
             DiffsolScheme::Esdirk34 => {
-                advance!(built.esdirk34_solver::<LU>(started(&built, point, span, order)?))
+                advance!(built.esdirk34_solver::<Lu>(started(&built, point, span, order)?))
             }
             DiffsolScheme::Tsit45 => {
                 advance!(built.tsit45_solver(started(&built, point, span, order)?))
@@ -237,9 +243,6 @@ impl<P: System> PhaseSolver<P> for DiffsolSolver<P> {
         }
     }
 }
-
-/// The linear solver for a dozen states.
-type LU = NalgebraLU<f64>;
 
 /// A state of `diffsol` at the start of `built`, with a first step over `span` for a method of `order`.
 fn started<P: System, S: OdeSolverState<V>>(
