@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! deltazero-peers [--out FOLDER] [--native COMMAND]... [--plain COMMAND]... [--only WORD]
-//!                 [--hand-over FOLDER]
+//!                 [--method NAME] [--hand-over FOLDER]
 //! ```
 //!
 //! Two variables of the environment, in seconds on the processor: `PEERS_BUDGET` for the repeats of each
@@ -40,6 +40,8 @@ struct Asked {
     scripts: Vec<(Build, String)>,
     /// Only tools with this in their name.
     only: Option<String>,
+    /// Only the method of this name.
+    method: Option<String>,
     effort: Effort,
     /// Measure ours and the hand-written code alone, and hand them over in this folder.
     hand_over: Option<PathBuf>,
@@ -51,6 +53,7 @@ impl Asked {
             out: Path::new(env!("CARGO_MANIFEST_DIR")).join("results"),
             scripts: Vec::new(),
             only: None,
+            method: None,
             effort: Effort {
                 per_run: seconds("PEERS_BUDGET", 0.3)? / 3,
                 rounds: 3,
@@ -65,6 +68,7 @@ impl Asked {
                 "--native" => asked.scripts.push((Build::Native, value)),
                 "--plain" => asked.scripts.push((Build::Plain, value)),
                 "--only" => asked.only = Some(value),
+                "--method" => asked.method = Some(value),
                 "--hand-over" => asked.hand_over = Some(value.into()),
                 _ => return Err(format!("unknown: {key}").into()),
             }
@@ -91,6 +95,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     entries.extend(tools::crates(&problem));
     if let Some(only) = &asked.only {
         entries.retain(|entry| entry.label.tool.contains(only.as_str()));
+    }
+    if let Some(method) = &asked.method {
+        entries.retain(|entry| entry.label.method == *method);
     }
     eprintln!("{} runs in Rust, {} build", entries.len(), Build::own().name());
     let mut rows = measure(&problem, &entries, asked.effort);
@@ -121,7 +128,7 @@ fn write(out: &Path, rows: &[Row]) -> Result<(), Box<dyn Error>> {
         text,
         "The fastest run of each method at or below each error: time [ms] (right-hand sides of one joint; \
          contacts begun and ended, of 52, and slip reversals, of 8, as −missed +spurious where not right). \
-         —: never reached.\n\n{}\n## Ours over the hand-written code, at equal error\n\n{}\n## Measured on\n\n{}\n\
+         —: never reached.\n\n{}\n## Ours over others, at equal error\n\n{}\n## Measured on\n\n{}\n\
          ![time against error, the best of each tool](peers.png)\n",
         table::methods(rows),
         table::ratios(rows),

@@ -1,4 +1,4 @@
-//! `peers.md`: the fastest run of each method at four errors, and what generality costs.
+//! `peers.md`: the fastest run of each method at four errors, and ours over others at equal error.
 
 use std::fmt::Write;
 
@@ -7,10 +7,16 @@ use crate::row::{Build, Row};
 
 /// Errors at which the fastest runs are shown.
 const ERRORS: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
-/// Errors at which ours are compared with the hand-written code.
-const COMPARED: [f64; 2] = [1e-6, 1e-9];
-/// The two methods that are written by hand.
-const BY_HAND: [&str; 2] = ["rk45", "dop853"];
+/// With what ours are compared at equal error: the tool, the methods, the errors. The two that are written by
+/// hand, and `diffsol`'s, which ours run and their own users call directly.
+const COMPARED: [(&str, &[&str], &[f64]); 2] = [
+    ("hand-written", &["rk45", "dop853"], &[1e-6, 1e-9]),
+    (
+        "diffsol",
+        &["bdf", "tr_bdf2", "esdirk34", "tsit45"],
+        &[1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9],
+    ),
+];
 
 /// The fastest row with an error of at most `e`.
 pub(crate) fn fastest<'r>(rows: impl IntoIterator<Item = &'r Row>, e: f64) -> Option<&'r Row> {
@@ -111,31 +117,34 @@ fn time_at(rows: &[&Row], e: f64) -> Option<f64> {
     Some((t0.ln() + part * (t1 / t0).ln()).exp())
 }
 
-/// Ours over the hand-written code at equal error.
+/// Ours over the same methods of others, at equal error, events located.
 pub(crate) fn ratios(rows: &[Row]) -> String {
     let mut table = String::from(
-        "| method | build | e | ours [ms] | by hand [ms] | ratio |\n|---|---|---|---|---|---|\n",
+        "| method | build | e | ours [ms] | theirs [ms] | ratio |\n|---|---|---|---|---|---|\n",
     );
-    for method in BY_HAND {
-        for build in [Build::Plain, Build::Native] {
-            for e in COMPARED {
-                let of = |tool: &str| {
-                    let own: Vec<&Row> = rows
-                        .iter()
-                        .filter(|row| row.label.tool == tool && row.label.method == method)
-                        .filter(|row| row.build == build && row.label.handling == Handling::Located)
-                        .collect();
-                    time_at(&own, e)
-                };
-                if let (Some(ours), Some(by_hand)) = (of("deltazero"), of("hand-written")) {
-                    let _ = writeln!(
-                        table,
-                        "| {method} | {} | {e:e} | {} | {} | {:.2} |",
-                        build.name(),
-                        three_digits(ours),
-                        three_digits(by_hand),
-                        ours / by_hand
-                    );
+    let located = |tool: &str, method: &str, build: Build, e: f64| {
+        let own: Vec<&Row> = rows
+            .iter()
+            .filter(|row| row.label.tool == tool && row.label.method == method)
+            .filter(|row| row.build == build && row.label.handling == Handling::Located)
+            .collect();
+        time_at(&own, e)
+    };
+    for (tool, methods, errors) in COMPARED {
+        for method in methods {
+            for build in [Build::Plain, Build::Native] {
+                for &e in errors {
+                    let time = |tool: &str| located(tool, method, build, e);
+                    if let (Some(ours), Some(theirs)) = (time("deltazero"), time(tool)) {
+                        let _ = writeln!(
+                            table,
+                            "| {method}, {tool} | {} | {e:e} | {} | {} | {:.2} |",
+                            build.name(),
+                            three_digits(ours),
+                            three_digits(theirs),
+                            ours / theirs
+                        );
+                    }
                 }
             }
         }
