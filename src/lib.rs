@@ -41,7 +41,7 @@
 //! | [`model`] | the mechanism as two hybrid systems; no time, no loop |
 //! | [`run`] | one run by one method at one setting |
 //! | [`energy_balance`] | a recorder: where the energy of a run went |
-//! | [`metrics`] | errors of states, event sequences and event times |
+//! | [`metrics`] | errors of states, events and contacts; where the work went |
 //! | [`reference`](mod@reference) | the run that errors are measured against, and its own error |
 //! | [`study`] | the experiments, each a function from a configuration to a table |
 //! | [`figures`] | the figures, each a function from a table to a chart |
@@ -52,6 +52,7 @@ pub mod energy_balance;
 pub mod figures;
 pub mod metrics;
 pub mod model;
+mod quadrature;
 pub mod reference;
 pub mod report;
 pub mod run;

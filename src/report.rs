@@ -1,13 +1,16 @@
 //! Tables to text: Markdown and CSV.
 
+mod runs;
 pub mod steps;
+
+pub use runs::study_csv;
 
 use std::fmt::Write as _;
 
 use crate::figures::Drawing;
 use crate::model::Block;
 use crate::run::{BlockTrajectory, mode_changes};
-use crate::study::work_precision::{ACCURACIES, Row, WorkPrecision, cheapest};
+use crate::study::work_precision::{ACCURACIES, WorkPrecision, cheapest};
 
 /// A number as it reads back to the same bits; empty for none.
 fn exact(x: Option<f64>) -> String {
@@ -30,45 +33,6 @@ fn field(text: &str) -> String {
     } else {
         text.to_owned()
     }
-}
-
-/// `study.csv`.
-pub fn study_csv(table: &WorkPrecision) -> String {
-    let mut csv = String::from(
-        "reading,method,events,rtol,step,status,e,event_time_error_s,n_events,missed,spurious,\
-         horizon_s,n_rhs,n_accepted,n_rejected,n_jac,n_lin_solves,wall_s_min,wall_s_median,\
-         n_retaken,n_factorisations,n_rhs_restart,n_rhs_location,error\n",
-    );
-    for row in &table.rows {
-        let fields = [
-            row.reading.to_string(),
-            row.method.clone(),
-            row.events.to_string(),
-            exact(row.rtol),
-            exact(row.step),
-            row.status.name().to_owned(),
-            exact(row.e),
-            exact(row.event_time_error_s),
-            count(row.n_events),
-            count(row.missed),
-            count(row.spurious),
-            exact(Some(row.horizon_s)),
-            row.n_rhs.to_string(),
-            row.n_accepted.to_string(),
-            row.n_rejected.to_string(),
-            row.n_jac.to_string(),
-            row.n_lin_solves.to_string(),
-            exact(row.wall_s_min),
-            exact(row.wall_s_median),
-            row.n_retaken.to_string(),
-            row.n_factorisations.to_string(),
-            row.n_rhs_restart.to_string(),
-            row.n_rhs_location.to_string(),
-            field(row.error.as_deref().unwrap_or_default()),
-        ];
-        let _ = writeln!(csv, "{}", fields.join(","));
-    }
-    csv
 }
 
 /// The answer in one table: the cheapest run at each accuracy.
@@ -105,67 +69,26 @@ pub fn answer(table: &WorkPrecision) -> String {
     text
 }
 
-/// All runs as a table.
-fn runs(rows: &[Row]) -> String {
-    let mut text = String::from(
-        "| method | events | setting | status | e | event time error [s] | missed | spurious | n_rhs | \
-         of restarts | of location | steps | rejected | retaken | Jacobians | factorisations | \
-         linear solves | time min [ms] | median [ms] |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    let milliseconds = |wall: Option<f64>| {
-        wall.map_or_else(|| "–".to_owned(), |wall| format!("{:.2}", 1e3 * wall))
-    };
-    for row in rows {
-        let status = match &row.error {
-            None => row.status.name().to_owned(),
-            Some(error) => format!("{}: {error}", row.status.name()),
-        };
-        let _ = writeln!(
-            text,
-            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
-            row.method,
-            row.events,
-            row.setting(),
-            status,
-            rounded(row.e, 2),
-            rounded(row.event_time_error_s, 2),
-            count(row.missed),
-            count(row.spurious),
-            row.n_rhs,
-            row.n_rhs_restart,
-            row.n_rhs_location,
-            row.n_accepted,
-            row.n_rejected,
-            row.n_retaken,
-            row.n_jac,
-            row.n_factorisations,
-            row.n_lin_solves,
-            milliseconds(row.wall_s_min),
-            milliseconds(row.wall_s_median),
-        );
-    }
-    text
-}
-
 /// `study.md`: the answer, the figures, every run.
 pub fn study_markdown(reading: &str, table: &WorkPrecision, drawings: &[Drawing]) -> String {
     let reference = &table.reference;
     let mut text = format!(
         "# Which integrator, at which setting, for this contact?\n\nReading `{reading}`.\n\n{}\n\
          e is the worst sample's larger of |Δpin|/c and |Δθ|/{:.4} rad, up to the horizon of {} s.\n\
-         Reference: {}; a second way ({}) agrees with it to e = {:.1e}{}.\n",
+         Reference: {}; a second run ({}) differs by e = {:.1e}{}, which is its error.\n",
         answer(table),
         reference.theta_scale_rad,
         reference.horizon_s.iter().map(|t| format!("{t}")).collect::<Vec<_>>().join(" and "),
         reference.method,
         reference.check,
         reference.agreement,
-        reference.event_time_agreement_s.map_or_else(
-            || " but not in its events".to_owned(),
-            |t| format!(", event times to {t:.1e} s")
-        ),
+        reference
+            .event_time_agreement_s
+            .map_or_else(String::new, |t| format!(" and {t:.1e} s in event times")),
     );
+    for limit in reference.limits() {
+        let _ = writeln!(text, "\n- {limit}");
+    }
     for drawing in drawings {
         let _ = write!(
             text,
@@ -173,7 +96,11 @@ pub fn study_markdown(reading: &str, table: &WorkPrecision, drawings: &[Drawing]
             drawing.figure.title, drawing.name, drawing.caption
         );
     }
-    let _ = write!(text, "\n## All runs\n\n{}", runs(&table.rows));
+    let rows = &table.rows;
+    let _ = write!(text, "\n## All runs\n\n{}", runs::runs(rows));
+    let _ = write!(text, "\n## Further errors\n\n{}", runs::errors(rows));
+    let _ = write!(text, "\n## Where the work goes\n\n{}", runs::work(rows));
+    let _ = write!(text, "\n## Columns of study.csv\n\n{}", runs::columns());
     text
 }
 

@@ -10,6 +10,8 @@ use deltazero_solvers::{
     Record, Stats, Switch, System, Tolerance, Trajectory, Unblind,
 };
 
+use serde::{Deserialize, Serialize};
+
 use crate::config::{Atol, Config, Events};
 use crate::model::{Block, Mechanism, Mode, State};
 
@@ -175,6 +177,15 @@ fn finished<P: System<State<f64> = State<f64>>>(
     }
 }
 
+/// The mode that `block` is computed in at `(t, y)`, inside a step begun in `mode`: this very one where
+/// events are located, and what the state says where they are not.
+pub fn mode_within(block: &Block, events: Events, mode: Mode, t: f64, y: &State<f64>) -> Mode {
+    match events {
+        Events::Located => mode,
+        Events::Blind => block.mode_of_state(t, y),
+    }
+}
+
 /// Samples and events of a block.
 pub type BlockTrajectory = Trajectory<State<f64>, Mode>;
 
@@ -187,9 +198,16 @@ pub struct Limits<'a> {
     pub stop: &'a AtomicBool,
 }
 
+impl Limits<'_> {
+    /// Whether it was interrupted from outside.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
 impl Record<Block> for Limits<'_> {
     fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
-        if accepted.stats.work.n_rhs > self.max_rhs || self.stop.load(Ordering::Relaxed) {
+        if accepted.stats.work.n_rhs > self.max_rhs || self.is_stopped() {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
@@ -261,7 +279,7 @@ impl Run {
 }
 
 /// A row of the events file: a switch of the mode as the files write it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModeChange {
     /// Time [s].
     pub t: f64,

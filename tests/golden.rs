@@ -7,8 +7,11 @@ use std::sync::atomic::AtomicBool;
 
 use common::{Golden, config, located, run, setting};
 use deltazero::config::Events;
+use deltazero::metrics::{match_events, sample_error};
 use deltazero::model::Mechanism;
+use deltazero::reference::counted;
 use deltazero::run::{Accuracy, Limits, Run, Setting};
+use deltazero::study::work_precision::reference;
 use deltazero_solvers::Grid;
 
 struct Bound {
@@ -61,6 +64,37 @@ fn taylor_at_1e_12_reproduces_both() {
     // Measured: e = 8.8e-13 and 1.5e-13, event times to 1.4e-11 s.
     for reading in ["pin", "full"] {
         reproduces(reading, &located("taylor", 1e-12), &Bound { e: 8e-12, event_time: 9e-11 });
+    }
+}
+
+#[test]
+fn the_reference_reproduces_both_and_states_its_true_error() {
+    for reading in ["pin", "full"] {
+        let golden = Golden::read(&format!("{reading}_table1"));
+        let config = config(&[&format!("reading={reading}")]);
+        let mechanism = Mechanism::new(&config);
+        let reference = reference(&config, &AtomicBool::new(false)).unwrap();
+        let (mut e, mut late) = (0.0_f64, 0.0_f64);
+        for (i, own) in reference.blocks.iter().enumerate() {
+            let block = &mechanism.blocks[i];
+            assert_eq!(own.samples.len(), golden.states[i].len());
+            for (y, (_, _, golden)) in own.samples.iter().zip(&golden.states[i]) {
+                e = e.max(sample_error(&block.in_paper_order(y), golden, own.scale));
+            }
+            let exact = counted(&golden.events[i], block);
+            let events = match_events(&counted(&own.events, block), &exact);
+            assert_eq!((events.missed, events.spurious), (0, 0), "joint {}", i + 1);
+            late = late.max(events.time_error);
+        }
+        // Measured: e = 1.1e-14 and 6.3e-15, event times to 2.5e-13 and 9.3e-13 s.
+        assert!(e <= 1e-13 && late <= 4e-12, "{reading}: {e:e} and {late:e} s");
+        // Measured: 0.95 and 1.4 of the true error, 1.7 and 0.66 of that of the event times.
+        let stated =
+            [reference.summary.agreement, reference.summary.event_time_agreement_s.unwrap()];
+        for (stated, truth) in stated.iter().zip([e, late]) {
+            let factor = stated / truth;
+            assert!((0.1..=10.0).contains(&factor), "{reading}: {stated:e} for {truth:e}");
+        }
     }
 }
 

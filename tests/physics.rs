@@ -9,13 +9,13 @@ use deltazero::energy_balance::{Balance, EnergyBalance};
 use deltazero::metrics::log_log_slope;
 use deltazero::model::{Mechanism, Mode};
 use deltazero::run::{Accuracy, Setting, integrate};
-use deltazero_solvers::{Outcome, System};
+use deltazero_solvers::Outcome;
 
 fn balance(config: &Config, setting: &Setting) -> Balance {
     let mut sum = Balance::default();
     for block in &Mechanism::new(config).blocks {
         let y0 = block.initial_state();
-        let mut record = EnergyBalance::new(block, block.initial_mode(0.0, &y0), &y0);
+        let mut record = EnergyBalance::new(block, setting.events, &y0);
         let run = integrate(block, setting, y0, config.run.t_end, &mut record);
         assert!(run.outcome.is_ok(), "{:?}", run.outcome);
         sum += record.at(run.mode, &run.y);
@@ -25,8 +25,8 @@ fn balance(config: &Config, setting: &Setting) -> Balance {
 
 #[test]
 fn energy_balances_in_the_consistent_readings() {
-    // Measured: 6.5e-14 and 2.0e-14.
-    for (reading, bound) in [("pin", 6e-13), ("full", 2e-13)] {
+    // Measured: 5.4e-14 and 2.2e-14.
+    for (reading, bound) in [("pin", 5e-13), ("full", 2e-13)] {
         let config = config(&[&format!("reading={reading}")]);
         let balance = balance(&config, &located("rk45", 1e-10));
         let relative = (balance.residual / balance.work).abs();
@@ -54,8 +54,8 @@ fn the_inconsistent_readings_do_not_balance() {
 
 #[test]
 fn energy_balances_without_adhesion_and_with_a_hertzian_law() {
-    // Measured: 7.7e-14 and 6.3e-13.
-    for (set, bound) in [("contact.adhesion=false", 7e-13), ("contact.exponent=1.5", 6e-12)] {
+    // Measured: 5.5e-14 and 6.3e-13.
+    for (set, bound) in [("contact.adhesion=false", 5e-13), ("contact.exponent=1.5", 6e-12)] {
         let balance = balance(&config(&[set]), &located("rk45", 1e-10));
         let relative = (balance.residual / balance.work).abs();
         assert!(relative < bound, "{set}: {relative:e}");

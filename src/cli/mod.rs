@@ -4,6 +4,7 @@ mod config;
 mod methods;
 mod output;
 mod progress;
+mod reference;
 mod simulate;
 mod study;
 

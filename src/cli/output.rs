@@ -61,7 +61,12 @@ impl Output {
     }
 
     fn read(&self, name: &str) -> Option<Value> {
-        serde_json::from_slice(&fs::read(self.dir.join(name)).ok()?).ok()
+        serde_json::from_slice(&self.bytes(name)?).ok()
+    }
+
+    /// A file of an earlier run, if it is there and can be read.
+    pub(super) fn bytes(&self, name: &str) -> Option<Vec<u8>> {
+        fs::read(self.dir.join(name)).ok()
     }
 
     /// Writes a file: under another name first, then renamed.

@@ -7,11 +7,12 @@ use std::time::Duration;
 use clap::Args;
 use deltazero::config::Config;
 use deltazero::energy_balance::{Balance, EnergyBalance};
+use deltazero::metrics::work::WorkByPhase;
 use deltazero::model::{Block, Mechanism, Mode};
 use deltazero::reference::counted;
 use deltazero::report;
 use deltazero::run::{BlockRun, BlockTrajectory, Limits, Setting, integrate, mode_changes};
-use deltazero_solvers::{Grid, Outcome, Stats, System, Trajectory, Work, WorkByKind};
+use deltazero_solvers::{Grid, Outcome, Stats, Trajectory, WorkByKind};
 use serde_json::{Value, json};
 
 use super::output::{Output, hash};
@@ -85,7 +86,7 @@ fn simulate<'a>(
     stop: &AtomicBool,
 ) -> Simulated<'a> {
     let (y0, t_end) = (block.initial_state(), config.run.t_end);
-    let balance = EnergyBalance::new(block, block.initial_mode(0.0, &y0), &y0);
+    let balance = EnergyBalance::new(block, setting.events, &y0);
     let trajectory = Trajectory::on(Grid::uniform(config.run.sample, t_end));
     let limits = Limits { max_rhs: u64::MAX, stop };
     let work = WorkByKind::new(Mode::phase);
@@ -124,9 +125,11 @@ fn run_json(
     blocks: &[Simulated<'_>],
 ) -> Value {
     let (mut stats, mut balance) = (Stats::default(), Balance::default());
+    let mut work = Vec::new();
     for block in blocks {
         stats += block.run.stats;
         balance += block.balance;
+        work.extend_from_slice(&block.work);
     }
     let n_events: usize = blocks
         .iter()
@@ -161,46 +164,12 @@ fn run_json(
         "version": env!("CARGO_PKG_VERSION"),
         "wall_s": blocks.iter().map(|block| block.wall).sum::<Duration>().as_secs_f64(),
         "counts": counts,
-        "work_by_phase": work_by_phase(blocks),
+        "work_by_phase": WorkByPhase::new(&work),
         "energy": balance,
         "reached_90_s": blocks.iter().filter_map(reached).collect::<Vec<_>>(),
         "outcome": outcome(blocks),
         "error": error,
     })
-}
-
-/// The work of stepping in each phase, and that of all restarts and of all locations: together that of
-/// `counts`, but for a step that failed.
-fn work_by_phase(blocks: &[Simulated<'_>]) -> Value {
-    let counts = |work: Work| {
-        json!({
-            "n_rhs": work.n_rhs,
-            "n_jac": work.n_jac,
-            "n_factorisations": work.n_factorisations,
-            "n_lin_solves": work.n_lin_solves,
-        })
-    };
-    let mut all = serde_json::Map::new();
-    let mut sum = Stats::default();
-    for phase in ["pinned", "flight", "contact", "stick"] {
-        let mut own = Stats::default();
-        let of_phase = blocks.iter().flat_map(|block| &block.work).filter(|(of, _)| *of == phase);
-        of_phase.for_each(|(_, stats)| own += *stats);
-        if own == Stats::default() {
-            continue;
-        }
-        let mut row = counts(own.stepping());
-        row["n_accepted"] = own.n_accepted.into();
-        row["n_rejected"] = own.n_rejected.into();
-        row["n_events"] = own.n_events.into();
-        all.insert(phase.to_owned(), row);
-        sum += own;
-    }
-    all.insert("restart".to_owned(), counts(sum.restart));
-    let mut location = counts(sum.location);
-    location["n_retaken"] = sum.n_retaken.into();
-    all.insert("location".to_owned(), location);
-    Value::Object(all)
 }
 
 /// The message of a failed run: where, in which mode, what to try.

@@ -10,11 +10,12 @@ use deltazero::report;
 use deltazero::run::Limits;
 use deltazero::study::motion::motion;
 use deltazero::study::step_tables::StepTables;
-use deltazero::study::work_precision::{Row, Status, WorkPrecision, work_precision};
+use deltazero::study::work_precision::{Row, Status, WorkPrecision, against};
 use serde_json::{Value, json};
 
 use super::output::{Output, hash};
 use super::progress::Bar;
+use super::reference::reference;
 use super::{Failure, RunArgs, print, say};
 
 /// What an interrupted study leaves.
@@ -32,22 +33,23 @@ pub(super) struct StudyArgs {
 pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut config = args.run.load()?;
     let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out"));
-    let hash = hash("study", &json_without_threads(&config));
+    let hash = hash("study", &json_of_runs(&config)?);
     let output = Output::open(&dir, hash, args.run.force)?;
     if let Some(threads) = args.threads {
         config.study.threads = usize::from(threads);
     }
     let bar = Bar::new(args.run.quiet);
     let known = unfinished_rows(&output);
-    let table = match work_precision(&config, &known, stop, &|progress| bar.show(progress)) {
-        Ok(table) => table,
+    let reference = match reference(&output, &config, stop, args.run.quiet) {
+        Ok(reference) => reference,
         Err(_) if stop.load(Ordering::Relaxed) => {
             return Err(Failure::Interrupted(
                 "the reference is not finished; the same command begins it anew",
             ));
         }
-        Err(error) => return Err(Failure::Run(error.to_string())),
+        Err(failure) => return Err(failure),
     };
+    let table = against(&reference, &config, &known, stop, &|progress| bar.show(progress));
     output.write("study.csv", report::study_csv(&table).as_bytes())?;
     write_json(&output, &config, &table, false)?;
     if stop.load(Ordering::Relaxed) {
@@ -75,11 +77,12 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
 }
 
-/// The configuration as results are named by: threads change nothing but the time.
-fn json_without_threads(config: &Config) -> Value {
-    let mut config = config.clone();
-    config.study.threads = 1;
-    config.to_json()
+/// The configuration as results are named by: threads change nothing but the time, the axes of a figure
+/// no run.
+fn json_of_runs(config: &Config) -> Result<Value, Failure> {
+    let (mut config, default) = (config.clone(), Config::table1()?.study);
+    (config.study.threads, config.study.x, config.study.y) = (1, default.x, default.y);
+    Ok(config.to_json())
 }
 
 /// The rows of an earlier study of the same configuration that was interrupted; one that was
@@ -131,7 +134,8 @@ fn write_figures(
     if let Some(motion) = &motion {
         output.write("motion.csv", report::motion_csv(motion).as_bytes())?;
     }
-    let drawings = figures::of_study(table, &steps, motion.as_ref());
+    let mut drawings = figures::of_study(table, &steps, motion.as_ref());
+    drawings.extend(figures::chosen_axes(table, &config.study.x, &config.study.y));
     for drawing in &drawings {
         let fail = |error| Failure::Run(format!("cannot draw {}: {error}", drawing.name));
         let (svg, png) = (drawing.figure.svg().map_err(fail)?, drawing.figure.png().map_err(fail)?);
@@ -145,10 +149,13 @@ fn summarise(output: &Output, table: &WorkPrecision) {
     let count = |status| table.rows.iter().filter(|row| row.status == status).count();
     let (ok, failed, cut) = (count(Status::Ok), count(Status::Failed), count(Status::Cut));
     say(&format!(
-        "{} runs: {ok} ok, {failed} failed, {cut} cut; reference agrees with its check to e = {:.1e}",
+        "{} runs: {ok} ok, {failed} failed, {cut} cut; reference good to e = {:.1e}",
         table.rows.len(),
         table.reference.agreement
     ));
+    for limit in table.reference.limits() {
+        say(&format!("  {limit}"));
+    }
     for row in table.rows.iter().filter(|row| row.status != Status::Ok) {
         let why = row.error.as_deref().unwrap_or("more than study.max_rhs right-hand sides");
         say(&format!("  {} {}, {}: {why}", row.method, row.events, row.setting()));

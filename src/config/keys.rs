@@ -5,7 +5,7 @@
 
 use super::kind::Kind;
 use super::range::Range;
-use super::words::{ContactLaw, Events, FrictionLaw, METHODS, ReadingName};
+use super::words::{AXES, ContactLaw, Events, FrictionLaw, METHODS, ReadingName};
 
 /// One key.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -299,11 +299,27 @@ pub const KEYS: &[Key] = &[
         source: "choice of this study",
     },
     Key {
+        path: "study.x",
+        kind: Kind::Word(AXES),
+        default: Toml("\"n_rhs\""),
+        unit: "",
+        doc: "Column of study.csv along the figure of chosen axes",
+        source: "choice of this study",
+    },
+    Key {
+        path: "study.y",
+        kind: Kind::Word(AXES),
+        default: Toml("\"event_time_error_s\""),
+        unit: "",
+        doc: "Column of study.csv up the figure of chosen axes",
+        source: "choice of this study",
+    },
+    Key {
         path: "study.repeats",
         kind: Kind::Integer(1, 1000),
         default: Toml("3"),
         unit: "",
-        doc: "Repetitions of each run; its time is their minimum and their median",
+        doc: "Timed repetitions of each run; its time is their minimum, their median and their maximum",
         source: "choice of this study",
     },
     Key {

@@ -160,6 +160,10 @@ pub struct Study {
     pub rtol: Vec<f64>,
     /// Steps of the fixed-step methods \[s\].
     pub steps: Vec<f64>,
+    /// Column of `study.csv` along the figure of chosen axes, one of [`AXES`](super::AXES).
+    pub x: String,
+    /// Column up that figure.
+    pub y: String,
     /// Repetitions of each run, whose minimum and median are its time.
     pub repeats: u32,
     /// Runs at the same time; more than one disturbs the timings.

@@ -13,6 +13,38 @@ pub const METHODS: &[&str] = &[
     "esdirk34", "tsit45",
 ];
 
+/// The columns of `study.csv` that `study.x` and `study.y` accept: those of errors and of work.
+pub const AXES: &[&str] = &[
+    "rtol",
+    "step",
+    "e",
+    "event_time_error_s",
+    "e_max",
+    "e_l2",
+    "e_final",
+    "peak_force_error",
+    "contact_impulse_error",
+    "impulse_error",
+    "dissipation_error",
+    "energy_residual",
+    "wall_s_min",
+    "wall_s_median",
+    "wall_s_max",
+    "n_rhs",
+    "n_rhs_flight",
+    "n_rhs_contact",
+    "n_rhs_stick",
+    "n_rhs_restart",
+    "n_rhs_location",
+    "n_rhs_per_event",
+    "n_accepted",
+    "n_rejected",
+    "n_retaken",
+    "n_jac",
+    "n_factorisations",
+    "n_lin_solves",
+];
+
 /// An enum whose variants are words of the configuration, with their list.
 macro_rules! words {
     (

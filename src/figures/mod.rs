@@ -11,6 +11,8 @@ mod step_histogram;
 mod step_size;
 mod work_precision;
 
+pub use work_precision::chosen_axes;
+
 use deltazero_plots::{Axis, Figure, Marker, Series};
 
 use crate::config::Events;

@@ -3,12 +3,15 @@
 use deltazero_plots::{Axis, Figure, LineChart, Size};
 
 use super::{Drawing, curve, groups};
+use crate::study::columns::Column;
 use crate::study::work_precision::{ACCURACIES, Row, WorkPrecision, cheapest};
 
 /// `e` against the shortest time of each run.
 pub(super) fn against_time(table: &WorkPrecision) -> Drawing {
-    let chart =
-        chart(table, "time of the integration [ms]", |row| row.wall_s_min.map(|wall| 1e3 * wall));
+    let x = Axis::log("time of the integration [ms]");
+    let chart = chart(table, x, Axis::log("error e"), |row| {
+        row.wall_s_min.map(|wall| 1e3 * wall).zip(row.e)
+    });
     let winners: Vec<String> = ACCURACIES
         .iter()
         .filter(|e| table.can_decide(**e))
@@ -25,7 +28,8 @@ pub(super) fn against_time(table: &WorkPrecision) -> Drawing {
 
 /// `e` against evaluations of the right-hand side.
 pub(super) fn against_rhs(table: &WorkPrecision) -> Drawing {
-    let chart = chart(table, "right-hand sides of a block, n_rhs", |row| Some(row.n_rhs as f64));
+    let x = Axis::log("right-hand sides of a block, n_rhs");
+    let chart = chart(table, x, Axis::log("error e"), |row| Some(row.n_rhs as f64).zip(row.e));
     let located_wrong = table.rows.iter().filter(|row| row.e.is_some() && !row.events_are_right());
     let caption = format!(
         "Error e against evaluations of the right-hand side, Jacobians and linear algebra not \
@@ -40,7 +44,37 @@ pub(super) fn against_rhs(table: &WorkPrecision) -> Drawing {
     Drawing { name: "work_precision_rhs", caption, figure }
 }
 
-fn chart(table: &WorkPrecision, label: &str, work: impl Fn(&Row) -> Option<f64>) -> LineChart {
+/// Two columns of `study.csv` against each other; none where there is no such column.
+pub fn chosen_axes(table: &WorkPrecision, x: &str, y: &str) -> Option<Drawing> {
+    let (x, y) = (Column::named(x)?, Column::named(y)?);
+    let at = |row: &Row| (x.value)(row).number().zip((y.value)(row).number());
+    let chart = chart(table, Axis::log(x.label()), Axis::log(y.label()), at);
+    let shown = table.rows.iter().filter_map(|row| Some((row, at(row)?)));
+    let lowest = shown.filter(|(_, (_, y))| *y > 0.0).min_by(|a, b| a.1.1.total_cmp(&b.1.1));
+    let finding = lowest.map_or_else(
+        || "No run has both".to_owned(),
+        |(row, (at_x, at_y))| {
+            let (method, events, setting) = (&row.method, row.events, row.setting());
+            let (x, y) = (x.name, y.name);
+            format!("Lowest: {method} {events}, {setting}, {y} = {at_y:.1e} at {x} = {at_x:.1e}")
+        },
+    );
+    let caption = format!(
+        "{} ({}) against {} ({}). {finding}. Chosen by study.y and study.x.",
+        y.name, y.about, x.name, x.about
+    );
+    let title = format!("{} against {}", y.name, x.name);
+    let figure = Figure { size: Size::WIDE, ..Figure::single(title, chart) };
+    Some(Drawing { name: "chosen_axes", caption, figure })
+}
+
+/// The curve of each method, of the points that its rows are `at`.
+fn chart(
+    table: &WorkPrecision,
+    x: Axis,
+    y: Axis,
+    at: impl Fn(&Row) -> Option<(f64, f64)>,
+) -> LineChart {
     let mut methods: Vec<&str> = Vec::new();
     let mut series = Vec::new();
     for (method, events, rows) in groups(&table.rows) {
@@ -48,10 +82,10 @@ fn chart(table: &WorkPrecision, label: &str, work: impl Fn(&Row) -> Option<f64>)
             methods.push(method);
             methods.len() - 1
         });
-        let point = |row: &&Row| work(row).zip(row.e);
-        series.push(curve(method, events, color, rows.iter().filter_map(point).collect()));
+        let points = rows.iter().filter_map(|row| at(row)).collect();
+        series.push(curve(method, events, color, points));
     }
-    LineChart { x: Axis::log(label), y: Axis::log("error e"), series, ..LineChart::default() }
+    LineChart { x, y, series, ..LineChart::default() }
 }
 
 fn winner(rows: &[Row], e: f64) -> String {

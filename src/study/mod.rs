@@ -1,5 +1,7 @@
 //! The experiments, each a function from a configuration to a table.
 
+pub mod columns;
+pub mod measured;
 pub mod motion;
 pub mod proportionality;
 pub mod restarts;

@@ -6,11 +6,12 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use deltazero_solvers::{Grid, Method};
 use serde::{Deserialize, Serialize};
 
+use super::measured::{Errors, Measured};
 use crate::config::{Config, Events, ReadingName};
-use crate::metrics::worse;
+use crate::metrics::work::WorkByPhase;
 use crate::model::Mechanism;
-use crate::reference::{Reference, ReferenceError, ReferenceSummary, counted};
-use crate::run::{Accuracy, Limits, Run, Setting, mode_changes};
+use crate::reference::{Reference, ReferenceError, ReferenceSummary};
+use crate::run::{Accuracy, Limits, Run, Setting};
 
 /// Sample times of a study whose configuration asks for none.
 const DEFAULT_SAMPLES: u32 = 200;
@@ -90,6 +91,14 @@ pub struct Row {
     pub n_rhs_restart: u64,
     /// Evaluations of the right-hand side that located events.
     pub n_rhs_location: u64,
+    /// Longest time of the repeats [s].
+    pub wall_s_max: Option<f64>,
+    /// Further errors.
+    #[serde(flatten)]
+    pub errors: Errors,
+    /// Where the work went.
+    #[serde(default)]
+    pub work_by_phase: WorkByPhase,
     /// Why it failed.
     pub error: Option<String>,
 }
@@ -178,14 +187,39 @@ pub fn work_precision(
     stop: &AtomicBool,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<WorkPrecision, ReferenceError> {
-    let mechanism = Mechanism::new(config);
-    let times = sample_times(config);
+    let reference = reference(config, stop)?;
+    Ok(against(&reference, config, known, stop, progress))
+}
+
+/// The reference of a study.
+///
+/// # Errors
+/// [`ReferenceError`].
+pub fn reference(config: &Config, stop: &AtomicBool) -> Result<Reference, ReferenceError> {
     let limits = Limits { max_rhs: config.study.max_rhs, stop };
-    let reference = Reference::new(&mechanism, config.run.t_end, &times, limits)?;
+    Reference::new(&Mechanism::new(config), config.run.t_end, &sample_times(config), limits)
+}
+
+/// As [`work_precision`], with a reference that is there already.
+pub fn against(
+    reference: &Reference,
+    config: &Config,
+    known: &[Row],
+    stop: &AtomicBool,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> WorkPrecision {
+    let mechanism = Mechanism::new(config);
+    let limits = Limits { max_rhs: config.study.max_rhs, stop };
     let settings = settings(config);
     progress(Progress::Runs(settings.len()));
 
-    let contest = Contest { config, mechanism: &mechanism, reference: &reference, times, limits };
+    let contest = Contest {
+        config,
+        mechanism: &mechanism,
+        reference,
+        grid: Grid::Times(sample_times(config)),
+        limits,
+    };
     let next = AtomicUsize::new(0);
     let rows: Vec<Mutex<Option<Row>>> = settings.iter().map(|_| Mutex::new(None)).collect();
     std::thread::scope(|scope| {
@@ -209,7 +243,7 @@ pub fn work_precision(
         }
     });
     let rows = rows.into_iter().filter_map(|row| row.into_inner().ok().flatten()).collect();
-    Ok(WorkPrecision { reference: reference.summary, rows })
+    WorkPrecision { reference: reference.summary.clone(), rows }
 }
 
 /// All that the runs of a study share.
@@ -217,26 +251,29 @@ struct Contest<'a> {
     config: &'a Config,
     mechanism: &'a Mechanism,
     reference: &'a Reference,
-    times: Vec<f64>,
+    grid: Grid,
     limits: Limits<'a>,
 }
 
 impl Contest<'_> {
+    /// One run measured, then repeated for its time alone.
     fn row(&self, setting: &Setting) -> Row {
-        let grid = Grid::Times(self.times.clone());
         let t_end = self.config.run.t_end;
-        let run = || Run::new(self.mechanism, setting, t_end, &grid, self.limits);
-        let first = run();
-        let stats = first.stats();
-        let status = if first.error().is_some() {
+        let measured =
+            Measured::new(self.mechanism, self.reference, setting, t_end, &self.grid, self.limits);
+        let run = &measured.run;
+        let stats = run.stats();
+        let status = if run.error().is_some() {
             Status::Failed
-        } else if !first.is_broken_off() {
+        } else if !run.is_broken_off() {
             Status::Ok
         } else if stats.work.n_rhs > self.limits.max_rhs {
             Status::Cut
         } else {
             Status::Interrupted
         };
+        let compared =
+            (status == Status::Ok).then(|| measured.compared(self.mechanism, self.reference));
         let mut row = Row {
             reading: self.config.reading,
             method: setting.method.name.to_owned(),
@@ -244,11 +281,11 @@ impl Contest<'_> {
             rtol: setting.rtol(),
             step: setting.step(),
             status,
-            e: None,
-            event_time_error_s: None,
-            n_events: None,
-            missed: None,
-            spurious: None,
+            e: compared.as_ref().map(|compared| compared.e),
+            event_time_error_s: compared.as_ref().and_then(|compared| compared.event_time_error_s),
+            n_events: compared.as_ref().map(|compared| compared.n_events),
+            missed: compared.as_ref().map(|compared| compared.missed),
+            spurious: compared.as_ref().map(|compared| compared.spurious),
             horizon_s: self.reference.horizon(),
             n_rhs: stats.work.n_rhs,
             n_accepted: stats.n_accepted,
@@ -257,52 +294,38 @@ impl Contest<'_> {
             n_lin_solves: stats.work.n_lin_solves,
             wall_s_min: None,
             wall_s_median: None,
+            wall_s_max: None,
             n_retaken: stats.n_retaken,
             n_factorisations: stats.work.n_factorisations,
             n_rhs_restart: stats.restart.n_rhs,
             n_rhs_location: stats.location.n_rhs,
-            error: first.error().map(ToString::to_string),
+            errors: compared.map(|compared| compared.errors).unwrap_or_default(),
+            work_by_phase: measured.work,
+            error: run.error().map(ToString::to_string),
         };
         if status == Status::Ok {
-            self.compare(&first, &mut row);
-            let mut walls = vec![first.wall()];
-            for _ in 1..self.config.study.repeats {
-                let repeat = run();
-                // A time that was broken off is no time.
-                if repeat.is_broken_off() {
-                    row.status = Status::Interrupted;
-                    return row;
-                }
-                walls.push(repeat.wall());
-            }
-            walls.sort_unstable();
-            row.wall_s_min = walls.first().map(std::time::Duration::as_secs_f64);
-            row.wall_s_median = walls.get(walls.len() / 2).map(std::time::Duration::as_secs_f64);
+            self.time(setting, &mut row);
         }
         row
     }
 
-    /// Fills in what the reference says of a run.
-    fn compare(&self, run: &Run, row: &mut Row) {
-        let (mut e, mut worst_time) = (0.0_f64, None::<f64>);
-        let (mut n_events, mut missed, mut spurious) = (0, 0, 0);
-        let blocks = self.mechanism.blocks.iter().zip(&self.reference.blocks);
-        for ((block, reference), trajectory) in blocks.zip(&run.trajectories) {
-            let own = reference.error(trajectory);
-            e = worse(e, own);
-            let events = reference.matched(block, trajectory);
-            n_events += counted(&mode_changes(trajectory), block).len();
-            missed += events.missed;
-            spurious += events.spurious;
-            if events.paired > 0 {
-                worst_time = Some(worst_time.unwrap_or(0.0).max(events.time_error));
+    /// Fills in the times of the repeats.
+    fn time(&self, setting: &Setting, row: &mut Row) {
+        let t_end = self.config.run.t_end;
+        let mut walls = Vec::new();
+        for _ in 0..self.config.study.repeats {
+            let repeat = Run::new(self.mechanism, setting, t_end, &self.grid, self.limits);
+            // A time that was broken off is no time.
+            if repeat.is_broken_off() {
+                row.status = Status::Interrupted;
+                return;
             }
+            walls.push(repeat.wall().as_secs_f64());
         }
-        row.e = Some(e);
-        row.event_time_error_s = worst_time;
-        row.n_events = Some(n_events);
-        row.missed = Some(missed);
-        row.spurious = Some(spurious);
+        walls.sort_unstable_by(f64::total_cmp);
+        row.wall_s_min = walls.first().copied();
+        row.wall_s_median = walls.get(walls.len() / 2).copied();
+        row.wall_s_max = walls.last().copied();
     }
 }
 
@@ -312,7 +335,7 @@ pub const ACCURACIES: [f64; 3] = [1e-3, 1e-6, 1e-9];
 impl WorkPrecision {
     /// Whether the reference is good enough to tell which runs reach an error `e`.
     pub fn can_decide(&self, e: f64) -> bool {
-        self.reference.agreement <= 0.1 * e
+        self.reference.can_decide(e)
     }
 }
 

@@ -167,3 +167,50 @@ fn a_run_beyond_the_limit_of_work_is_cut_and_the_summary_counts_it() {
     let cut = table.rows.iter().find(|row| row["method"] == "rk4").unwrap();
     assert_eq!((cut["status"].as_str(), cut["e"].as_str()), ("cut", ""));
 }
+
+#[test]
+fn a_repeated_study_takes_the_reference_that_is_there() {
+    let scratch = Scratch::new();
+    scratch.study("out", &SHORT, &[]);
+    // The mark tells that it was not made anew.
+    let marked = |mark: f64| {
+        let mut kept = scratch.json("out/reference.json");
+        kept["reference"]["summary"]["theta_scale_rad"] = json!(mark);
+        fs::write(scratch.path("out/reference.json"), kept.to_string()).unwrap();
+    };
+    let mark = || scratch.json("out/study.json")["reference"]["theta_scale_rad"].as_f64().unwrap();
+    let exact = mark();
+    marked(1234.5);
+    let other_methods = [&SHORT[..], &["study.methods=[\"rk45\"]"]].concat();
+    scratch.study("out", &other_methods, &["--force"]);
+    assert_eq!(mark(), 1234.5);
+    // Another run has another reference.
+    scratch.study("out", &[&SHORT[..], &["drive.m1=2"]].concat(), &["--force"]);
+    assert_ne!(mark(), exact);
+    scratch.study("out", &SHORT, &["--force"]);
+    assert_eq!(mark(), exact);
+}
+
+#[test]
+fn a_reference_that_cannot_be_read_is_made_anew_with_a_message() {
+    let scratch = Scratch::new();
+    scratch.study("out", &SHORT, &[]);
+    let whole = scratch.text("out/reference.json");
+    fs::write(scratch.path("out/reference.json"), &whole[..whole.len() / 2]).unwrap();
+    let ran = scratch.study("out", &SHORT, &[]);
+    let message = "out/reference.json: EOF while parsing";
+    assert!(ran.stderr.contains(message) && ran.stderr.contains("anew"), "{}", ran.stderr);
+    assert!(scratch.text("out/reference.json") == whole);
+}
+
+#[test]
+fn other_axes_are_no_other_study_and_a_wrong_one_is_told_the_right_ones() {
+    let scratch = Scratch::new();
+    scratch.study("out", &SHORT, &[]);
+    scratch.study("out", &[&SHORT[..], &["study.x=e_l2", "study.y=impulse_error"]].concat(), &[]);
+    let svg = scratch.text("out/figures/chosen_axes.svg");
+    assert!(svg.contains("impulse_error against e_l2"));
+    let ran = scratch.run(&["study", "--out", "out", "--set", "study.x=speed"]);
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.stderr.contains("study.x") && ran.stderr.contains("n_accepted"), "{}", ran.stderr);
+}

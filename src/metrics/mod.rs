@@ -1,18 +1,31 @@
-//! How far a run is from the reference: errors of states, of event sequences, of event times.
+//! How far a run is from the reference, in states, events and contacts; and where its work went.
 
-use crate::model::State;
+pub mod contacts;
+pub mod dense;
+pub mod work;
+
+use serde::{Deserialize, Serialize};
+
+use crate::model::{Block, State};
 use crate::run::ModeChange;
 
 /// Two events further apart than this are not the same event [s].
 pub const EVENT_WINDOW: f64 = 1e-3;
 
 /// The scales that errors are measured in.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ErrorScale {
     /// Clearance of the joint [m], or 1e-4 m where it has none.
     pub clearance: f64,
     /// Largest |θ| of the reference over all samples and joints [rad].
     pub theta: f64,
+}
+
+impl ErrorScale {
+    /// Of `block`, where θ reaches `theta` [rad].
+    pub fn of(block: &Block, theta: f64) -> Self {
+        Self { clearance: if block.clearance > 0.0 { block.clearance } else { 1e-4 }, theta }
+    }
 }
 
 /// `e` of one sample: the larger of `|Δpin|/c` (Euclidean) and `|Δθ|/θ_s`; in any order of X and Y.

@@ -1,0 +1,317 @@
+//! What errors are measured against: the best run that serves, told its own error by a second one.
+//!
+//! In f64 both are Taylor series at two high orders, or what comes next where those are out of reach.
+
+mod solve;
+
+use deltazero_solvers::Sample;
+use serde::{Deserialize, Serialize};
+
+use crate::energy_balance::Balance;
+use crate::metrics::contacts::{Contact, total_impulse};
+use crate::metrics::dense::Node;
+use crate::metrics::{ErrorScale, EventMatch, match_events, sample_error, worse};
+use crate::model::{Block, Mechanism, State};
+use crate::run::{BlockTrajectory, Limits, ModeChange, mode_changes};
+
+pub use solve::{HORIZON_ERROR, RECIPE};
+use solve::{Solved, solve};
+
+/// Why there is no reference.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReferenceError {
+    /// A run of it failed.
+    #[error("no reference: {method} stopped on joint {joint} at t = {t} s in {mode}: {error}")]
+    Failed {
+        /// The method.
+        method: &'static str,
+        /// The joint.
+        joint: usize,
+        /// Time of the last accepted step [s].
+        t: f64,
+        /// Mode there.
+        mode: String,
+        /// Why.
+        error: deltazero_solvers::Error,
+    },
+    /// It cost more than the limit of work.
+    #[error(
+        "no reference: it needs more than study.max_rhs = {max_rhs} right-hand sides; shorten run.t_end or raise the limit"
+    )]
+    TooMuchWork {
+        /// The limit.
+        max_rhs: u64,
+    },
+    /// It was interrupted.
+    #[error("no reference: interrupted")]
+    Interrupted,
+    /// A method that it is built on is not in the list of methods.
+    #[error("no reference: there is no method {0}")]
+    NoMethod(&'static str),
+}
+
+/// The reference of one block.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BlockReference {
+    /// Number of the joint.
+    pub joint: usize,
+    /// States on the grid.
+    pub samples: Vec<State<f64>>,
+    /// Times of the samples [s].
+    pub times: Vec<f64>,
+    /// Mode changes at the roots of their guards; the first one may be the start's own, see [`counted`].
+    pub events: Vec<ModeChange>,
+    /// First sample time at which a last-bit change of the start exceeds [`HORIZON_ERROR`] [s];
+    /// infinite where none does.
+    #[serde(with = "finite_or_none")]
+    pub lost_at: f64,
+    /// The end of the run [s].
+    pub t_end: f64,
+    /// State there.
+    pub y_end: State<f64>,
+    /// Scales of its errors.
+    pub scale: ErrorScale,
+    /// Largest magnitude of each state over the nodes.
+    pub amplitude: State<f64>,
+    /// States between the samples.
+    pub nodes: Vec<Node>,
+    /// Contacts.
+    pub contacts: Vec<Contact>,
+    /// Energy balance.
+    pub balance: Balance,
+}
+
+/// JSON has no infinity.
+mod finite_or_none {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        x.is_finite().then_some(*x).serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(from)?.unwrap_or(f64::INFINITY))
+    }
+}
+
+/// The reference of a mechanism.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reference {
+    /// Block by block.
+    pub blocks: Vec<BlockReference>,
+    /// How it was made, and how good it is.
+    pub summary: ReferenceSummary,
+}
+
+/// How a reference was made, and how good it is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ReferenceSummary {
+    /// The method and setting of the reference run.
+    pub method: String,
+    /// The method and setting of the run that tells its error.
+    pub check: String,
+    /// Its error: the largest `e` between both, within the horizon.
+    pub agreement: f64,
+    /// The error of its event times: the largest difference between both, within the horizon [s]; none
+    /// where their sequences differ.
+    pub event_time_agreement_s: Option<f64>,
+    /// Largest |θ| over samples and joints, the scale of θ in `e` [rad].
+    pub theta_scale_rad: f64,
+    /// Horizon of each joint [s].
+    pub horizon_s: Vec<f64>,
+    /// End of each joint's run [s].
+    #[serde(default)]
+    pub t_end_s: Vec<f64>,
+    /// Mode changes of each joint, the start's own left out.
+    #[serde(default)]
+    pub n_events: Vec<usize>,
+    /// Impulse of the contacts of each joint [N s].
+    #[serde(default)]
+    pub impulse_n_s: Vec<f64>,
+    /// Energy balance, all joints together.
+    #[serde(default)]
+    pub energy: Balance,
+}
+
+/// The events of a joint that count: all but the one at the start on the surface, where the pin
+/// leaves it as δ ≈ a t⁴ and the time has no digits.
+pub fn counted(events: &[ModeChange], block: &Block) -> Vec<ModeChange> {
+    let starts_on_surface = block.clearance > 0.0;
+    events[usize::from(starts_on_surface && !events.is_empty())..].to_vec()
+}
+
+impl Reference {
+    /// Makes the reference of `mechanism` on the sample times `times` up to `t_end`.
+    ///
+    /// Of each block a run by Taylor series at rtol 1e-14, one at 1e-15, which tells the error of the
+    /// first, and one like the first from a start changed in its last bit, whose growth is the horizon. A
+    /// block whose series cost more than `limits` allow (one of order N as N²/2 right-hand sides), fail, or
+    /// differ by more than 1e-8 or in their events, goes to `radau5` at 1e-14 and 1e-13, then to `rodas5p`
+    /// with `radau5`, then to `vern98` with `dop853`.
+    ///
+    /// # Errors
+    /// [`ReferenceError`].
+    pub fn new(
+        mechanism: &Mechanism,
+        t_end: f64,
+        times: &[f64],
+        limits: Limits<'_>,
+    ) -> Result<Self, ReferenceError> {
+        let blocks = mechanism.blocks.iter();
+        let solved = blocks.map(|block| solve(block, t_end, times, limits));
+        Ok(Self::joined(mechanism, solved.collect::<Result<Vec<_>, _>>()?))
+    }
+
+    /// The reference that these runs of the blocks of `mechanism` make, whatever they were computed in.
+    fn joined(mechanism: &Mechanism, solved: Vec<Solved>) -> Self {
+        let theta = solved.iter().map(|solved| solved.path.largest_angle()).fold(0.0, f64::max);
+        let mut agreement = 0.0_f64;
+        let mut event_agreement = Some(0.0_f64);
+        let mut energy = Balance::default();
+        let of_joints = |text: fn(&Solved) -> &String| joined_text(solved.iter().map(text));
+        let (method, check) = (of_joints(|s| &s.method), of_joints(|s| &s.check_method));
+        let mut blocks = Vec::new();
+        for (block, solved) in mechanism.blocks.iter().zip(solved) {
+            let scale = ErrorScale::of(block, theta);
+            let lost_at = solved.lost_at(scale);
+            let (e, times) = solved.disagreement(block, scale, lost_at);
+            agreement = worse(agreement, e);
+            event_agreement = event_agreement.zip(times).map(|(a, b)| a.max(b));
+            energy += solved.path.balance;
+            blocks.push(BlockReference::new(solved, scale, lost_at));
+        }
+        let events = mechanism.blocks.iter().zip(&blocks);
+        let summary = ReferenceSummary {
+            method,
+            check,
+            agreement,
+            event_time_agreement_s: event_agreement,
+            theta_scale_rad: theta,
+            horizon_s: blocks.iter().map(BlockReference::horizon).collect(),
+            t_end_s: blocks.iter().map(|block| block.t_end).collect(),
+            n_events: events.map(|(block, own)| counted(&own.events, block).len()).collect(),
+            impulse_n_s: blocks.iter().map(|block| total_impulse(&block.contacts)).collect(),
+            energy,
+        };
+        Self { blocks, summary }
+    }
+
+    /// The shortest horizon of its blocks [s].
+    pub fn horizon(&self) -> f64 {
+        self.blocks.iter().fold(f64::INFINITY, |least, block| least.min(block.horizon()))
+    }
+}
+
+/// What is said of the joints: once, where it is the same.
+fn joined_text<'a>(mut of_joints: impl Iterator<Item = &'a String> + Clone) -> String {
+    let all = of_joints.clone();
+    match of_joints.next() {
+        Some(first) if of_joints.all(|other| other == first) => first.clone(),
+        _ => {
+            let joints = (1..).zip(all);
+            joints
+                .map(|(joint, text)| format!("joint {joint}: {text}"))
+                .collect::<Vec<_>>()
+                .join("; ")
+        }
+    }
+}
+
+impl ReferenceSummary {
+    /// Whether the reference is good enough to tell which runs reach an error `e`.
+    pub fn can_decide(&self, e: f64) -> bool {
+        self.agreement <= 0.1 * e
+    }
+
+    /// What it cannot serve for, a sentence each.
+    pub fn limits(&self) -> Vec<String> {
+        let mut limits = Vec::new();
+        if !self.can_decide(1e-9) {
+            let good = self.agreement;
+            limits.push(format!(
+                "the reference is good to e = {good:.1e}: it decides nothing below ten times that"
+            ));
+        }
+        if self.event_time_agreement_s.is_none() {
+            limits.push("its two runs differ in their events: missed, spurious and event times are doubtful".into());
+        }
+        for (joint, (horizon, t_end)) in (1..).zip(self.horizon_s.iter().zip(&self.t_end_s)) {
+            if horizon < t_end {
+                limits.push(format!(
+                    "joint {joint} is predictable up to {horizon} s of {t_end} s: beyond, only the number of events, impulse and dissipation are compared"
+                ));
+            }
+        }
+        limits
+    }
+}
+
+impl BlockReference {
+    fn new(solved: Solved, scale: ErrorScale, lost_at: f64) -> Self {
+        let path = solved.path;
+        let mut amplitude = [0.0_f64; 6];
+        for node in &path.nodes {
+            for (largest, y) in amplitude.iter_mut().zip(node.y) {
+                *largest = largest.max(y.abs());
+            }
+        }
+        let samples = path.trajectory.samples;
+        Self {
+            joint: path.run.joint,
+            times: samples.iter().map(|Sample { t, .. }| *t).collect(),
+            samples: samples.into_iter().map(|Sample { y, .. }| y).collect(),
+            events: path.events,
+            lost_at,
+            t_end: path.run.t,
+            y_end: path.run.y,
+            scale,
+            amplitude,
+            nodes: path.nodes,
+            contacts: path.contacts,
+            balance: path.balance,
+        }
+    }
+
+    /// Whether `t` lies within the horizon.
+    pub fn is_within(&self, t: f64) -> bool {
+        t < self.lost_at
+    }
+
+    /// The time up to which the run is predictable: where it is lost, or its end [s].
+    pub fn horizon(&self) -> f64 {
+        self.lost_at.min(self.t_end)
+    }
+
+    /// The nodes within the horizon.
+    pub fn nodes_within(&self) -> &[Node] {
+        &self.nodes[..self.nodes.partition_point(|node| self.is_within(node.t))]
+    }
+
+    /// Largest `e` of a run's samples, on the same times, within the horizon.
+    pub fn error(&self, run: &BlockTrajectory) -> f64 {
+        let pairs = self.times.iter().zip(&self.samples).zip(&run.samples);
+        let within = pairs.filter(|((t, _), _)| self.is_within(**t));
+        let errors = within.map(|((_, y), sample)| sample_error(&sample.y, y, self.scale));
+        errors.fold(0.0, worse)
+    }
+
+    /// Error of the state at a run's end: the worst of the six, each relative to the largest
+    /// magnitude that it takes; none where the end lies beyond the horizon.
+    pub fn end_error(&self, y_end: &State<f64>) -> Option<f64> {
+        let errors = (0..6).map(|i| match (y_end[i] - self.y_end[i]).abs() {
+            0.0 => 0.0,
+            error => error / self.amplitude[i],
+        });
+        (self.lost_at == f64::INFINITY).then(|| errors.fold(0.0, worse))
+    }
+
+    /// A run's events against its own, within the horizon.
+    pub fn matched(&self, block: &Block, run: &BlockTrajectory) -> EventMatch {
+        let within = |events: Vec<ModeChange>| -> Vec<ModeChange> {
+            events.into_iter().filter(|event| self.is_within(event.t)).collect()
+        };
+        let run = within(counted(&mode_changes(run), block));
+        match_events(&run, &within(counted(&self.events, block)))
+    }
+}

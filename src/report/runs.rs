@@ -1,0 +1,129 @@
+//! The tables of all runs: as CSV, and in the report.
+
+use std::fmt::Write as _;
+
+use super::{count, exact, field, rounded};
+use crate::study::columns::{COLUMNS, Column, Value};
+use crate::study::work_precision::{Row, WorkPrecision};
+
+/// `study.csv`.
+pub fn study_csv(table: &WorkPrecision) -> String {
+    let names: Vec<&str> = COLUMNS.iter().map(|column| column.name).collect();
+    let mut csv = names.join(",") + "\n";
+    for row in &table.rows {
+        let fields: Vec<String> = COLUMNS
+            .iter()
+            .map(|column| match (column.value)(row) {
+                Value::Text(text) => field(&text),
+                Value::Number(x) => exact(x),
+                Value::Count(n) => n.map_or_else(String::new, |n| n.to_string()),
+            })
+            .collect();
+        csv += &(fields.join(",") + "\n");
+    }
+    csv
+}
+
+/// All runs: errors, events, work, time.
+pub(super) fn runs(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "| method | events | setting | status | e | event time error [s] | missed | spurious | n_rhs | \
+         steps | rejected | retaken | Jacobians | factorisations | linear solves | time min [ms] | \
+         median [ms] | max [ms] |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
+    );
+    let milliseconds = |wall: Option<f64>| {
+        wall.map_or_else(|| "–".to_owned(), |wall| format!("{:.2}", 1e3 * wall))
+    };
+    for row in rows {
+        let status = match &row.error {
+            None => row.status.name().to_owned(),
+            Some(error) => format!("{}: {error}", row.status.name()),
+        };
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
+            row.method,
+            row.events,
+            row.setting(),
+            status,
+            rounded(row.e, 2),
+            rounded(row.event_time_error_s, 2),
+            count(row.missed),
+            count(row.spurious),
+            row.n_rhs,
+            row.n_accepted,
+            row.n_rejected,
+            row.n_retaken,
+            row.n_jac,
+            row.n_factorisations,
+            row.n_lin_solves,
+            milliseconds(row.wall_s_min),
+            milliseconds(row.wall_s_median),
+            milliseconds(row.wall_s_max),
+        );
+    }
+    text
+}
+
+/// Columns of the report's table of further errors.
+const ERRORS: [&str; 8] = [
+    "e_max",
+    "e_l2",
+    "e_final",
+    "peak_force_error",
+    "contact_impulse_error",
+    "impulse_error",
+    "dissipation_error",
+    "energy_residual",
+];
+
+/// Columns of the report's table of work.
+const WORK: [&str; 9] = [
+    "n_rhs_flight",
+    "n_rhs_contact",
+    "n_rhs_stick",
+    "n_rhs_restart",
+    "n_rhs_location",
+    "n_rhs_per_event",
+    "n_accepted_flight",
+    "n_accepted_contact",
+    "n_accepted_stick",
+];
+
+/// The further errors of all runs.
+pub(super) fn errors(rows: &[Row]) -> String {
+    of_columns(rows, &ERRORS)
+}
+
+/// Where the work of all runs went.
+pub(super) fn work(rows: &[Row]) -> String {
+    of_columns(rows, &WORK)
+}
+
+fn of_columns(rows: &[Row], names: &[&str]) -> String {
+    let columns = || names.iter().filter_map(|name| Column::named(name));
+    let header: Vec<&str> = columns().map(|column| column.name).collect();
+    let mut text = format!("| method | events | setting | {} |\n", header.join(" | "));
+    text += &("|---".repeat(3 + header.len()) + "|\n");
+    for row in rows {
+        let values = columns().map(|column| match (column.value)(row) {
+            Value::Text(text) => text,
+            Value::Number(x) => rounded(x, 2),
+            Value::Count(n) => n.map_or_else(String::new, |n| n.to_string()),
+        });
+        let values: Vec<String> = values.collect();
+        let (method, events, setting) = (&row.method, row.events, row.setting());
+        let _ = writeln!(text, "| {method} | {events} | {setting} | {} |", values.join(" | "));
+    }
+    text
+}
+
+/// What each column of `study.csv` is.
+pub(super) fn columns() -> String {
+    let mut text = String::from("| column | unit | what it is |\n|---|---|---|\n");
+    for Column { name, unit, about, .. } in COLUMNS {
+        let _ = writeln!(text, "| `{name}` | {unit} | {about} |");
+    }
+    text
+}
