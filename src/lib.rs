@@ -43,11 +43,13 @@
 //! | [`energy_balance`] | a recorder: where the energy of a run went |
 //! | [`metrics`] | errors of states, events and contacts; where the work went |
 //! | [`reference`](mod@reference) | the run that errors are measured against, and its own error |
+//! | [`contest`] | which method reaches an accuracy at the least cost |
 //! | [`study`] | the experiments, each a function from a configuration to a table |
 //! | [`figures`] | the figures, each a function from a table to a chart |
 //! | [`report`] | tables to CSV and Markdown |
 
 pub mod config;
+pub mod contest;
 pub mod energy_balance;
 pub mod figures;
 pub mod metrics;

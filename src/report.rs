@@ -1,5 +1,7 @@
 //! Tables to text: Markdown and CSV.
 
+pub mod recommend;
+pub mod regimes;
 mod runs;
 pub mod steps;
 

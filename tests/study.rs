@@ -7,12 +7,17 @@ use std::sync::atomic::AtomicBool;
 
 use common::config;
 use deltazero::config::Events;
-use deltazero::run::Limits;
+use deltazero::contest::{
+    Arena, CUT, Candidate, Contest, FailureKind, MARGIN, Standings, Start, Trial,
+};
+use deltazero::run::{Accuracy, Limits, Setting};
 use deltazero::study::columns::{Column, Value};
 use deltazero::study::step_tables::StepTables;
-use deltazero::study::work_precision::{Status, WorkPrecision, cheapest, work_precision};
+use deltazero::study::work_precision::{
+    Status, WorkPrecision, cheapest, sample_times, work_precision,
+};
 use deltazero::{figures, report};
-use deltazero_solvers::METHODS;
+use deltazero_solvers::{METHODS, Method};
 
 fn study(sets: &[&str]) -> WorkPrecision {
     let short =
@@ -210,4 +215,65 @@ fn any_two_columns_of_numbers_are_axes_of_a_figure() {
 fn the_configuration_knows_the_methods_of_the_solvers() {
     let names: Vec<&str> = METHODS.iter().map(|method| method.name).collect();
     assert_eq!(names, deltazero::config::METHODS);
+}
+
+/// The contest of `methods` on the first 0.3 s of Table 1, flights included, and where it took place.
+fn contest(methods: &[&str], accuracy: f64) -> (Arena, Standings) {
+    let stop = AtomicBool::new(false);
+    let config = config(&["run.t_end=0.3"]);
+    let arena = Arena::new(&config, sample_times(&config), &stop).unwrap();
+    let methods: Vec<String> = methods.iter().map(|name| (*name).to_owned()).collect();
+    let candidates = Candidate::all(&methods, Events::ALL);
+    let max_work = 1e8;
+    let contest =
+        Contest { arena: &arena, accuracy, atol: None, repeats: 1, max_work, stop: &stop };
+    let standings = contest.run(&candidates, &|_| {});
+    (arena, standings)
+}
+
+#[test]
+fn a_setting_that_a_contest_finds_holds_beside_itself_and_a_decade_looser_does_not() {
+    let accuracy = 1e-6;
+    let (arena, standings) = contest(&["rk4", "rk45", "dop853", "radau5"], accuracy);
+    assert!(standings.entries.len() >= 6, "{standings:#?}");
+    for entry in &standings.entries {
+        let run = |looser: f64| {
+            let accuracy = match (entry.rtol, entry.step) {
+                (Some(rtol), _) => Accuracy::Rtol(looser * rtol, None),
+                (None, step) => Accuracy::Step(looser.powf(0.25) * step.unwrap()),
+            };
+            let method = Method::named(&entry.method).unwrap();
+            let setting = Setting { method, events: entry.events, accuracy };
+            Trial::new(&arena, &setting, Start::Exact, f64::INFINITY, &AtomicBool::new(false))
+        };
+        let [own, tighter, looser] = [1.0, 0.56, 10.0].map(run);
+        assert_eq!(own.e, entry.e, "{entry:?}");
+        for trial in [&own, &tighter] {
+            assert!(trial.e <= accuracy && trial.events_are_right(entry.events), "{entry:?}");
+        }
+        let reaches = looser.e <= MARGIN * accuracy && looser.events_are_right(entry.events);
+        assert!(!reaches || !entry.timed, "{entry:?} {looser:?}");
+    }
+}
+
+#[test]
+fn a_contest_is_won_by_the_shortest_time_and_cuts_what_needs_ten_times_the_work() {
+    let (_, standings) = contest(&["rk4", "dop853", "tr_bdf2"], 1e-7);
+    let first = &standings.entries[0];
+    assert_eq!(first.method, "dop853");
+    for entry in &standings.entries {
+        assert!(entry.work <= CUT * first.work && entry.wall_s >= first.wall_s, "{entry:?}");
+    }
+    let cut = standings.failures.iter().filter(|failure| failure.kind == FailureKind::Cut);
+    assert!(cut.clone().any(|failure| failure.method == "tr_bdf2"), "{standings:#?}");
+}
+
+#[test]
+fn a_located_run_with_wrong_events_does_not_reach_an_accuracy_and_a_blind_one_may() {
+    let (_, standings) = contest(&["dop853"], 1e-2);
+    let of = |events| standings.entries.iter().find(move |entry| entry.events == events).unwrap();
+    let (located, blind) = (of(Events::Located), of(Events::Blind));
+    assert_eq!((located.missed, located.spurious), (0, 0));
+    assert!(blind.missed + blind.spurious > 0, "{blind:?}");
+    assert!(blind.rtol > located.rtol);
 }

@@ -4,7 +4,9 @@ mod config;
 mod methods;
 mod output;
 mod progress;
+mod recommend;
 mod reference;
+mod regimes;
 mod simulate;
 mod study;
 
@@ -35,6 +37,10 @@ enum Command {
     Study(study::StudyArgs),
     /// One run with one method: trajectory.csv, events.csv, run.json
     Simulate(simulate::SimulateArgs),
+    /// The contest over a grid of contact stiffness x damping x accuracy: maps of who wins
+    Regimes(regimes::RegimesArgs),
+    /// Which method and setting for this contact, with the measured reason
+    Recommend(recommend::RecommendArgs),
     /// The methods, their orders and what each is for
     Methods(methods::MethodsArgs),
     /// The default configuration, commented; or its JSON Schema
@@ -132,6 +138,8 @@ pub(crate) fn main() -> ExitCode {
         None => misplaced_command(&cli.study).map_or_else(|| study::run(&cli.study, &stop), Err),
         Some(Command::Study(args)) => study::run(&args, &stop),
         Some(Command::Simulate(args)) => simulate::run(&args, &stop),
+        Some(Command::Regimes(args)) => regimes::run(&args, &stop),
+        Some(Command::Recommend(args)) => recommend::run(&args, &stop),
         Some(Command::Methods(args)) => methods::run(&args),
         Some(Command::Config(args)) => config::run(&args),
     };

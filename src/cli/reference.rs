@@ -53,7 +53,9 @@ fn hash_of(config: &Config) -> String {
     let mut json = config.to_json();
     if let Value::Object(tables) = &mut json {
         tables.remove("solver");
-        tables.remove("study");
+        for table in ["study", "contest", "regimes"] {
+            tables.remove(table);
+        }
     }
     let version = env!("CARGO_PKG_VERSION");
     hash(&format!("reference {version} {RECIPE} {}", config.study.max_rhs), &json)

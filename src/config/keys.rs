@@ -61,6 +61,7 @@ const POSITIVE: Kind = Kind::Number(Range::POSITIVE);
 const NOT_NEGATIVE: Kind = Kind::Number(Range::NOT_NEGATIVE);
 const FINITE: Kind = Kind::Number(Range::FINITE);
 const RTOL: Kind = Kind::Number(Range::closed(1e-14, 1e-1));
+const ACCURACY: Kind = Kind::Number(Range::closed(1e-12, 1e-1));
 
 use DefaultValue::{Absent, Toml};
 
@@ -336,6 +337,80 @@ pub const KEYS: &[Key] = &[
         default: Toml("50_000_000"),
         unit: "",
         doc: "Evaluations of the right-hand side beyond which a run is cut",
+        source: "choice of this study",
+    },
+    Key {
+        path: "contest.methods",
+        kind: Kind::List(&Kind::Word(METHODS), None),
+        default: Toml(
+            "[\"rk4\", \"bs32\", \"rk45\", \"dop853\", \"vern98\", \"taylor\", \"rodas5p\", \"radau5\", \"bdf\"]",
+        ),
+        unit: "",
+        doc: "Methods among which recommend and regimes choose",
+        source: "choice of this study: all but tsit45, tr_bdf2 and esdirk34, never near the best",
+    },
+    Key {
+        path: "contest.events",
+        kind: Kind::List(&Kind::Word(Events::WORDS), None),
+        default: Toml("[\"located\", \"blind\"]"),
+        unit: "",
+        doc: "Treatments of events among which they choose",
+        source: "choice of this study",
+    },
+    Key {
+        path: "contest.repeats",
+        kind: Kind::Integer(1, 1000),
+        default: Toml("5"),
+        unit: "",
+        doc: "Repetitions of each of the fastest, in turns; its time is their minimum",
+        source: "choice of this study",
+    },
+    Key {
+        path: "contest.max_work",
+        kind: POSITIVE,
+        default: Toml("3e8"),
+        unit: "right-hand sides",
+        doc: "Work beyond which a run is cut, a linear system counted as five right-hand sides",
+        source: "choice of this study: some ten seconds",
+    },
+    Key {
+        path: "regimes.stiffness",
+        kind: Kind::List(&POSITIVE, None),
+        default: Toml("[1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12]"),
+        unit: "N/mⁿ",
+        doc: "Contact stiffnesses K of the map",
+        source: "choice of this study: rubber to more than steel",
+    },
+    Key {
+        path: "regimes.damping_ratio",
+        kind: Kind::List(&NOT_NEGATIVE, None),
+        default: Toml("[0.0, 0.01, 0.1, 1.0, 3.0]"),
+        unit: "",
+        doc: "Damping ratios ζ of the map: D = 2ζ√(K m), m the mass of struts 1, 2, 5 and 6",
+        source: "choice of this study; Table 1 is 0.011",
+    },
+    Key {
+        path: "regimes.accuracy",
+        kind: Kind::List(&ACCURACY, None),
+        default: Toml("[1e-3, 1e-6]"),
+        unit: "",
+        doc: "Errors e to be reached",
+        source: "choice of this study",
+    },
+    Key {
+        path: "regimes.readings",
+        kind: Kind::List(&Kind::Word(ReadingName::WORDS), None),
+        default: Absent("[\"pin\", \"full\"]"),
+        unit: "",
+        doc: "Readings of the map",
+        source: "absent: the configured one",
+    },
+    Key {
+        path: "regimes.threads",
+        kind: Kind::Integer(1, 1024),
+        default: Toml("2"),
+        unit: "",
+        doc: "Cells of the map at the same time",
         source: "choice of this study",
     },
 ];

@@ -49,7 +49,8 @@ pub use error::{ConfigError, Place};
 pub use keys::{DefaultValue, JOINT_TABLES, JOINTS, KEYS, Key, find};
 pub use kind::Kind;
 pub use parts::{
-    Atol, Contact, Drive, Friction, Inertia, Joint, JointConfig, Run, Solver, Strut, Study,
+    Atol, Contact, Contest, Drive, Friction, Inertia, Joint, JointConfig, Regimes, Run, Solver,
+    Strut, Study,
 };
 pub use print::default_toml;
 pub use range::{End, Range};
@@ -81,6 +82,10 @@ pub struct Config {
     pub solver: Solver,
     /// What a study runs.
     pub study: Study,
+    /// Who takes part in a contest.
+    pub contest: Contest,
+    /// The grid of `regimes`.
+    pub regimes: Regimes,
 }
 
 impl Config {
@@ -134,6 +139,8 @@ impl Config {
             ("run", json(&self.run)),
             ("solver", json(&self.solver)),
             ("study", json(&self.study)),
+            ("contest", json(&self.contest)),
+            ("regimes", json(&self.regimes)),
         ];
         all.extend(parts.map(|(name, part)| (name.to_owned(), part)));
         let mut all = Value::Object(all);

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::words::{ContactLaw, Events, FrictionLaw};
+use super::words::{ContactLaw, Events, FrictionLaw, ReadingName};
 
 /// Six equal, solid, round struts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -170,4 +170,35 @@ pub struct Study {
     pub threads: usize,
     /// Evaluations of the right-hand side beyond which a run is cut.
     pub max_rhs: u64,
+}
+
+/// Who takes part in a contest: `recommend` and `regimes`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Contest {
+    /// Names of the methods, of [`METHODS`](super::METHODS).
+    pub methods: Vec<String>,
+    /// Treatments of events.
+    pub events: Vec<Events>,
+    /// Times that each of the fastest is run.
+    pub repeats: u32,
+    /// Work beyond which a run is cut, in right-hand sides.
+    pub max_work: f64,
+}
+
+/// The grid of `regimes`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Regimes {
+    /// Contact stiffnesses K \[N/mⁿ\].
+    pub stiffness: Vec<f64>,
+    /// Damping ratios ζ, D = 2ζ√(K m_ref).
+    pub damping_ratio: Vec<f64>,
+    /// Errors `e` to be reached.
+    pub accuracy: Vec<f64>,
+    /// Readings; absent: the configured one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub readings: Option<Vec<ReadingName>>,
+    /// Cells at the same time.
+    pub threads: usize,
 }

@@ -90,6 +90,8 @@ impl Settings {
             run: self.part("run")?,
             solver: self.part("solver")?,
             study: self.part("study")?,
+            contest: self.part("contest")?,
+            regimes: self.part("regimes")?,
         };
         self.cross_check(&config)?;
         Ok(config)

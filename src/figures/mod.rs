@@ -3,6 +3,7 @@
 mod contact;
 mod orbit;
 mod proportionality;
+pub mod regimes;
 mod restarts;
 mod rk4_order;
 mod stability;

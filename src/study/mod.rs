@@ -4,6 +4,8 @@ pub mod columns;
 pub mod measured;
 pub mod motion;
 pub mod proportionality;
+pub mod recommend;
+pub mod regimes;
 pub mod restarts;
 pub mod stability;
 pub mod stays;

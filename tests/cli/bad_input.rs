@@ -6,7 +6,7 @@ use crate::Scratch;
 
 /// It is refused before anything is done; the message has all of `parts`.
 fn refused(scratch: &Scratch, args: &[&str], parts: &[&str]) {
-    for command in ["simulate", "study"] {
+    for command in ["simulate", "study", "regimes"] {
         let ran = scratch.run(&[&[command, "--out", "out"], args].concat());
         assert_eq!(ran.code, Some(2), "{command} {args:?}: {}", ran.stderr);
         assert_eq!(ran.stdout, "");

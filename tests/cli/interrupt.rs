@@ -104,3 +104,20 @@ fn an_interrupted_study_is_finished_by_the_same_command() {
     assert_eq!(statuses, ["ok", "ok", "ok", "cut"]);
     assert_eq!(scratch.json("out/study.json")["finished"], true);
 }
+
+#[test]
+fn an_interrupted_map_keeps_its_finished_cells() {
+    let scratch = Scratch::new();
+    // The stiffest comes first; the whole map takes seconds.
+    let sets = ["regimes.stiffness=[1e5, 1e6, 1e7]", "regimes.threads=1", "contest.repeats=1"];
+    let args = with_sets(&["regimes", "--quiet", "--out", "out"], &sets);
+    let run = Running::start(&scratch, &args);
+    run.until(&scratch.path("out/regimes.json"), Duration::ZERO);
+    let output = run.interrupt();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{stderr}");
+    assert!(stderr.contains("the same command goes on"), "{stderr}");
+    let rows = scratch.table("out/regimes.csv").rows;
+    assert!(!rows.is_empty() && rows.len() < 30, "{} rows", rows.len());
+    assert!(rows.iter().all(|row| row["status"] == "ok"), "{rows:?}");
+}

@@ -11,6 +11,8 @@ mod failure;
 mod interrupt;
 mod listings;
 mod output;
+mod recommend;
+mod regimes;
 mod simulate;
 mod study;
 

@@ -172,6 +172,15 @@ impl Method {
         )
     }
 
+    /// Whether its steps solve equations, and so are not bound by stability.
+    pub fn is_implicit(&self) -> bool {
+        match self.scheme {
+            Scheme::Rosenbrock8(_) | Scheme::Radau(_) => true,
+            Scheme::Diffsol(scheme) => scheme != DiffsolScheme::Tsit45,
+            _ => false,
+        }
+    }
+
     /// Order of its series at a relative tolerance, or with a fixed step; none where it has no series.
     pub fn series_order(&self, rtol: Option<f64>) -> Option<usize> {
         match self.scheme {

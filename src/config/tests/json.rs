@@ -36,7 +36,7 @@ fn a_configuration_reads_back_from_the_text_of_its_json() {
 
 #[test]
 fn the_json_holds_every_key() {
-    let json = load("solver.atol = 1e-12", &[]).unwrap().to_json();
+    let json = load("solver.atol = 1e-12\nregimes.readings = ['full']", &[]).unwrap().to_json();
     for key in KEYS {
         let path = format!("/{}", key.path.replace('.', "/"));
         assert!(json.pointer(&path).is_some_and(|value| !value.is_null()), "{}", key.path);
@@ -51,10 +51,16 @@ fn the_json_of_the_default_is_this_text() {
     let text = "{\"bays\":1,\
         \"contact\":{\"adhesion\":true,\"damping\":178.7,\"exponent\":1.0,\"law\":\"power\",\
         \"stiffness\":10000000.0},\
+        \"contest\":{\"events\":[\"located\",\"blind\"],\"max_work\":300000000.0,\
+        \"methods\":[\"rk4\",\"bs32\",\"rk45\",\"dop853\",\"vern98\",\"taylor\",\"rodas5p\",\"radau5\",\
+        \"bdf\"],\"repeats\":5},\
         \"drive\":{\"m1\":1.0,\"m4\":0.3},\
         \"friction\":{\"coefficient\":0.1,\"law\":\"coulomb\"},\
         \"joint\":{\"clearance\":0.0001,\"pin_radius\":0.0049},\
         \"reading\":\"pin\",\
+        \"regimes\":{\"accuracy\":[0.001,1e-6],\"damping_ratio\":[0.0,0.01,0.1,1.0,3.0],\
+        \"stiffness\":[100000.0,1000000.0,10000000.0,100000000.0,1000000000.0,10000000000.0,\
+        100000000000.0,1000000000000.0],\"threads\":2},\
         \"run\":{\"sample\":0.01,\"stop_at_90\":true,\"t_end\":2.0},\
         \"solver\":{\"events\":\"located\",\"method\":\"rk45\",\"rtol\":1e-8,\"step\":0.00001},\
         \"strut\":{\"density\":7800.0,\"inertia\":\"axial\",\"length\":2.5,\"radius\":0.005},\

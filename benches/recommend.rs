@@ -1,0 +1,202 @@
+//! How good are recommendations? Random configurations, each recommended a setting, run again with it, and
+//! compared with an exhaustive search.
+//!
+//! `cargo bench --bench recommend -- 200` does 200 of them; without a number, 3. `--set KEY=VALUE` sets a
+//! key of all, as on the command line.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::print_stdout,
+    reason = "a bench panics to fail, and prints"
+)]
+
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use deltazero::config::{Config, Events};
+use deltazero::contest::{Arena, Start, Trial, TrialEnd};
+use deltazero::run::{Accuracy, Setting};
+use deltazero::study::recommend::{Recommendation, recommend};
+use deltazero::study::work_precision::sample_times;
+use deltazero_solvers::{METHODS, Method};
+
+/// m_ref of the damping ratio [kg].
+const M_REF: f64 = 6.126;
+/// The same configurations at every run.
+const SEED: u64 = 20_240_607;
+/// A setting that takes more than this many times the work of the recommended one is not faster.
+const EXHAUSTIVE: f64 = 2.5;
+
+/// xorshift64*: S. Vigna, "An experimental exploration of Marsaglia's xorshift generators", ACM Trans.
+/// Math. Softw. 42(4), 30 (2016).
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self, low: f64, high: f64) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        let bits = self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11;
+        low + (high - low) * bits as f64 / (1_u64 << 53) as f64
+    }
+
+    fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
+        self.uniform(low.ln(), high.ln()).exp()
+    }
+}
+
+/// One draw: what is set, and the accuracy.
+fn draw(random: &mut Random) -> (Vec<String>, f64) {
+    let stiffness = random.log_uniform(1e5, 1e11);
+    let damping = 2.0 * random.log_uniform(0.003, 3.0) * (stiffness * M_REF).sqrt();
+    let sets = vec![
+        format!("contact.stiffness={stiffness:e}"),
+        format!("contact.damping={damping:e}"),
+        format!("friction.coefficient={}", random.uniform(0.0, 0.4)),
+        format!("joint.clearance={:e}", random.log_uniform(5e-5, 2e-3)),
+        format!("drive.m1={}", random.log_uniform(0.2, 3.0)),
+        format!("drive.m4={}", random.log_uniform(0.1, 1.0)),
+    ];
+    (sets, random.log_uniform(1e-8, 1e-2))
+}
+
+/// What came of one configuration.
+#[derive(Default)]
+struct Tally {
+    none: usize,
+    warned: usize,
+    reached: usize,
+    missed: usize,
+    /// Time against the best of the exhaustive search.
+    ratios: Vec<f64>,
+}
+
+fn main() {
+    let args: Vec<String> = std::env::args().skip(1).filter(|arg| arg != "--bench").collect();
+    let n: usize = args.iter().find_map(|arg| arg.parse().ok()).unwrap_or(3);
+    let more: Vec<String> = args.iter().filter(|arg| arg.contains('=')).cloned().collect();
+    let mut random = Random(SEED);
+    let mut tally = Tally::default();
+    for i in 0..n {
+        let (mut sets, accuracy) = draw(&mut random);
+        sets.extend(more.iter().cloned());
+        let config = Config::load(None, &sets).expect("the draws are in range");
+        one(i, &config, &sets, accuracy, &mut tally);
+    }
+    let Tally { none, warned, reached, missed, mut ratios } = tally;
+    ratios.sort_by(f64::total_cmp);
+    let cheap = ratios.iter().filter(|ratio| **ratio <= 1.25).count();
+    println!(
+        "{n} configurations: {warned} warned, {none} without an answer; of the others {reached} reach \
+         again, {missed} do not; cost within 1.25 of the exhaustive search in {cheap} of {}",
+        ratios.len()
+    );
+}
+
+fn one(i: usize, config: &Config, sets: &[String], accuracy: f64, tally: &mut Tally) {
+    let stop = AtomicBool::new(false);
+    let start = Instant::now();
+    let answer = recommend(config, accuracy, &stop, &|_| {});
+    let took = start.elapsed().as_secs_f64();
+    let codes: Vec<&str> = answer.warnings.iter().map(|warning| warning.code.name()).collect();
+    let head = format!("{i:3} e {accuracy:.1e} {:5.1} s {codes:?}", took);
+    let Some(first) = answer.first() else {
+        tally.none += 1;
+        println!("{head} NONE {} | {}", answer.reason, sets.join(" "));
+        return;
+    };
+    let arena = Arena::new(config, sample_times(config), &stop).expect("made before");
+    let again = rerun(&arena, &answer, &stop);
+    let holds = again.e <= accuracy && again.events_are_right(first.events);
+    let (ratio, name) = exhaustive(&arena, &answer, accuracy, &stop);
+    if !codes.is_empty() {
+        tally.warned += 1;
+    } else if holds {
+        tally.reached += 1;
+    } else {
+        tally.missed += 1;
+    }
+    tally.ratios.push(ratio);
+    println!(
+        "{head} {} {} {}: again e {:.1e} {}, {} events, {:.2} ms, {ratio:.2} of {name}{}",
+        first.method,
+        first.events,
+        first.setting(),
+        again.e,
+        if holds { "reached" } else { "NOT REACHED" },
+        answer.n_events,
+        1e3 * first.wall_s,
+        if !holds || ratio > 1.25 { format!(" | {}", sets.join(" ")) } else { String::new() },
+    );
+}
+
+/// The run that a user makes of what was printed.
+fn rerun(arena: &Arena, answer: &Recommendation, stop: &AtomicBool) -> Trial {
+    let first = answer.first().expect("has an answer");
+    Trial::new(
+        arena,
+        &setting(&first.method, first.events, first.rtol, first.step),
+        Start::Exact,
+        f64::INFINITY,
+        stop,
+    )
+}
+
+fn setting(method: &str, events: Events, rtol: Option<f64>, step: Option<f64>) -> Setting {
+    let method = Method::named(method).expect("is in the list");
+    let accuracy = match step {
+        Some(step) => Accuracy::Step(step),
+        None => Accuracy::Rtol(rtol.expect("has one or the other"), None),
+    };
+    Setting { method, events, accuracy }
+}
+
+/// Time of the recommended setting over that of the fastest one, on eight rungs a decade of error, that
+/// reaches the accuracy, be it by luck: the shortest of five, run in turns.
+fn exhaustive(
+    arena: &Arena,
+    answer: &Recommendation,
+    accuracy: f64,
+    stop: &AtomicBool,
+) -> (f64, String) {
+    let first = answer.first().expect("has an answer");
+    let limit = EXHAUSTIVE * first.work;
+    let mut reaching = Vec::new();
+    for method in METHODS {
+        for events in [Events::Located, Events::Blind] {
+            for rung in 0..112 {
+                let value = if method.is_fixed_step() {
+                    1e-2 * 10_f64.powf(-f64::from(rung) / 16.0)
+                } else {
+                    1e-1 * 10_f64.powf(-f64::from(rung) / 8.0)
+                };
+                let (rtol, step) =
+                    if method.is_fixed_step() { (None, Some(value)) } else { (Some(value), None) };
+                let setting = setting(method.name, events, rtol, step);
+                let trial = Trial::new(arena, &setting, Start::Exact, limit, stop);
+                if trial.end == TrialEnd::Cut && method.order > 1 && trial.stats.n_events < 1000 {
+                    break;
+                }
+                if trial.e <= accuracy && trial.events_are_right(events) {
+                    reaching.push((trial.wall_s, setting));
+                    // Tighter ones cost more.
+                    if trial.e < 1e-2 * accuracy {
+                        break;
+                    }
+                }
+            }
+        }
+    }
+    reaching.sort_by(|a, b| a.0.total_cmp(&b.0));
+    reaching.truncate(12);
+    let own = setting(&first.method, first.events, first.rtol, first.step);
+    reaching.push((f64::INFINITY, own));
+    for _ in 0..5 {
+        for (wall, setting) in &mut reaching {
+            *wall = wall.min(Trial::new(arena, setting, Start::Exact, f64::INFINITY, stop).wall_s);
+        }
+    }
+    let own = reaching.last().map_or(f64::NAN, |(wall, _)| *wall);
+    let best = reaching.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    best.map_or((f64::NAN, "none".to_owned()), |(wall, setting)| (own / wall, setting.to_string()))
+}

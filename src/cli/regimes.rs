@@ -1,0 +1,141 @@
+//! `deltazero regimes`.
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use clap::Args;
+use deltazero::config::Config;
+use deltazero::figures;
+use deltazero::report::regimes::{csv, markdown};
+use deltazero::study::regimes::{Cell, Site, estimate, quick, regimes, sites};
+use serde_json::{Value, json};
+
+use super::output::{Output, hash};
+use super::{Failure, RunArgs, print, say};
+
+#[derive(Args)]
+pub(super) struct RegimesArgs {
+    #[command(flatten)]
+    run: RunArgs,
+    /// Cells at the same time, instead of regimes.threads
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// A preview: every third stiffness, every second damping ratio, at most 0.25 s
+    #[arg(long)]
+    quick: bool,
+}
+
+pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let mut config = args.run.load()?;
+    let mut dir = "deltazero-out/regimes";
+    if args.quick {
+        config = quick(&config);
+        dir = "deltazero-out/regimes-quick";
+    }
+    let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from(dir));
+    let output =
+        Output::open(&dir, hash("regimes", &json_without_threads(&config)), args.run.force)?;
+    if let Some(threads) = args.threads {
+        config.regimes.threads = usize::from(threads);
+    }
+    let known = known(&output);
+    announce(&config, &known, args.run.quiet, stop);
+
+    let n_sites = sites(&config).len();
+    let failed: Mutex<Option<Failure>> = Mutex::new(None);
+    let n_accuracies = config.regimes.accuracy.len();
+    let done = |site: &Site, cells: &[Cell]| {
+        if !args.run.quiet {
+            say(&format!("{} of {n_sites}: {site}", cells.len() / n_accuracies));
+        }
+        if let Err(error) = write_json(&output, &config, cells) {
+            stop.store(true, Ordering::Relaxed);
+            if let Ok(mut failed) = failed.lock() {
+                *failed = Some(error);
+            }
+        }
+    };
+    let cells = regimes(&config, known, stop, &done);
+    if let Some(error) = failed.into_inner().ok().flatten() {
+        return Err(error);
+    }
+    output.write("regimes.csv", csv(&cells).as_bytes())?;
+    if stop.load(Ordering::Relaxed) {
+        return Err(Failure::Interrupted(
+            "what was finished is on disk, the same command goes on from there",
+        ));
+    }
+    let drawings = figures::regimes::drawings(&cells);
+    for drawing in &drawings {
+        let fail = |error| Failure::Run(format!("cannot draw {}: {error}", drawing.name));
+        let (svg, png) = (drawing.figure.svg().map_err(fail)?, drawing.figure.png().map_err(fail)?);
+        output.write(&format!("figures/{}.svg", drawing.name), svg.as_bytes())?;
+        output.write(&format!("figures/{}.png", drawing.name), &png)?;
+    }
+    let text = markdown(&config, &cells, &drawings);
+    output.write("regimes.md", text.as_bytes())?;
+    write_json(&output, &config, &cells)?;
+    print(&if args.run.json { format!("{:#}\n", json!(cells)) } else { text })?;
+    if !args.run.quiet {
+        say(&format!(
+            "written to {}: regimes.md, regimes.csv, regimes.json, figures/",
+            output.path()
+        ));
+    }
+    Ok(())
+}
+
+/// The configuration as results are named by: threads change nothing but the time.
+fn json_without_threads(config: &Config) -> Value {
+    let mut config = config.clone();
+    config.regimes.threads = 1;
+    config.study.threads = 1;
+    config.to_json()
+}
+
+/// Says how long it will take.
+fn announce(config: &Config, known: &[Cell], quiet: bool, stop: &AtomicBool) {
+    if quiet {
+        return;
+    }
+    let grid = &config.regimes;
+    say(&format!(
+        "{} stiffnesses x {} damping ratios x {} accuracies, {} readings, to {} s; {} cells are known",
+        grid.stiffness.len(),
+        grid.damping_ratio.len(),
+        grid.accuracy.len(),
+        grid.readings.as_ref().map_or(1, Vec::len),
+        config.run.t_end,
+        known.len()
+    ));
+    let time = estimate(config, known, stop);
+    say(&format!("by short trials it will take some {} on {} threads", spoken(time), grid.threads));
+}
+
+fn spoken(time: Duration) -> String {
+    let seconds = time.as_secs_f64();
+    if seconds < 100.0 { format!("{seconds:.0} s") } else { format!("{:.0} min", seconds / 60.0) }
+}
+
+/// The cells of an earlier run of the same configuration.
+fn known(output: &Output) -> Vec<Cell> {
+    let cells = output.own("regimes.json").and_then(|mut map| {
+        if map.get("version")?.as_str()? != env!("CARGO_PKG_VERSION") {
+            return None;
+        }
+        serde_json::from_value::<Vec<Cell>>(map.get_mut("cells")?.take()).ok()
+    });
+    cells.unwrap_or_default()
+}
+
+fn write_json(output: &Output, config: &Config, cells: &[Cell]) -> Result<(), Failure> {
+    let map = json!({
+        "hash": output.hash,
+        "version": env!("CARGO_PKG_VERSION"),
+        "config": config.to_json(),
+        "cells": cells,
+    });
+    output.write("regimes.json", format!("{map:#}\n").as_bytes())
+}

@@ -1,0 +1,65 @@
+//! Where a contest takes place: a mechanism, its time, and the reference that judges.
+
+use std::sync::atomic::AtomicBool;
+
+use crate::config::Config;
+use crate::model::Mechanism;
+use crate::reference::{Reference, ReferenceError, counted};
+use crate::run::Limits;
+
+/// A problem that is predictable for less than this is ill-posed [s].
+pub const ILL_POSED_BELOW_S: f64 = 0.2;
+
+/// A mechanism with the time over which methods are compared on it.
+#[derive(Clone, Debug)]
+pub struct Arena {
+    /// The mechanism.
+    pub mechanism: Mechanism,
+    /// The run that judges.
+    pub reference: Reference,
+    /// When states are compared [s].
+    pub times: Vec<f64>,
+    /// The end of the runs [s].
+    pub t_end: f64,
+    /// The time at which a change of the start's last bit is seen [s]; none where it is beyond the time
+    /// looked at.
+    pub horizon: Option<f64>,
+    /// Events of the reference that count.
+    pub n_events: usize,
+}
+
+impl Arena {
+    /// The arena of a configuration: its whole run where that is predictable, else the first half of
+    /// what is, states compared at `times` [s].
+    ///
+    /// Beyond the first half an error of the size of a tolerance is more and more the amplified error
+    /// of the first steps: how good a method is shows before.
+    ///
+    /// # Errors
+    /// [`ReferenceError`] where there is no reference.
+    pub fn new(
+        config: &Config,
+        mut times: Vec<f64>,
+        stop: &AtomicBool,
+    ) -> Result<Self, ReferenceError> {
+        let mechanism = Mechanism::new(config);
+        let limits = Limits { max_rhs: config.study.max_rhs, stop };
+        let mut t_end = config.run.t_end;
+        let mut reference = Reference::new(&mechanism, t_end, &times, limits)?;
+        let lost = reference.blocks.iter().fold(f64::INFINITY, |least, b| least.min(b.lost_at));
+        let horizon = lost.is_finite().then_some(lost);
+        if let Some(horizon) = horizon {
+            t_end = 0.5 * horizon;
+            times.retain(|t| *t <= t_end);
+            reference = Reference::new(&mechanism, t_end, &times, limits)?;
+        }
+        let blocks = mechanism.blocks.iter().zip(&reference.blocks);
+        let n_events = blocks.map(|(block, own)| counted(&own.events, block).len()).sum();
+        Ok(Self { mechanism, reference, times, t_end, horizon, n_events })
+    }
+
+    /// Whether it is predictable for too short a time to compare methods on it.
+    pub fn is_ill_posed(&self) -> bool {
+        self.horizon.is_some_and(|horizon| horizon < ILL_POSED_BELOW_S)
+    }
+}

@@ -1,0 +1,302 @@
+//! The contest: of several methods, each at the cheapest setting that truly reaches an accuracy, which
+//! one is the fastest?
+//!
+//! A [`Setting`] reaches an accuracy if its error `e` keeps below it up to the end, and, where it
+//! locates events, if it has found each event of the reference and no other. A blind run makes no
+//! claim about events and is judged by `e` alone; how many of them it has is told beside it.
+//!
+//! Error against tolerance is jagged, so one run that reaches it proves little. A setting counts if
+//! `e` keeps a [`MARGIN`], and so does the next tighter setting, and both again from a start moved by
+//! its last bit: the spread of the four goes with the answer.
+//!
+//! The search is ordered by *work*, a count that is the same on every machine: all candidates run
+//! under a budget that grows until one of them arrives; from then on a run is cut at [`CUT`] times the
+//! least work so far, or at [`FINAL`] times the least of its own kind (explicit or implicit, located or
+//! blind). So cheap winners come first, hopeless ones cost little, and the best of each kind is known
+//! where it comes within ten times the best of all. Those that stay within [`FINAL`] times the least
+//! work are then timed, one after the other in turns, so that what disturbs the machine disturbs them
+//! alike.
+
+mod arena;
+mod finals;
+mod ladder;
+mod search;
+mod trial;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use deltazero_solvers::{METHODS, Method, Stats};
+use serde::{Deserialize, Serialize};
+
+use crate::config::{Atol, Events};
+use crate::run::{Accuracy, Setting};
+
+pub use arena::{Arena, ILL_POSED_BELOW_S};
+pub use trial::{Start, Trial, TrialEnd, work};
+
+use search::{Search, Step};
+
+/// A setting counts if `e` keeps below this part of the accuracy.
+pub const MARGIN: f64 = 0.8;
+/// A run is cut at this many times the least work of those that arrived.
+pub const CUT: f64 = 10.0;
+/// Candidates within this many times the least work are timed.
+pub const FINAL: f64 = 3.0;
+/// Work of the first budget: some milliseconds.
+const FIRST_BUDGET: f64 = 5e4;
+/// Growth of the budget while no candidate has arrived.
+const BUDGET_GROWTH: f64 = 4.0;
+/// The reference decides on an accuracy that is at least this many times its own error.
+const DECIDES_FROM: f64 = 10.0;
+
+/// A method with what it does about events; the contest finds its setting.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate {
+    /// The method.
+    pub method: &'static Method,
+    /// What it does about events.
+    pub events: Events,
+}
+
+impl Candidate {
+    /// Every pair of `methods`, by name, and `events`; an unknown method none.
+    pub fn all(methods: &[String], events: &[Events]) -> Vec<Self> {
+        let known = METHODS.iter().filter(|method| methods.iter().any(|name| name == method.name));
+        known.flat_map(|method| events.iter().map(move |&events| Self { method, events })).collect()
+    }
+}
+
+/// What a contest is about.
+#[derive(Clone, Copy, Debug)]
+pub struct Contest<'a> {
+    /// Where it takes place.
+    pub arena: &'a Arena,
+    /// The error `e` to be reached.
+    pub accuracy: f64,
+    /// Absolute tolerance that goes with every relative one; none: its multiple of the scales.
+    pub atol: Option<Atol>,
+    /// Times that each of the fastest is run.
+    pub repeats: u32,
+    /// Work beyond which a run is cut whatever the others need.
+    pub max_work: f64,
+    /// Set from outside to interrupt it.
+    pub stop: &'a AtomicBool,
+}
+
+/// A candidate that reaches the accuracy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    /// Method.
+    pub method: String,
+    /// What it does about events.
+    pub events: Events,
+    /// Relative tolerance, if it has one.
+    pub rtol: Option<f64>,
+    /// Fixed step [s], if it has one.
+    pub step: Option<f64>,
+    /// Its error.
+    pub e: f64,
+    /// Least and largest error of it, the next tighter setting, and the start moved by its last bit.
+    pub e_spread: [f64; 2],
+    /// Events of the reference that it lacks.
+    pub missed: usize,
+    /// Events that the reference lacks.
+    pub spurious: usize,
+    /// Whether it is implicit.
+    pub implicit: bool,
+    /// Evaluations of the right-hand side of a block.
+    pub n_rhs: u64,
+    /// Accepted steps.
+    pub n_accepted: u64,
+    /// Mean of the accepted steps [s].
+    pub mean_step_s: f64,
+    /// Steps that a tolerance ten times tighter takes for each of its own; none for a fixed step.
+    pub growth: Option<f64>,
+    /// Whether stability, not accuracy, sets its steps.
+    pub bound_by_stability: bool,
+    /// Work; see [`work`].
+    pub work: f64,
+    /// Shortest time of its runs [s].
+    pub wall_s: f64,
+    /// Whether a tighter setting has the events wrong.
+    pub grazes: bool,
+    /// Whether it was timed in turns with the fastest.
+    pub timed: bool,
+}
+
+impl Entry {
+    /// Tolerance or step as text: `rtol 1e-6`, `h 1e-4 s`.
+    pub fn setting(&self) -> String {
+        let accuracy = match (self.rtol, self.step) {
+            (Some(rtol), _) => Some(Accuracy::Rtol(rtol, None)),
+            (None, step) => step.map(Accuracy::Step),
+        };
+        accuracy.map_or_else(String::new, |accuracy| accuracy.to_string())
+    }
+}
+
+/// Why a candidate does not reach the accuracy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FailureKind {
+    /// It needs more than [`CUT`] times the least work, [`FINAL`] times that of its kind, or the limit.
+    Cut,
+    /// Its error stays above the accuracy, however tight the setting.
+    OutOfReach,
+    /// Its error is small enough, its sequence of events wrong.
+    EventsWrong,
+    /// Its iteration does not converge.
+    NoConvergence,
+    /// Its events accumulate, or two modes hand over to each other.
+    EventStorm,
+    /// It stopped for another reason.
+    Failed,
+    /// It was interrupted.
+    Interrupted,
+}
+
+impl FailureKind {
+    /// As the files write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cut => "cut",
+            Self::OutOfReach => "out_of_reach",
+            Self::EventsWrong => "events_wrong",
+            Self::NoConvergence => "no_convergence",
+            Self::EventStorm => "event_storm",
+            Self::Failed => "failed",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
+/// A candidate that does not reach the accuracy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Failure {
+    /// Method.
+    pub method: String,
+    /// What it does about events.
+    pub events: Events,
+    /// Whether it is implicit.
+    pub implicit: bool,
+    /// Why.
+    pub kind: FailureKind,
+    /// The same with numbers.
+    pub message: String,
+    /// Mean accepted step of its last run [s], if it took one.
+    pub mean_step_s: Option<f64>,
+}
+
+/// How a contest ended.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Standings {
+    /// Those that reach the accuracy, the fastest first.
+    pub entries: Vec<Entry>,
+    /// Those that do not, in the order of the candidates.
+    pub failures: Vec<Failure>,
+    /// Runs made, the repeats for time left out.
+    pub n_trials: usize,
+}
+
+impl Contest<'_> {
+    /// Whether the reference is good enough to tell who reaches the accuracy.
+    pub fn is_decidable(&self) -> bool {
+        DECIDES_FROM * self.arena.reference.summary.agreement <= self.accuracy
+    }
+
+    /// Runs the contest between `candidates`; `progress` hears of each that is through.
+    pub fn run(&self, candidates: &[Candidate], progress: &dyn Fn(&str)) -> Standings {
+        let mut searches: Vec<Search<'_>> =
+            candidates.iter().map(|candidate| Search::new(self, *candidate)).collect();
+        self.search(&mut searches, progress);
+        let mut standings = Standings {
+            n_trials: searches.iter().map(|search| search.n_trials).sum(),
+            ..Standings::default()
+        };
+        let mut settings = Vec::new();
+        for search in &searches {
+            match search.entry() {
+                Ok((setting, entry)) => {
+                    settings.push(setting);
+                    standings.entries.push(entry);
+                }
+                Err(failure) => standings.failures.push(failure),
+            }
+        }
+        finals::time(self, &settings, &mut standings.entries);
+        standings
+    }
+
+    /// Advances every search until it is over, under budgets that grow.
+    fn search(&self, searches: &mut [Search<'_>], progress: &dyn Fn(&str)) {
+        let (mut budget, mut least) = (FIRST_BUDGET, Least::default());
+        loop {
+            let mut open = false;
+            for search in searches.iter_mut().filter(|search| !search.is_over()) {
+                let most = self.max_work.min(least.limit(search.candidate));
+                let limit = budget.min(most);
+                match search.advance(limit, least.of_all()) {
+                    Step::Over(found) => {
+                        least.arrived(search.candidate, found);
+                        progress(search.candidate.method.name);
+                    }
+                    // A later, lower limit would cut it all the more.
+                    Step::Cut if limit >= most => {
+                        search.give_up(least.of_all());
+                        progress(search.candidate.method.name);
+                    }
+                    Step::Cut => open = true,
+                }
+            }
+            if !open {
+                return;
+            }
+            let first = least.of_all();
+            budget = if first.is_finite() { CUT * first } else { BUDGET_GROWTH * budget };
+        }
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    fn setting(&self, candidate: Candidate, rung: i32) -> Setting {
+        let Candidate { method, events } = candidate;
+        Setting { method, events, accuracy: ladder::accuracy(method, rung, self.atol) }
+    }
+}
+
+/// The least work of those that arrived, kind by kind: explicit and implicit, located and blind.
+struct Least([f64; 4]);
+
+impl Default for Least {
+    fn default() -> Self {
+        Self([f64::INFINITY; 4])
+    }
+}
+
+impl Least {
+    fn kind(candidate: Candidate) -> usize {
+        let blind = candidate.events == Events::Blind;
+        2 * usize::from(candidate.method.is_implicit()) + usize::from(blind)
+    }
+
+    fn arrived(&mut self, candidate: Candidate, work: Option<f64>) {
+        let own = &mut self.0[Self::kind(candidate)];
+        *own = own.min(work.unwrap_or(f64::INFINITY));
+    }
+
+    fn of_all(&self) -> f64 {
+        self.0.iter().fold(f64::INFINITY, |least, own| least.min(*own))
+    }
+
+    /// Where a candidate is cut.
+    fn limit(&self, candidate: Candidate) -> f64 {
+        (CUT * self.of_all()).min(FINAL * self.0[Self::kind(candidate)])
+    }
+}
+
+/// Mean accepted step [s] of a run that came `covered` seconds far, blocks added.
+fn mean_step(covered: f64, stats: &Stats) -> Option<f64> {
+    (stats.n_accepted > 0).then(|| covered / stats.n_accepted as f64)
+}

@@ -1,0 +1,189 @@
+//! One run of a contest, measured and judged.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use deltazero_solvers::{
+    Accepted, Error, Event, Grid, Method, Outcome, Record, Stats, Trajectory, Work,
+};
+
+use super::arena::Arena;
+use crate::config::Events;
+use crate::metrics::worse;
+use crate::model::{Block, State};
+use crate::run::{Setting, integrate};
+
+/// A linear system of one block costs about this many right-hand sides: rodas5p, radau5, bdf and
+/// esdirk34 take 4.2 to 7.5 times the time of an explicit method's for each of theirs (Table 1).
+const LIN_SOLVE: f64 = 5.0;
+/// A series costs this many right-hand sides for each of its orders: 5.4 at order 5, 4.7 at order 10
+/// (Table 1, located).
+const SERIES: f64 = 5.0;
+
+/// The work of a run in right-hand sides: a measure of cost that is the same on every machine, and
+/// right within a factor of about two.
+///
+/// ```text
+/// n_rhs + 5 n_lin_solves        a Taylor series of order p counts 5 p
+/// ```
+pub fn work(method: &Method, rtol: Option<f64>, counts: &Work) -> f64 {
+    let rhs = method.series_order(rtol).map_or(1.0, |order| SERIES * order as f64);
+    rhs * counts.n_rhs as f64 + LIN_SOLVE * counts.n_lin_solves as f64
+}
+
+/// Where a run starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// At the paper's start.
+    Exact,
+    /// Each of its numbers moved up by its last bit.
+    Up,
+    /// Each moved down.
+    Down,
+}
+
+impl Start {
+    fn of(self, block: &Block) -> State<f64> {
+        block.initial_state().map(|y| match self {
+            Self::Up if y != 0.0 => y.next_up(),
+            Self::Down if y != 0.0 => y.next_down(),
+            _ => y,
+        })
+    }
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TrialEnd {
+    /// At the end of its time.
+    Reached,
+    /// At the limit of work.
+    Cut,
+    /// It could not go on.
+    Failed(Error),
+    /// Interrupted from outside.
+    Interrupted,
+}
+
+/// A run, judged by the reference.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// How it ended.
+    pub end: TrialEnd,
+    /// Error `e`; infinite where it has not reached its end.
+    pub e: f64,
+    /// Events of the reference that it lacks.
+    pub missed: usize,
+    /// Events that the reference lacks.
+    pub spurious: usize,
+    /// Counts.
+    pub stats: Stats,
+    /// Work; see [`work`].
+    pub work: f64,
+    /// Time that the blocks came far, added [s].
+    pub covered: f64,
+    /// Time that it took [s].
+    pub wall_s: f64,
+}
+
+impl Trial {
+    /// Runs `setting` in `arena` from `start`, and cuts it at `limit` of [`work`], or where it is on
+    /// course for twice that.
+    pub fn new(
+        arena: &Arena,
+        setting: &Setting,
+        start: Start,
+        limit: f64,
+        stop: &AtomicBool,
+    ) -> Self {
+        let mut trial = Self {
+            end: TrialEnd::Reached,
+            e: 0.0,
+            missed: 0,
+            spurious: 0,
+            stats: Stats::default(),
+            work: 0.0,
+            covered: 0.0,
+            wall_s: 0.0,
+        };
+        let grid = Grid::Times(arena.times.clone());
+        let whole = arena.t_end * arena.mechanism.blocks.len() as f64;
+        for (block, reference) in arena.mechanism.blocks.iter().zip(&arena.reference.blocks) {
+            let (work_before, t_before) = (trial.work, trial.covered);
+            let watch =
+                WorkLimit { setting, work_before, t_before, whole, limit, stop, cut: false };
+            let mut record = (Trajectory::on(grid.clone()), watch);
+            let run = integrate(block, setting, start.of(block), arena.t_end, &mut record);
+            trial.stats += run.stats;
+            trial.work += work(setting.method, setting.rtol(), &run.stats.work);
+            trial.covered += run.t;
+            trial.wall_s += run.wall.as_secs_f64();
+            trial.end = match run.outcome {
+                Err(error) => TrialEnd::Failed(error),
+                Ok(Outcome::Interrupted) if record.1.cut => TrialEnd::Cut,
+                Ok(Outcome::Interrupted) => TrialEnd::Interrupted,
+                Ok(_) => TrialEnd::Reached,
+            };
+            if trial.end != TrialEnd::Reached {
+                trial.e = f64::INFINITY;
+                return trial;
+            }
+            let trajectory = record.0;
+            // A run that ends a sample early stopped at 90° beside the sample; one that ends earlier
+            // still went astray.
+            let is_whole = trajectory.samples.len() + 1 >= reference.samples.len();
+            let e = if is_whole { reference.error(&trajectory) } else { f64::INFINITY };
+            trial.e = worse(trial.e, e);
+            let events = reference.matched(block, &trajectory);
+            trial.missed += events.missed;
+            trial.spurious += events.spurious;
+        }
+        trial
+    }
+
+    /// Whether its sequence of events is that of the reference, or it makes no claim about it.
+    pub fn events_are_right(&self, events: Events) -> bool {
+        events == Events::Blind || self.missed + self.spurious == 0
+    }
+}
+
+/// Breaks a run off at a limit of work, or once a tenth of that shows that it is on course for twice the
+/// limit; or from outside.
+struct WorkLimit<'a> {
+    setting: &'a Setting,
+    /// Work and time of the blocks before.
+    work_before: f64,
+    t_before: f64,
+    /// Time of all blocks.
+    whole: f64,
+    limit: f64,
+    stop: &'a AtomicBool,
+    cut: bool,
+}
+
+/// See [`WorkLimit`].
+const EARLY: f64 = 0.1;
+pub(super) const ON_COURSE: f64 = 2.0;
+
+impl Record<Block> for WorkLimit<'_> {
+    fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
+        let own = work(self.setting.method, self.setting.rtol(), &accepted.stats.work);
+        let done = self.work_before + own;
+        let part = (self.t_before + accepted.step.t1()) / self.whole;
+        let is_hopeless = done > EARLY * self.limit && done > ON_COURSE * self.limit * part;
+        self.cut = done > self.limit || is_hopeless;
+        if self.cut || self.stop.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+
+    fn event(&mut self, _: &Event<'_, Block>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
+        false
+    }
+}

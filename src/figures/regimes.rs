@@ -1,0 +1,244 @@
+//! Maps of the contest: who wins, by how much, and what it costs against stiffness.
+
+use deltazero_plots::{
+    Axis, Cells, Figure, Heatmap, Legend, LineChart, Marker, Note, Panel, Scale, Series, Size,
+};
+
+use super::Drawing;
+use crate::config::{Events, ReadingName};
+use crate::study::regimes::{Cell, CellStatus, maps, of_map};
+
+/// The figures of a map.
+pub fn drawings(cells: &[Cell]) -> Vec<Drawing> {
+    if cells.is_empty() {
+        return Vec::new();
+    }
+    vec![winners(cells), margin(cells), cost(cells)]
+}
+
+/// The values of one axis of the map, ascending.
+fn values(cells: &[Cell], of: impl Fn(&Cell) -> f64) -> Vec<f64> {
+    let mut values: Vec<f64> = cells.iter().map(of).collect();
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    values
+}
+
+fn stiffnesses(cells: &[Cell]) -> Vec<f64> {
+    values(cells, |cell| cell.stiffness)
+}
+
+fn ratios(cells: &[Cell]) -> Vec<f64> {
+    values(cells, |cell| cell.damping_ratio)
+}
+
+/// A heat map with K to the right and ζ upwards; `colors` and `texts` come from the cells, row by row
+/// from the top.
+fn map(
+    cells: &[Cell],
+    (reading, accuracy): (ReadingName, f64),
+    colors: impl Fn(Vec<Option<&Cell>>) -> Cells,
+    text: impl Fn(&Cell) -> String,
+) -> Panel {
+    let own = of_map(cells, reading, accuracy);
+    let (columns, mut rows) = (stiffnesses(cells), ratios(cells));
+    rows.reverse();
+    let at = |zeta: f64, stiffness: f64| {
+        let here = |cell: &&&Cell| cell.damping_ratio == zeta && cell.stiffness == stiffness;
+        own.iter().find(here).copied()
+    };
+    let grid: Vec<Option<&Cell>> =
+        rows.iter().flat_map(|zeta| columns.iter().map(|k| at(*zeta, *k))).collect();
+    let texts = grid.iter().map(|cell| cell.map_or_else(String::new, &text)).collect();
+    Heatmap {
+        title: format!("{reading}, e ≤ {accuracy:e}"),
+        x_label: "contact stiffness K [N/m]".into(),
+        y_label: "damping ratio ζ".into(),
+        columns: columns.iter().map(|k| format!("{k:e}")).collect(),
+        rows: rows.iter().map(|zeta| format!("{zeta}")).collect(),
+        cells: colors(grid),
+        texts,
+    }
+    .into()
+}
+
+/// A figure of one panel for each reading and accuracy.
+fn of_maps(title: &str, cells: &[Cell], panel: impl Fn((ReadingName, f64)) -> Panel) -> Figure {
+    let mut maps = maps(cells);
+    // Readings below each other, accuracies beside each other.
+    maps.sort_by_key(|(reading, _)| ReadingName::ALL.iter().position(|known| known == reading));
+    let cols = values(cells, |cell| cell.accuracy).len().max(1);
+    let rows = maps.len().div_ceil(cols).max(1);
+    Figure {
+        title: title.into(),
+        rows,
+        cols,
+        panels: maps.into_iter().map(panel).collect(),
+        size: Size { width: 1200, height: 140 + 260 * u32::try_from(rows).unwrap_or(1) },
+        legend: Legend::Below,
+        ..Figure::default()
+    }
+}
+
+fn winners(cells: &[Cell]) -> Drawing {
+    let mut names: Vec<String> = Vec::new();
+    for entry in cells.iter().filter_map(Cell::winner) {
+        if !names.contains(&entry.method) {
+            names.push(entry.method.clone());
+        }
+    }
+    names.sort();
+    let colors = |grid: Vec<Option<&Cell>>| {
+        let index = |cell: &Option<&Cell>| {
+            let entry = cell.and_then(Cell::winner)?;
+            names.iter().position(|name| *name == entry.method)
+        };
+        Cells::Categories { names: names.clone(), indices: grid.iter().map(index).collect() }
+    };
+    let text = |cell: &Cell| match (cell.winner(), cell.status) {
+        (Some(entry), _) => match entry.events {
+            Events::Located => "located".to_owned(),
+            Events::Blind => "blind".to_owned(),
+        },
+        (None, CellStatus::NoReference) => "no ref.".to_owned(),
+        (None, status) => status.name().to_owned(),
+    };
+    let figure = of_maps("The fastest method", cells, |which| map(cells, which, colors, text));
+    let counts: Vec<String> = names
+        .iter()
+        .map(|name| {
+            let own = cells.iter().filter_map(Cell::winner).filter(|entry| entry.method == *name);
+            format!("{name} {}", own.count())
+        })
+        .collect();
+    let without = cells.iter().filter(|cell| cell.winner().is_none()).count();
+    let caption = format!(
+        "The fastest method that reaches e, over contact stiffness and damping ratio. Cells won: {}; \
+         {without} of {} without a winner (grey).",
+        counts.join(", "),
+        cells.len()
+    );
+    Drawing { name: "winners", caption, figure }
+}
+
+fn margin(cells: &[Cell]) -> Drawing {
+    let most = cells.iter().filter_map(Cell::margin).fold(1.1_f64, f64::max);
+    let colors = |grid: Vec<Option<&Cell>>| {
+        let value = |cell: &Option<&Cell>| cell.and_then(Cell::margin).unwrap_or(f64::NAN);
+        let label = "time of the second over the first".to_owned();
+        Cells::Values {
+            bar: Axis { label, scale: Scale::Log, range: Some((1.0, most)) },
+            values: grid.iter().map(value).collect(),
+        }
+    };
+    let text = |cell: &Cell| cell.margin().map_or_else(String::new, |m| format!("{m:.2}"));
+    let figure =
+        of_maps("How far ahead the fastest is", cells, |which| map(cells, which, colors, text));
+    let mut margins: Vec<f64> = cells.iter().filter_map(Cell::margin).collect();
+    margins.sort_by(f64::total_cmp);
+    let median = margins.get(margins.len() / 2).copied().unwrap_or(f64::NAN);
+    let close = margins.iter().filter(|margin| **margin < 1.1).count();
+    let caption = format!(
+        "Time of the second over that of the first, median {median:.2}, largest {most:.2}; in {close} of {} \
+         cells the two are within a tenth, where noise may change their order.",
+        margins.len()
+    );
+    Drawing { name: "margin", caption, figure }
+}
+
+/// Cost against K of the best explicit and the best implicit method, a panel a damping ratio.
+fn cost(cells: &[Cell]) -> Drawing {
+    let zetas = ratios(cells);
+    let maps = maps(cells);
+    let mut crossovers = Vec::new();
+    let mut panels: Vec<Panel> = Vec::new();
+    for &(reading, accuracy) in &maps {
+        for &zeta in &zetas {
+            let mut own = of_map(cells, reading, accuracy);
+            own.retain(|cell| cell.damping_ratio == zeta);
+            own.sort_by(|a, b| a.stiffness.total_cmp(&b.stiffness));
+            let curve = |implicit: bool| -> Vec<(f64, f64)> {
+                let point = |cell: &&Cell| {
+                    let best = cell.best(|entry| entry.implicit == implicit);
+                    (cell.stiffness, best.map_or(f64::NAN, |entry| 1e3 * entry.wall_s))
+                };
+                own.iter().map(point).collect()
+            };
+            let (explicit, implicit) = (curve(false), curve(true));
+            let crossing = crossover(&explicit, &implicit);
+            if let Some((k, _)) = crossing {
+                crossovers.push(format!("{reading}, e ≤ {accuracy:e}, ζ = {zeta}: {k:.0e} N/m"));
+            }
+            let chart = LineChart {
+                title: format!("{reading}, e ≤ {accuracy:e}, ζ = {zeta}"),
+                x: Axis::log("K [N/m]"),
+                y: Axis::log("time [ms]"),
+                series: vec![
+                    Series::filled("best explicit", 0, Marker::cycle(0), explicit),
+                    Series::filled("best implicit", 1, Marker::cycle(1), implicit),
+                ],
+                marks: crossing.iter().map(|(k, _)| *k).collect(),
+                notes: crossing
+                    .map(|at| Note { at, text: format!("{:.0e}", at.0) })
+                    .into_iter()
+                    .collect(),
+                ..LineChart::default()
+            };
+            panels.push(chart.into());
+        }
+    }
+    let caption = format!(
+        "Time of the fastest explicit and the fastest implicit method against contact stiffness; a \
+         missing point is one that does not reach the accuracy within ten times the least work. \
+         Crossovers (vertical lines): {}.",
+        if crossovers.is_empty() { "none".to_owned() } else { crossovers.join("; ") }
+    );
+    let (rows, cols) = (maps.len().max(1), zetas.len().max(1));
+    let side =
+        |n: usize, each: u32, most: u32| (120 + each * u32::try_from(n).unwrap_or(1)).min(most);
+    let figure = Figure {
+        title: "Cost against stiffness".into(),
+        rows,
+        cols,
+        panels,
+        size: Size { width: side(cols, 270, 2000), height: side(rows, 250, 2000) },
+        legend: Legend::Below,
+        share_x: true,
+        share_y: true,
+    };
+    Drawing { name: "cost", caption, figure }
+}
+
+/// Where the second curve falls below the first and stays there, by power laws between the points: (K,
+/// time).
+fn crossover(explicit: &[(f64, f64)], implicit: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let ratios: Vec<(f64, f64, f64)> = explicit
+        .iter()
+        .zip(implicit)
+        .map(|(a, b)| (a.0, libm::log(a.1 / b.1), b.1))
+        .filter(|(_, ratio, _)| ratio.is_finite())
+        .collect();
+    let last_above = ratios.iter().rposition(|(_, ratio, _)| *ratio <= 0.0)?;
+    let ((k0, r0, t0), (k1, r1, t1)) = (*ratios.get(last_above)?, *ratios.get(last_above + 1)?);
+    let part = -r0 / (r1 - r0);
+    let between = |a: f64, b: f64| a * libm::pow(b / a, part);
+    Some((between(k0, k1), between(t0, t1)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn power_laws_cross_where_they_are_equal() {
+        let powers =
+            |p: f64| (5..10).map(|k| (10_f64.powi(k), 10_f64.powf(p * f64::from(k)))).collect();
+        let explicit: Vec<(f64, f64)> = powers(0.5);
+        let implicit: Vec<(f64, f64)> =
+            (5..10).map(|k| (10_f64.powi(k), 10_f64.powf(3.75))).collect();
+        let (k, time) = crossover(&explicit, &implicit).unwrap();
+        assert!((k / 10_f64.powf(7.5) - 1.0).abs() < 1e-12);
+        assert!((time / 10_f64.powf(3.75) - 1.0).abs() < 1e-12);
+        assert_eq!(crossover(&implicit, &implicit), None);
+    }
+}

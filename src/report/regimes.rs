@@ -1,0 +1,258 @@
+//! The map as CSV, and its finding in words.
+
+use std::fmt::Write as _;
+
+use super::{exact, field};
+use crate::config::{Config, Events};
+use crate::contest::{CUT, Entry};
+use crate::figures::Drawing;
+use crate::study::regimes::{Cell, CellStatus, maps, of_map};
+
+/// `regimes.csv`: one row a cell.
+pub fn csv(cells: &[Cell]) -> String {
+    let mut csv = String::from(
+        "reading,stiffness,damping_ratio,accuracy,status,t_end_s,horizon_s,n_events,method,events,rtol,\
+         step,e,e_least,e_most,missed,spurious,wall_s,n_rhs,n_accepted,second,second_events,\
+         second_wall_s,explicit,explicit_wall_s,implicit,implicit_wall_s,located,located_wall_s,blind,\
+         blind_wall_s,failures,error\n",
+    );
+    for cell in cells {
+        let first = cell.winner();
+        let second = cell.standings.entries.get(1);
+        let of = |f: fn(&Entry) -> f64| exact(first.map(f));
+        let count = |f: fn(&Entry) -> u64| first.map_or_else(String::new, |e| f(e).to_string());
+        let mut fields = vec![
+            cell.reading.to_string(),
+            exact(Some(cell.stiffness)),
+            exact(Some(cell.damping_ratio)),
+            exact(Some(cell.accuracy)),
+            cell.status.name().to_owned(),
+            exact(cell.t_end_s),
+            exact(cell.horizon_s),
+            super::count(cell.n_events),
+            first.map_or_else(String::new, |entry| entry.method.clone()),
+            first.map_or_else(String::new, |entry| entry.events.to_string()),
+            exact(first.and_then(|entry| entry.rtol)),
+            exact(first.and_then(|entry| entry.step)),
+            of(|entry| entry.e),
+            of(|entry| entry.e_spread[0]),
+            of(|entry| entry.e_spread[1]),
+            count(|entry| entry.missed as u64),
+            count(|entry| entry.spurious as u64),
+            of(|entry| entry.wall_s),
+            count(|entry| entry.n_rhs),
+            count(|entry| entry.n_accepted),
+            second.map_or_else(String::new, |entry| entry.method.clone()),
+            second.map_or_else(String::new, |entry| entry.events.to_string()),
+            exact(second.map(|entry| entry.wall_s)),
+        ];
+        for best in [
+            cell.best(|entry| !entry.implicit),
+            cell.best(|entry| entry.implicit),
+            cell.best(|entry| entry.events == Events::Located),
+            cell.best(|entry| entry.events == Events::Blind),
+        ] {
+            fields.push(best.map_or_else(String::new, name));
+            fields.push(exact(best.map(|entry| entry.wall_s)));
+        }
+        let failures: Vec<String> = cell
+            .standings
+            .failures
+            .iter()
+            .map(|failure| {
+                format!("{} {}: {}", failure.method, failure.events, failure.kind.name())
+            })
+            .collect();
+        fields.push(field(&failures.join("; ")));
+        fields.push(field(cell.error.as_deref().unwrap_or_default()));
+        let _ = writeln!(csv, "{}", fields.join(","));
+    }
+    csv
+}
+
+/// `regimes.md`: the finding, the figures, a table for each reading and accuracy.
+pub fn markdown(config: &Config, cells: &[Cell], drawings: &[Drawing]) -> String {
+    let mut text = format!(
+        "# Where does which method win?\n\nThe fastest method and setting that reaches an accuracy e, over \
+         contact stiffness K and damping ratio ζ, both joints, 0 to {} s, or half the time over which the \
+         motion is predictable. A located run must have every event right, a blind one is judged by e \
+         alone. A run is cut at {CUT} times the least work.\n",
+        config.run.t_end
+    );
+    for (reading, accuracy) in maps(cells) {
+        let own: Vec<&Cell> = of_map(cells, reading, accuracy);
+        let _ = write!(
+            text,
+            "\n## Reading `{reading}`, e ≤ {accuracy:e}\n\n{}\n{}\n{}\n\n{}",
+            implicit(&own),
+            location(&own),
+            nothing(&own),
+            table(&own)
+        );
+    }
+    for drawing in drawings {
+        let _ = write!(
+            text,
+            "\n![{}](figures/{}.png)\n\n{}\n",
+            drawing.figure.title, drawing.name, drawing.caption
+        );
+    }
+    text
+}
+
+fn name(entry: &Entry) -> String {
+    format!("{} {}", entry.method, entry.events)
+}
+
+fn place(cell: &Cell) -> String {
+    format!("K = {:e}, ζ = {}", cell.stiffness, cell.damping_ratio)
+}
+
+/// Where does implicit win, and by how much?
+fn implicit(cells: &[&Cell]) -> String {
+    let decided = cells.iter().filter(|cell| cell.winner().is_some()).count();
+    let wins: Vec<&&Cell> =
+        cells.iter().filter(|cell| cell.winner().is_some_and(|entry| entry.implicit)).collect();
+    if wins.is_empty() {
+        return format!("**Implicit wins** nowhere in {decided} cells.");
+    }
+    let by = |cell: &&&Cell| cell.explicit_over_implicit().unwrap_or(f64::INFINITY);
+    let alone = wins.iter().filter(|cell| by(cell).is_infinite()).count();
+    let mut text = format!("**Implicit wins** in {} of {decided} cells: ", wins.len());
+    let mut zetas: Vec<f64> = wins.iter().map(|cell| cell.damping_ratio).collect();
+    zetas.sort_by(f64::total_cmp);
+    zetas.dedup();
+    let ranges: Vec<String> = zetas
+        .iter()
+        .map(|zeta| {
+            let own = wins.iter().filter(|cell| cell.damping_ratio == *zeta);
+            let list: Vec<String> = own.map(|cell| format!("{:e}", cell.stiffness)).collect();
+            format!("at ζ = {zeta} for K = {}", list.join(", "))
+        })
+        .collect();
+    text += &ranges.join("; ");
+    let measured = wins.iter().filter(|cell| by(cell).is_finite());
+    if let Some(most) = measured.max_by(|a, b| by(a).total_cmp(&by(b))) {
+        let _ = write!(
+            text,
+            ". Where both arrive it is up to {:.1} times faster ({})",
+            by(most),
+            place(most)
+        );
+    }
+    if alone > 0 {
+        let _ = write!(
+            text,
+            ". In {alone} of them no explicit method comes within {CUT} times its work"
+        );
+    }
+    text + "."
+}
+
+/// Where does event location pay?
+fn location(cells: &[&Cell]) -> String {
+    let mut ratios: Vec<(f64, &&Cell)> =
+        cells.iter().filter_map(|cell| Some((cell.blind_over_located()?, cell))).collect();
+    ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let only = |events| {
+        let other = if events == Events::Blind { Events::Located } else { Events::Blind };
+        cells
+            .iter()
+            .filter(|cell| cell.best(|entry| entry.events == events).is_some())
+            .filter(|cell| cell.best(|entry| entry.events == other).is_none())
+            .count()
+    };
+    let mut text = "**Locating events** ".to_owned();
+    if let (Some((least, at)), Some((most, best)), Some((median, _))) =
+        (ratios.first(), ratios.last(), ratios.get(ratios.len() / 2))
+    {
+        let pays = ratios.iter().filter(|(ratio, _)| *ratio > 1.0).count();
+        let _ = write!(
+            text,
+            "pays in {pays} of {} cells where both arrive: best blind over best located takes {least:.2} ({}) \
+             to {most:.2} ({}) times as long, median {median:.2}. ",
+            ratios.len(),
+            place(at),
+            place(best)
+        );
+    }
+    let (located, blind) = (only(Events::Located), only(Events::Blind));
+    let _ =
+        write!(text, "Only located runs arrive in {located} cells, only blind ones in {blind}.");
+    let wrong = cells
+        .iter()
+        .filter_map(|cell| cell.winner())
+        .filter(|entry| entry.events == Events::Blind && entry.missed + entry.spurious > 0)
+        .count();
+    if wrong > 0 {
+        let _ = write!(text, " In {wrong} cells the winner is blind and has events wrong.");
+    }
+    text
+}
+
+/// Where does nothing reach the accuracy, and why?
+fn nothing(cells: &[&Cell]) -> String {
+    let lost: Vec<String> = cells
+        .iter()
+        .filter(|cell| cell.winner().is_none())
+        .map(|cell| {
+            let why = match cell.status {
+                CellStatus::Ok | CellStatus::None => "every candidate fails".to_owned(),
+                status => {
+                    let horizon = cell.horizon_s.map(|t| format!(", horizon {t} s"));
+                    format!("{}{}", status.name(), horizon.unwrap_or_default())
+                }
+            };
+            format!("{} ({why})", place(cell))
+        })
+        .collect();
+    if lost.is_empty() {
+        "**Nothing reaches it** nowhere: every cell has a winner.".to_owned()
+    } else {
+        format!("**Nothing reaches it** in {} cells: {}.", lost.len(), lost.join("; "))
+    }
+}
+
+/// Winner, setting, time and margin of each cell.
+fn table(cells: &[&Cell]) -> String {
+    let mut zetas: Vec<f64> = Vec::new();
+    let mut stiffnesses: Vec<f64> = Vec::new();
+    for cell in cells {
+        if !zetas.contains(&cell.damping_ratio) {
+            zetas.push(cell.damping_ratio);
+        }
+        if !stiffnesses.contains(&cell.stiffness) {
+            stiffnesses.push(cell.stiffness);
+        }
+    }
+    let mut text = String::from("| K [N/m] |");
+    for zeta in &zetas {
+        let _ = write!(text, " ζ = {zeta} |");
+    }
+    text += "\n|---|";
+    text += &"---|".repeat(zetas.len());
+    text.push('\n');
+    for stiffness in &stiffnesses {
+        let _ = write!(text, "| {stiffness:e} |");
+        for zeta in &zetas {
+            let cell = cells
+                .iter()
+                .find(|cell| cell.stiffness == *stiffness && cell.damping_ratio == *zeta);
+            let entry = cell.and_then(|cell| cell.winner().map(|entry| (cell, entry)));
+            let _ = match (entry, cell) {
+                (Some((cell, entry)), _) => write!(
+                    text,
+                    " {}, {}, {:.2} ms{} |",
+                    name(entry),
+                    entry.setting(),
+                    1e3 * entry.wall_s,
+                    cell.margin().map_or_else(String::new, |margin| format!(", × {margin:.2}"))
+                ),
+                (None, Some(cell)) => write!(text, " {} |", cell.status.name()),
+                (None, None) => write!(text, " |"),
+            };
+        }
+        text.push('\n');
+    }
+    text
+}

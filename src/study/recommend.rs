@@ -1,0 +1,227 @@
+//! Which method, at which setting, for this contact?
+
+use std::sync::atomic::AtomicBool;
+
+use serde::{Deserialize, Serialize};
+
+use super::work_precision::{Progress, sample_times};
+use crate::config::{Config, Events};
+use crate::contest::{
+    Arena, CUT, Candidate, Contest, Entry, Failure, FailureKind, ILL_POSED_BELOW_S, Standings,
+};
+use crate::reference::ReferenceError;
+
+/// More mode changes than this a second are named chatter \[1/s\]: Table 1 has 30.
+const CHATTER_RATE: f64 = 1000.0;
+
+/// What a user should know before trusting an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Code {
+    /// The run is longer than it is predictable.
+    Horizon,
+    /// An event that hardly is one: a change of the tolerance changes the sequence.
+    Grazing,
+    /// Very many events.
+    Chatter,
+}
+
+impl Code {
+    /// As the JSON writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Horizon => "horizon",
+            Self::Grazing => "grazing",
+            Self::Chatter => "chatter",
+        }
+    }
+}
+
+/// A warning.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Warning {
+    /// What about.
+    pub code: Code,
+    /// With numbers.
+    pub message: String,
+}
+
+/// The answer for one configuration and accuracy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recommendation {
+    /// The error asked for.
+    pub accuracy: f64,
+    /// The end of the runs compared [s].
+    pub t_end: f64,
+    /// Events of the reference.
+    pub n_events: usize,
+    /// Who reaches the accuracy, and who does not.
+    pub standings: Standings,
+    /// Why the first is the first, or why there is none.
+    pub reason: String,
+    /// What to know before trusting it.
+    pub warnings: Vec<Warning>,
+}
+
+impl Recommendation {
+    /// The method to take, if any reaches the accuracy.
+    pub fn first(&self) -> Option<&Entry> {
+        self.standings.entries.first()
+    }
+
+    fn none(accuracy: f64, t_end: f64, reason: String, warnings: Vec<Warning>) -> Self {
+        Self { accuracy, t_end, n_events: 0, standings: Standings::default(), reason, warnings }
+    }
+}
+
+/// The contest on the problem of `config` at `accuracy`.
+pub fn recommend(
+    config: &Config,
+    accuracy: f64,
+    stop: &AtomicBool,
+    progress: &dyn Fn(Progress),
+) -> Recommendation {
+    let t_end = config.run.t_end;
+    let arena = match Arena::new(config, sample_times(config), stop) {
+        Ok(arena) => arena,
+        Err(error) => {
+            let warnings = storm(&error).into_iter().collect();
+            return Recommendation::none(accuracy, t_end, error.to_string(), warnings);
+        }
+    };
+    let mut warnings = Vec::new();
+    if let Some(horizon) = arena.horizon {
+        let message = format!(
+            "the last bit of the start is seen at {horizon} s, the run is {t_end} s long: beyond that no \
+             error means anything; compared over {} s",
+            arena.t_end
+        );
+        warnings.push(Warning { code: Code::Horizon, message });
+    }
+    if arena.is_ill_posed() {
+        let reason = format!("ill-posed: predictable for less than {ILL_POSED_BELOW_S} s");
+        return Recommendation::none(accuracy, arena.t_end, reason, warnings);
+    }
+    let rate = arena.n_events as f64 / arena.t_end;
+    if rate > CHATTER_RATE {
+        let message = format!("{} mode changes in {} s", arena.n_events, arena.t_end);
+        warnings.push(Warning { code: Code::Chatter, message });
+    }
+    let contest = Contest {
+        arena: &arena,
+        accuracy,
+        atol: config.solver.atol,
+        repeats: config.contest.repeats,
+        max_work: config.contest.max_work,
+        stop,
+    };
+    if !contest.is_decidable() {
+        let reason = format!(
+            "not decidable: the reference is good to e = {:.1e} only",
+            arena.reference.summary.agreement
+        );
+        return Recommendation::none(accuracy, arena.t_end, reason, warnings);
+    }
+    let candidates = Candidate::all(&config.contest.methods, &config.contest.events);
+    progress(Progress::Runs(candidates.len()));
+    let standings = contest.run(&candidates, &|name| progress(Progress::Done(name.to_owned())));
+    warnings.extend(grazing(&arena, &standings));
+    let reason = reason(&standings, arena.n_events);
+    let (t_end, n_events) = (arena.t_end, arena.n_events);
+    Recommendation { accuracy, t_end, n_events, standings, reason, warnings }
+}
+
+/// The warning that a reference broke down in events.
+fn storm(error: &ReferenceError) -> Option<Warning> {
+    use deltazero_solvers::Error::{Chatter, EventStorm};
+    match error {
+        ReferenceError::Failed { error: Chatter { .. } | EventStorm { .. }, .. } => {
+            Some(Warning { code: Code::Chatter, message: error.to_string() })
+        }
+        _ => None,
+    }
+}
+
+/// The warning that an event hardly is one, so that a change of the tolerance changes the sequence: the
+/// reference and its check disagree about it, or a tighter setting of the winner has it wrong, or every
+/// located run has, however small its error.
+fn grazing(arena: &Arena, standings: &Standings) -> Option<Warning> {
+    let is_wrong = |failure: &Failure| failure.kind == FailureKind::EventsWrong;
+    let is_located = |entry: &Entry| entry.events == Events::Located;
+    let what = if arena.reference.summary.event_time_agreement_s.is_none() {
+        "the reference and its check differ in their events"
+    } else if standings.entries.first().is_some_and(|first| first.grazes) {
+        "a tighter setting than the one found has the events wrong"
+    } else if !standings.entries.iter().any(is_located) && standings.failures.iter().any(is_wrong) {
+        "no located run has the events right, however small its error"
+    } else {
+        return None;
+    };
+    let message = format!("{what}: one of them hardly is one");
+    Some(Warning { code: Code::Grazing, message })
+}
+
+/// One plain sentence, from the measured numbers.
+fn reason(standings: &Standings, n_events: usize) -> String {
+    let Some(first) = standings.entries.first() else {
+        return "no method reaches it".to_owned();
+    };
+    let mut reason = format!("{} {}", name(first), bound(first, n_events));
+    let other = standings.entries.iter().find(|entry| entry.implicit != first.implicit);
+    let kind = if first.implicit { "explicit" } else { "implicit" };
+    match other {
+        Some(other) => {
+            let a_step = |entry: &Entry| entry.wall_s / entry.n_accepted as f64;
+            let held = if other.bound_by_stability { " (held by stability)" } else { "" };
+            reason += &format!(
+                "; the best {kind} one, {} {}, takes {} steps{held} against {}, each at {} times the price",
+                name(other),
+                other.setting(),
+                other.n_accepted,
+                first.n_accepted,
+                factor(a_step(other) / a_step(first)),
+            );
+        }
+        None => {
+            let lost =
+                standings.failures.iter().filter(|failure| failure.implicit != first.implicit);
+            let step = lost.filter_map(|failure| failure.mean_step_s).fold(0.0, f64::max);
+            if step > 0.0 {
+                reason += &format!(
+                    "; no {kind} method comes within {CUT} times its work (mean steps of at most \
+                     {step:.1e} s against {:.1e} s)",
+                    first.mean_step_s
+                );
+            }
+        }
+    }
+    if first.events == Events::Blind && first.missed + first.spurious > 0 {
+        reason += &format!(
+            "; blind, it has {} of {n_events} events missed and {} spurious",
+            first.missed, first.spurious
+        );
+    }
+    reason
+}
+
+fn name(entry: &Entry) -> String {
+    format!("{} {}", entry.method, entry.events)
+}
+
+/// What its steps are bound by.
+fn bound(entry: &Entry, n_events: usize) -> String {
+    let steps = match n_events {
+        0 => format!("{} steps, no event", entry.n_accepted),
+        n => format!("{} steps an event", factor(entry.n_accepted as f64 / n as f64)),
+    };
+    let growth = entry.growth.map_or_else(String::new, |growth| {
+        format!(", {growth:.2} times as many for a tenth of the tolerance")
+    });
+    let by = if entry.bound_by_stability { "stability" } else { "accuracy" };
+    format!("is bound by {by}: {steps}{growth}")
+}
+
+/// A factor to two digits.
+fn factor(x: f64) -> String {
+    if x < 10.0 { format!("{x:.1}") } else { format!("{x:.0}") }
+}

@@ -1,0 +1,329 @@
+//! Where does which method win? The contest over a grid of contact stiffness × damping × accuracy.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use super::work_precision::sample_times;
+use crate::config::{Config, Events, ReadingName};
+use crate::contest::{Arena, Candidate, Contest, Entry, Standings};
+use crate::model::Mechanism;
+
+/// The trial before the map runs this part of the time …
+const TRIAL_PART: f64 = 0.02;
+/// … but at least this long [s], or no pin has left its bush.
+const TRIAL_LEAST_S: f64 = 0.02;
+/// A preview runs no longer than this [s].
+const QUICK_T_END: f64 = 0.25;
+
+/// What became of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CellStatus {
+    /// A method reaches the accuracy.
+    Ok,
+    /// None does.
+    None,
+    /// The motion is predictable for less than 0.2 s.
+    IllPosed,
+    /// The reference is not good enough for this accuracy.
+    Undecidable,
+    /// There is no reference.
+    NoReference,
+}
+
+impl CellStatus {
+    /// As the files write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::None => "none",
+            Self::IllPosed => "ill-posed",
+            Self::Undecidable => "undecidable",
+            Self::NoReference => "no-reference",
+        }
+    }
+}
+
+/// One cell of the map.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Reading of the paper.
+    pub reading: ReadingName,
+    /// Contact stiffness K [N/mⁿ].
+    pub stiffness: f64,
+    /// Damping ratio ζ.
+    pub damping_ratio: f64,
+    /// The error asked for.
+    pub accuracy: f64,
+    /// What became of it.
+    pub status: CellStatus,
+    /// Why there is no winner.
+    pub error: Option<String>,
+    /// The end of the runs [s].
+    pub t_end_s: Option<f64>,
+    /// Where a change of the start's last bit is seen [s]; none: not within the run.
+    pub horizon_s: Option<f64>,
+    /// Events of the reference.
+    pub n_events: Option<usize>,
+    /// Who reaches the accuracy, and who does not.
+    pub standings: Standings,
+}
+
+impl Cell {
+    /// The fastest.
+    pub fn winner(&self) -> Option<&Entry> {
+        self.standings.entries.first()
+    }
+
+    /// The fastest of those that `of` is true for.
+    pub fn best(&self, of: impl Fn(&Entry) -> bool) -> Option<&Entry> {
+        let own = self.standings.entries.iter().filter(|entry| of(entry));
+        own.min_by(|a, b| a.wall_s.total_cmp(&b.wall_s))
+    }
+
+    /// Time of the second over that of the winner.
+    pub fn margin(&self) -> Option<f64> {
+        let [first, second, ..] = &self.standings.entries[..] else {
+            return None;
+        };
+        Some(second.wall_s / first.wall_s)
+    }
+
+    /// Time of the best explicit method over that of the best implicit one.
+    pub fn explicit_over_implicit(&self) -> Option<f64> {
+        let time = |implicit| self.best(|entry| entry.implicit == implicit).map(|e| e.wall_s);
+        Some(time(false)? / time(true)?)
+    }
+
+    /// Time of the best blind run over that of the best located one.
+    pub fn blind_over_located(&self) -> Option<f64> {
+        let time = |events| self.best(|entry| entry.events == events).map(|e| e.wall_s);
+        Some(time(Events::Blind)? / time(Events::Located)?)
+    }
+}
+
+/// One problem of the map; its cells differ in accuracy alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Site {
+    /// Reading of the paper.
+    pub reading: ReadingName,
+    /// Contact stiffness K [N/mⁿ].
+    pub stiffness: f64,
+    /// Damping ratio ζ.
+    pub damping_ratio: f64,
+}
+
+impl Site {
+    /// `D = 2ζ√(K m_ref)` [N s/m], m_ref the mass M_y of joint 1's struts 1, 2, 5 and 6 (6.126 kg).
+    fn damping(&self, mechanism: &Mechanism) -> f64 {
+        let m_ref = mechanism.blocks[0].inertia.m_y;
+        2.0 * self.damping_ratio * (self.stiffness * m_ref).sqrt()
+    }
+
+    /// `config` with this reading, stiffness and damping at both joints.
+    fn config(&self, config: &Config) -> Config {
+        let damping = self.damping(&Mechanism::new(config));
+        let mut own = config.clone();
+        own.reading = self.reading;
+        for joint in &mut own.joints {
+            joint.contact.stiffness = self.stiffness;
+            joint.contact.damping = damping;
+        }
+        own
+    }
+
+    fn holds(&self, cell: &Cell) -> bool {
+        self.reading == cell.reading
+            && self.stiffness == cell.stiffness
+            && self.damping_ratio == cell.damping_ratio
+    }
+}
+
+impl std::fmt::Display for Site {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}, K = {:e}, ζ = {}", self.reading, self.stiffness, self.damping_ratio)
+    }
+}
+
+/// The problems of a map: reading by reading, stiffness by stiffness.
+pub fn sites(config: &Config) -> Vec<Site> {
+    let grid = &config.regimes;
+    let readings = grid.readings.clone().unwrap_or_else(|| vec![config.reading]);
+    let mut sites = Vec::new();
+    for reading in readings {
+        for &stiffness in &grid.stiffness {
+            for &damping_ratio in &grid.damping_ratio {
+                sites.push(Site { reading, stiffness, damping_ratio });
+            }
+        }
+    }
+    sites
+}
+
+/// The preview of a map: every third stiffness, every second damping ratio, at most 0.25 s.
+pub fn quick(config: &Config) -> Config {
+    let mut quick = config.clone();
+    let thin = |list: &[f64], n: usize| list.iter().copied().step_by(n).collect();
+    quick.regimes.stiffness = thin(&config.regimes.stiffness, 3);
+    quick.regimes.damping_ratio = thin(&config.regimes.damping_ratio, 2);
+    quick.run.t_end = config.run.t_end.min(QUICK_T_END);
+    quick
+}
+
+/// The time that the sites not in `known` will take on `threads`: from short runs at both ends of the
+/// stiffness, every damping ratio, interpolated by a power law between them.
+pub fn estimate(config: &Config, known: &[Cell], stop: &AtomicBool) -> Duration {
+    let missing: Vec<Site> = missing(config, known);
+    let mut short = config.clone();
+    short.run.t_end = (TRIAL_PART * config.run.t_end).max(TRIAL_LEAST_S).min(config.run.t_end);
+    let times = config.run.t_end / short.run.t_end;
+    let stiffness = || missing.iter().map(|site| site.stiffness);
+    let (low, high) =
+        (stiffness().fold(f64::INFINITY, f64::min), stiffness().fold(0.0_f64, f64::max));
+    let mut total = 0.0;
+    let mut measured: Vec<(f64, [f64; 2])> = Vec::new();
+    for site in &missing {
+        let zeta = site.damping_ratio;
+        let ends = measured.iter().find(|(known, _)| *known == zeta).map(|(_, ends)| *ends);
+        let ends = ends.unwrap_or_else(|| {
+            let ends = [low, high].map(|stiffness| {
+                let start = Instant::now();
+                cells(&short, &Site { stiffness, ..*site }, stop);
+                start.elapsed().as_secs_f64()
+            });
+            measured.push((zeta, ends));
+            ends
+        });
+        let part =
+            if high > low { libm::log(site.stiffness / low) / libm::log(high / low) } else { 0.0 };
+        total += times * ends[0] * libm::pow(ends[1] / ends[0], part);
+    }
+    let threads = config.regimes.threads.min(missing.len()).max(1);
+    Duration::from_secs_f64(total / threads as f64)
+}
+
+/// The sites of which a cell is not known.
+fn missing(config: &Config, known: &[Cell]) -> Vec<Site> {
+    let n = config.regimes.accuracy.len();
+    let is_missing = |site: &Site| known.iter().filter(|cell| site.holds(cell)).count() < n;
+    sites(config).into_iter().filter(is_missing).collect()
+}
+
+/// Runs the contest in every cell that is not `known`; `done` is shown all cells so far after each
+/// site. Returns the cells in the order of the grid; once `stop` is set, those that were finished.
+pub fn regimes(
+    config: &Config,
+    known: Vec<Cell>,
+    stop: &AtomicBool,
+    done: &(dyn Fn(&Site, &[Cell]) + Sync),
+) -> Vec<Cell> {
+    // The stiffest first: they take longest, and none of them is left for the end.
+    let mut missing = missing(config, &known);
+    missing.sort_by(|a, b| b.stiffness.total_cmp(&a.stiffness));
+    let (next, cells_so_far) = (AtomicUsize::new(0), Mutex::new(known));
+    std::thread::scope(|scope| {
+        for _ in 0..config.regimes.threads.min(missing.len()) {
+            scope.spawn(|| {
+                while let Some(site) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let own = cells(config, site, stop);
+                    if stop.load(Ordering::Relaxed) {
+                        break;
+                    }
+                    if let Ok(mut all) = cells_so_far.lock() {
+                        all.retain(|cell| !site.holds(cell));
+                        all.extend(own);
+                        sort(config, &mut all);
+                        done(site, &all);
+                    }
+                }
+            });
+        }
+    });
+    cells_so_far.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// Puts cells into the order of the grid.
+fn sort(config: &Config, cells: &mut [Cell]) {
+    let sites = sites(config);
+    let place = |cell: &Cell| {
+        let accuracy = config.regimes.accuracy.iter().position(|e| *e == cell.accuracy);
+        (accuracy, sites.iter().position(|site| site.holds(cell)))
+    };
+    cells.sort_by_key(place);
+}
+
+/// The maps that the cells make up: a reading and an accuracy each.
+pub fn maps(cells: &[Cell]) -> Vec<(ReadingName, f64)> {
+    let mut maps = Vec::new();
+    for cell in cells {
+        let own = (cell.reading, cell.accuracy);
+        if !maps.contains(&own) {
+            maps.push(own);
+        }
+    }
+    maps
+}
+
+/// The cells of one map.
+pub fn of_map(cells: &[Cell], reading: ReadingName, accuracy: f64) -> Vec<&Cell> {
+    cells.iter().filter(|cell| cell.reading == reading && cell.accuracy == accuracy).collect()
+}
+
+/// The cells of one site, one an accuracy.
+fn cells(config: &Config, site: &Site, stop: &AtomicBool) -> Vec<Cell> {
+    let own = site.config(config);
+    let accuracies = &config.regimes.accuracy;
+    let empty = |accuracy: f64| Cell {
+        reading: site.reading,
+        stiffness: site.stiffness,
+        damping_ratio: site.damping_ratio,
+        accuracy,
+        status: CellStatus::NoReference,
+        error: None,
+        t_end_s: None,
+        horizon_s: None,
+        n_events: None,
+        standings: Standings::default(),
+    };
+    let arena = match Arena::new(&own, sample_times(&own), stop) {
+        Ok(arena) => arena,
+        Err(error) => {
+            let error = Some(error.to_string());
+            let without = |&accuracy: &f64| Cell { error: error.clone(), ..empty(accuracy) };
+            return accuracies.iter().map(without).collect();
+        }
+    };
+    let candidates = Candidate::all(&config.contest.methods, &config.contest.events);
+    let cell = |&accuracy: &f64| {
+        let cell = Cell {
+            t_end_s: Some(arena.t_end),
+            horizon_s: arena.horizon,
+            n_events: Some(arena.n_events),
+            ..empty(accuracy)
+        };
+        let contest = Contest {
+            arena: &arena,
+            accuracy,
+            atol: config.solver.atol,
+            repeats: config.contest.repeats,
+            max_work: config.contest.max_work,
+            stop,
+        };
+        if arena.is_ill_posed() {
+            let error = Some("predictable for less than 0.2 s".to_owned());
+            return Cell { status: CellStatus::IllPosed, error, ..cell };
+        }
+        if !contest.is_decidable() {
+            let good = arena.reference.summary.agreement;
+            let error = Some(format!("the reference is good to e = {good:.1e}"));
+            return Cell { status: CellStatus::Undecidable, error, ..cell };
+        }
+        let standings = contest.run(&candidates, &|_| {});
+        let status = if standings.entries.is_empty() { CellStatus::None } else { CellStatus::Ok };
+        Cell { status, standings, ..cell }
+    };
+    accuracies.iter().map(cell).collect()
+}
