@@ -12,6 +12,9 @@ use deltazero_solvers::{
 
 use serde::{Deserialize, Serialize};
 
+use deltazero_solvers::Real as _;
+use deltazero_solvers::taylor::ExtendedIntegration;
+
 use crate::config::{Atol, Config, Events};
 use crate::model::{Block, Mechanism, Mode, State};
 
@@ -144,6 +147,30 @@ pub fn integrate(
             let mode = block.mode_of_state(run.point.t, &run.point.y);
             finished(block, &run, mode, outcome, start)
         }
+    }
+}
+
+/// Integrates `block` as [`integrate`] does, located, in extended precision: Taylor series over pairs of f64
+/// at the relative tolerance `rtol`, the absolute ones `rtol` times the scale of each state.
+pub fn integrate_extended(
+    block: &Block,
+    rtol: f64,
+    y0: State<f64>,
+    t_end: f64,
+    record: &mut dyn Record<Block>,
+) -> BlockRun {
+    let start = Instant::now();
+    let atol = block.scale().map(|scale| rtol * scale).to_vec();
+    let mut run = ExtendedIntegration::new(block, 0.0, &y0, Tolerance { rtol, atol });
+    let outcome = run.run(t_end, record);
+    BlockRun {
+        joint: block.joint,
+        outcome,
+        t: run.t.value(),
+        y: run.rounded(),
+        mode: run.mode,
+        stats: run.stats,
+        wall: start.elapsed(),
     }
 }
 

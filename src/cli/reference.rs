@@ -58,5 +58,6 @@ fn hash_of(config: &Config) -> String {
         }
     }
     let version = env!("CARGO_PKG_VERSION");
-    hash(&format!("reference {version} {RECIPE} {}", config.study.max_rhs), &json)
+    let (digits, max_rhs) = (config.study.reference, config.study.max_rhs);
+    hash(&format!("reference {version} {RECIPE} {digits} {max_rhs}"), &json)
 }

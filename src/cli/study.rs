@@ -28,10 +28,22 @@ pub(super) struct StudyArgs {
     /// Runs at the same time, instead of study.threads; more than one disturbs the timings
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Numbers that the reference is computed in, instead of study.reference: double or extended
+    #[arg(long, value_name = "DIGITS")]
+    reference: Option<String>,
+}
+
+impl StudyArgs {
+    /// The configuration, `--reference` being its key as `--set` would set it.
+    fn load(&self) -> Result<Config, Failure> {
+        let digits = self.reference.iter().map(|digits| format!("study.reference={digits}"));
+        let set: Vec<String> = self.run.set.iter().cloned().chain(digits).collect();
+        Ok(Config::load(self.run.config.as_deref(), &set)?)
+    }
 }
 
 pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let mut config = args.run.load()?;
+    let mut config = args.load()?;
     let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out"));
     let hash = hash("study", &json_of_runs(&config)?);
     let output = Output::open(&dir, hash, args.run.force)?;

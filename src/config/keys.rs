@@ -5,7 +5,7 @@
 
 use super::kind::Kind;
 use super::range::Range;
-use super::words::{AXES, ContactLaw, Events, FrictionLaw, METHODS, ReadingName};
+use super::words::{AXES, ContactLaw, Digits, Events, FrictionLaw, METHODS, ReadingName};
 
 /// One key.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -297,6 +297,14 @@ pub const KEYS: &[Key] = &[
         default: Toml("[1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6]"),
         unit: "s",
         doc: "Steps of the fixed-step methods",
+        source: "choice of this study",
+    },
+    Key {
+        path: "study.reference",
+        kind: Kind::Word(Digits::WORDS),
+        default: Toml("\"double\""),
+        unit: "",
+        doc: "Numbers of the reference: double (at rounding, e near 1e-14) or extended (31 digits, some seconds)",
         source: "choice of this study",
     },
     Key {

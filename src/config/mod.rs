@@ -55,7 +55,7 @@ pub use parts::{
 pub use print::default_toml;
 pub use range::{End, Range};
 pub use schema::json_schema;
-pub use words::{AXES, ContactLaw, Events, FrictionLaw, METHODS, ReadingName};
+pub use words::{AXES, ContactLaw, Digits, Events, FrictionLaw, METHODS, ReadingName};
 
 use given::Given;
 use settings::Settings;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::words::{ContactLaw, Events, FrictionLaw, ReadingName};
+use super::words::{ContactLaw, Digits, Events, FrictionLaw, ReadingName};
 
 /// Six equal, solid, round struts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -160,6 +160,8 @@ pub struct Study {
     pub rtol: Vec<f64>,
     /// Steps of the fixed-step methods \[s\].
     pub steps: Vec<f64>,
+    /// Numbers of the reference.
+    pub reference: Digits,
     /// Column of `study.csv` along the figure of chosen axes, one of [`AXES`](super::AXES).
     pub x: String,
     /// Column up that figure.

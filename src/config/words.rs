@@ -112,6 +112,16 @@ words! {
 }
 
 words! {
+    /// The numbers that a reference is computed in.
+    Digits {
+        /// f64.
+        Double = "double",
+        /// Pairs of f64: 31 digits.
+        Extended = "extended",
+    }
+}
+
+words! {
     /// What a method does with events.
     Events {
         /// The mode is frozen within a step, and a step ends on every event.

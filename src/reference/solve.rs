@@ -3,6 +3,7 @@
 
 use std::ops::ControlFlow;
 
+use deltazero_solvers::taylor::MAX_ORDER;
 use deltazero_solvers::{
     Accepted, Event, Grid, Method, Next, Outcome, Record, System as _, Trajectory,
 };
@@ -15,7 +16,9 @@ use crate::metrics::contacts::{Contact, Contacts};
 use crate::metrics::dense::{Node, Nodes};
 use crate::metrics::{ErrorScale, match_events, sample_error, worse};
 use crate::model::{Block, State};
-use crate::run::{Accuracy, BlockRun, BlockTrajectory, Limits, ModeChange, Setting, integrate};
+use crate::run::{
+    Accuracy, BlockRun, BlockTrajectory, Limits, ModeChange, Setting, integrate, integrate_extended,
+};
 
 /// Changes with whatever changes references: those kept on disk are then made anew.
 pub const RECIPE: u32 = 1;
@@ -36,6 +39,9 @@ const PAIRS: [Pair; 4] = [
     [("rodas5p", 1e-13), ("radau5", 1e-14)],
     [("vern98", 1e-13), ("dop853", 1e-14)],
 ];
+
+/// Relative tolerances in extended precision, where a run on Table 1 changes by 2e-16 of the clearance.
+const EXTENDED_RTOL: [f64; 2] = [1e-18, 1e-20];
 
 /// Runs that differ by more than this in `e` let the next pair try.
 const AGREED: f64 = 1e-8;
@@ -146,55 +152,116 @@ fn solve_by(
     let setting = |(name, rtol)| {
         let method = Method::named(name).ok_or(ReferenceError::NoMethod(name))?;
         let accuracy = Accuracy::Rtol(rtol, None);
-        Ok(Setting { method, events: Events::Located, accuracy })
+        Ok(Maker::Method(Setting { method, events: Events::Located, accuracy }))
     };
     let [own, other] = pair.map(setting);
-    let (own, other) = (own?, other?);
+    solve_with([own?, other?], block, t_end, times, limits)
+}
+
+/// The reference of `block` in extended precision.
+///
+/// # Errors
+/// [`ReferenceError`].
+pub(super) fn solve_extended(
+    block: &Block,
+    t_end: f64,
+    times: &[f64],
+    limits: Limits<'_>,
+) -> Result<Solved, ReferenceError> {
+    solve_with(EXTENDED_RTOL.map(Maker::Extended), block, t_end, times, limits)
+}
+
+fn solve_with(
+    [own, other]: [Maker; 2],
+    block: &Block,
+    t_end: f64,
+    times: &[f64],
+    limits: Limits<'_>,
+) -> Result<Solved, ReferenceError> {
     let y0 = block.initial_state();
     let nudge = |y: f64| if y == 0.0 { y } else { y.next_up() };
     // First the one that may cost more: too much of it, and the others are spared.
     let check = path(block, &other, y0, t_end, times, limits)?;
     Ok(Solved {
-        method: described(&own),
-        check_method: described(&other),
+        method: own.described(),
+        check_method: other.described(),
         path: path(block, &own, y0, t_end, times, limits)?,
         check,
         nudged: path(block, &own, y0.map(nudge), t_end, times, limits)?.trajectory,
     })
 }
 
-fn described(setting: &Setting) -> String {
-    match setting.method.series_order(setting.rtol()) {
-        Some(order) => format!("{setting} (order {order})"),
-        None => setting.to_string(),
-    }
+/// What makes a run of a reference.
+enum Maker {
+    /// A method at a setting, in f64.
+    Method(Setting),
+    /// Taylor series in extended precision, at this relative tolerance.
+    Extended(f64),
 }
 
-/// Evaluations of the right-hand side that one counted by the method is worth: a series of order N takes
-/// some N²/2.
-fn rhs_for_each(setting: &Setting) -> u64 {
-    setting.method.series_order(setting.rtol()).map_or(1, |order| (order * order / 2) as u64)
+impl Maker {
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Method(setting) => setting.method.name,
+            Self::Extended(_) => "extended taylor",
+        }
+    }
+
+    /// Order of its series, where it has one.
+    fn series_order(&self) -> Option<usize> {
+        match self {
+            Self::Method(setting) => setting.method.series_order(setting.rtol()),
+            Self::Extended(_) => Some(MAX_ORDER),
+        }
+    }
+
+    fn described(&self) -> String {
+        let text = match self {
+            Self::Method(setting) => setting.to_string(),
+            Self::Extended(rtol) => format!("{} located, rtol {rtol:e}", self.name()),
+        };
+        self.series_order().map_or(text.clone(), |order| format!("{text} (order {order})"))
+    }
+
+    /// Evaluations of the right-hand side that one counted by it is worth: a series of order N takes some
+    /// N²/2.
+    fn rhs_for_each(&self) -> u64 {
+        self.series_order().map_or(1, |order| (order * order / 2) as u64)
+    }
+
+    fn run(
+        &self,
+        block: &Block,
+        y0: State<f64>,
+        t_end: f64,
+        record: &mut dyn Record<Block>,
+    ) -> BlockRun {
+        match self {
+            Self::Method(setting) => integrate(block, setting, y0, t_end, record),
+            Self::Extended(rtol) => integrate_extended(block, *rtol, y0, t_end, record),
+        }
+    }
 }
 
 fn path(
     block: &Block,
-    setting: &Setting,
+    maker: &Maker,
     y0: State<f64>,
     t_end: f64,
     times: &[f64],
     limits: Limits<'_>,
 ) -> Result<Path, ReferenceError> {
-    let own_limits = Limits { max_rhs: limits.max_rhs / rhs_for_each(setting), ..limits };
+    let own_limits = Limits { max_rhs: limits.max_rhs / maker.rhs_for_each(), ..limits };
     let trajectory = Trajectory::on(Grid::Times(times.to_vec()));
-    let contacts = Contacts::new(block, setting.events);
-    let balance = EnergyBalance::new(block, setting.events, &y0);
+    let contacts = Contacts::new(block, Events::Located);
+    let balance = EnergyBalance::new(block, Events::Located, &y0);
     let mut record =
-        (((trajectory, own_limits), Roots::new(block)), (Nodes::new(), (contacts, balance)));
-    let run = integrate(block, setting, y0, t_end, &mut record);
+        (((trajectory, own_limits), Roots::new(block, maker)), (Nodes::new(), (contacts, balance)));
+    let run = maker.run(block, y0, t_end, &mut record);
     let (((trajectory, _), roots), (nodes, (contacts, balance))) = record;
     match &run.outcome {
         Err(error) => Err(ReferenceError::Failed {
-            method: setting.method.name,
+            method: maker.name(),
             joint: run.joint,
             t: run.t,
             mode: run.mode.to_string(),
@@ -228,19 +295,25 @@ impl Path {
 struct Roots<'a> {
     block: &'a Block,
     changes: Vec<ModeChange>,
+    /// Whether runs land on the root itself.
+    is_exact: bool,
     /// By how much the last step landed late [s].
     late: f64,
 }
 
 impl<'a> Roots<'a> {
-    fn new(block: &'a Block) -> Self {
-        Self { block, changes: Vec::new(), late: 0.0 }
+    fn new(block: &'a Block, maker: &Maker) -> Self {
+        let is_exact = matches!(maker, Maker::Extended(_));
+        Self { block, changes: Vec::new(), is_exact, late: 0.0 }
     }
 }
 
 impl Record<Block> for Roots<'_> {
     fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
-        let Some(guard) = accepted.landed_on else { return ControlFlow::Continue(()) };
+        let guard = match accepted.landed_on {
+            Some(guard) if !self.is_exact => guard,
+            _ => return ControlFlow::Continue(()),
+        };
         let step = accepted.step;
         let (y, slope) = (step.y1(), step.slope1());
         let along: State<Dual64> = std::array::from_fn(|i| Dual64::new(y[i], slope[i]));

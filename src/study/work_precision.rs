@@ -7,7 +7,7 @@ use deltazero_solvers::{Grid, Method};
 use serde::{Deserialize, Serialize};
 
 use super::measured::{Errors, Measured};
-use crate::config::{Config, Events, ReadingName};
+use crate::config::{Config, Digits, Events, ReadingName};
 use crate::metrics::work::WorkByPhase;
 use crate::model::Mechanism;
 use crate::reference::{Reference, ReferenceError, ReferenceSummary};
@@ -197,7 +197,12 @@ pub fn work_precision(
 /// [`ReferenceError`].
 pub fn reference(config: &Config, stop: &AtomicBool) -> Result<Reference, ReferenceError> {
     let limits = Limits { max_rhs: config.study.max_rhs, stop };
-    Reference::new(&Mechanism::new(config), config.run.t_end, &sample_times(config), limits)
+    let mechanism = Mechanism::new(config);
+    let (t_end, times) = (config.run.t_end, sample_times(config));
+    match config.study.reference {
+        Digits::Double => Reference::new(&mechanism, t_end, &times, limits),
+        Digits::Extended => Reference::extended(&mechanism, t_end, &times, limits),
+    }
 }
 
 /// As [`work_precision`], with a reference that is there already.

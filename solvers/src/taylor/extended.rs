@@ -54,19 +54,11 @@ pub struct ExtendedIntegration<'a, P: System> {
 
 impl<'a, P: System> ExtendedIntegration<'a, P> {
     /// An integration that starts at `(t, y)` in the mode that the system gives it, with series of the
-    /// highest order. Tolerances may be as small as 1e-28.
-    ///
-    /// # Errors
-    /// [`Error::BadArgument`] for a bad tolerance.
-    pub fn new(
-        problem: &'a P,
-        t: f64,
-        y: &P::State<f64>,
-        tolerance: Tolerance,
-    ) -> Result<Self, Error> {
+    /// highest order. Tolerances may be as small as 1e-28; a bad one is an error of the first run.
+    pub fn new(problem: &'a P, t: f64, y: &P::State<f64>, tolerance: Tolerance) -> Self {
         let n = problem.dim();
         let extended = P::State::<TwoFloat>::from_fn(n, |i| TwoFloat::from(y.as_ref()[i]));
-        Ok(Self {
+        Self {
             problem,
             t: TwoFloat::from(t),
             mode: problem.initial_mode(t, y),
@@ -81,12 +73,17 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
             step: TaylorStep::new(n, MAX_ORDER),
             watch: GuardWatch::new(problem),
             switchboard: Switchboard::new(problem, t),
-        })
+        }
     }
 
     /// The present state.
     pub fn state(&self) -> &P::State<TwoFloat> {
         &self.y[0]
+    }
+
+    /// The nearest `f64` of it.
+    pub fn rounded(&self) -> P::State<f64> {
+        rounded::<P, _>(self.state())
     }
 
     /// Integrates to `t_end` (before the present time: backward), and shows the nearest `f64` of every
@@ -95,6 +92,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     /// # Errors
     /// As [`Integration::run`](crate::Integration::run).
     pub fn run(&mut self, t_end: f64, record: &mut dyn Record<P>) -> Result<Outcome, Error> {
+        self.tolerance.check(self.problem.dim())?;
         let mut guard = self.switchboard.begin(self.problem, &self.point(), t_end)?;
         loop {
             if let Some(guard) = guard {
@@ -282,7 +280,7 @@ mod tests {
 
     fn ends_at<P: System>(problem: &P, y0: P::State<f64>, t_end: f64, rtol: f64) -> Vec<TwoFloat> {
         let tolerance = Tolerance { rtol, atol: vec![rtol; problem.dim()] };
-        let mut run = ExtendedIntegration::new(problem, 0.0, &y0, tolerance).unwrap();
+        let mut run = ExtendedIntegration::new(problem, 0.0, &y0, tolerance);
         assert_eq!(run.run(t_end, &mut ()), Ok(Outcome::Finished));
         assert_eq!(run.t, TwoFloat::from(t_end));
         run.state().as_ref().to_vec()

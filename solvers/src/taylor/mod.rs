@@ -31,3 +31,4 @@ mod unrolled;
 pub use extended::ExtendedIntegration;
 pub use method::{TaylorMethod, TaylorStep};
 pub use order::{FIXED_STEP_ORDER, order_for};
+pub use rows::MAX_ORDER;
