@@ -46,7 +46,7 @@
 //! | [`contest`] | which method reaches an accuracy at the least cost |
 //! | [`study`] | the experiments, each a function from a configuration to a table |
 //! | [`figures`] | the figures, each a function from a table to a chart |
-//! | [`report`] | tables to CSV and Markdown |
+//! | [`report`] | tables to CSV, Markdown and an HTML page |
 
 pub mod config;
 pub mod contest;

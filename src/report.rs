@@ -1,5 +1,6 @@
-//! Tables to text: Markdown and CSV.
+//! Tables to text: Markdown, CSV and the HTML page.
 
+pub mod html;
 pub mod recommend;
 pub mod regimes;
 mod runs;
@@ -37,36 +38,45 @@ fn field(text: &str) -> String {
     }
 }
 
+/// Columns of the answer.
+const ANSWER: [&str; 7] = [
+    "error e at most",
+    "cheapest",
+    "setting",
+    "its e",
+    "events missed, spurious",
+    "time [ms]",
+    "n_rhs",
+];
+
+/// The cheapest run at each accuracy, in the columns of [`ANSWER`].
+fn answer_rows(table: &WorkPrecision) -> Vec<[String; 7]> {
+    let row = |e: f64| {
+        let mut row: [String; 7] = Default::default();
+        row[0] = format!("{e:e}");
+        if !table.can_decide(e) {
+            row[1] = "not decidable".into();
+            row[2] = format!("the reference is good to {:.1e}", table.reference.agreement);
+        } else if let Some(best) = cheapest(&table.rows, e) {
+            row[1] = format!("{} {}", best.method, best.events);
+            row[2] = best.setting();
+            row[3] = rounded(best.e, 2);
+            row[4] = format!("{}, {}", count(best.missed), count(best.spurious));
+            row[5] = format!("{:.2}", 1e3 * best.wall_s_min.unwrap_or(f64::NAN));
+            row[6] = best.n_rhs.to_string();
+        } else {
+            row[1] = "none reached it".into();
+        }
+        row
+    };
+    ACCURACIES.into_iter().map(row).collect()
+}
+
 /// The answer in one table: the cheapest run at each accuracy.
 pub fn answer(table: &WorkPrecision) -> String {
-    let mut text = String::from(
-        "| error e at most | cheapest | setting | its e | events missed, spurious | time [ms] | n_rhs |\n\
-         |---|---|---|---|---|---|---|\n",
-    );
-    for e in ACCURACIES {
-        if !table.can_decide(e) {
-            let good = table.reference.agreement;
-            let _ = writeln!(
-                text,
-                "| {e:e} | not decidable | the reference is good to {good:.1e} | | | | |"
-            );
-            continue;
-        }
-        let _ = match cheapest(&table.rows, e) {
-            None => writeln!(text, "| {e:e} | none reached it | | | | | |"),
-            Some(row) => writeln!(
-                text,
-                "| {e:e} | {} {} | {} | {} | {}, {} | {:.2} | {} |",
-                row.method,
-                row.events,
-                row.setting(),
-                rounded(row.e, 2),
-                count(row.missed),
-                count(row.spurious),
-                1e3 * row.wall_s_min.unwrap_or(f64::NAN),
-                row.n_rhs
-            ),
-        };
+    let mut text = format!("| {} |\n{}|\n", ANSWER.join(" | "), "|---".repeat(ANSWER.len()));
+    for row in answer_rows(table) {
+        let _ = writeln!(text, "| {} |", row.join(" | "));
     }
     text
 }

@@ -10,6 +10,8 @@ use deltazero::config::Events;
 use deltazero::contest::{
     Arena, CUT, Candidate, Contest, FailureKind, MARGIN, Standings, Start, Trial,
 };
+use deltazero::figures::Picture;
+use deltazero::report::html::{Heading, Page, Part, Section, Table};
 use deltazero::run::{Accuracy, Limits, Setting};
 use deltazero::study::columns::{Column, Value};
 use deltazero::study::step_tables::StepTables;
@@ -209,6 +211,45 @@ fn any_two_columns_of_numbers_are_axes_of_a_figure() {
     let drawing = figures::chosen_axes(&table, "e_l2", "peak_force_error").unwrap();
     drawing.figure.svg().unwrap();
     assert!(drawing.caption.contains("Lowest: rk45 located, rtol 1e-8"), "{}", drawing.caption);
+}
+
+#[test]
+fn a_page_escapes_what_it_is_given() {
+    let mean = "<b>&\"'</script>";
+    let values = vec![Value::Text(mean.into())];
+    let heading = Heading { name: mean.into(), about: mean.into() };
+    let picture = Picture {
+        name: "figure",
+        title: mean.into(),
+        caption: mean.into(),
+        svg: "<svg width=\"1\"></svg>".into(),
+        png: Vec::new(),
+    };
+    let parts = vec![
+        Part::Text(mean.into()),
+        Part::Facts(vec![(mean.into(), mean.into())]),
+        Part::Table(Table { caption: mean.into(), columns: vec![heading], rows: vec![values] }),
+        Part::Figure(picture),
+        Part::Folded(mean.into(), vec![Part::Code(mean.into())]),
+    ];
+    let section = Section { title: mean.into(), parts };
+    let page = Page { title: mean.into(), lead: mean.into(), sections: vec![section] }.html();
+    assert!(!page.contains("<b>"), "{page}");
+    assert!(!page.contains("&\""), "{page}");
+    // The one script of the page.
+    assert_eq!(page.matches("</script>").count(), 1, "{page}");
+    assert!(page.contains("<p>&lt;b&gt;&amp;"), "{page}");
+}
+
+#[test]
+fn a_figure_too_large_as_svg_stands_in_the_page_as_png() {
+    let svg = format!("<svg width=\"1\">{}</svg>", " ".repeat(600_000));
+    let (title, caption) = ("large".to_owned(), String::new());
+    let picture = Picture { name: "large", title, caption, svg, png: b"png".to_vec() };
+    let section = Section { title: "s".into(), parts: vec![Part::Figure(picture)] };
+    let page = Page { title: "t".into(), lead: String::new(), sections: vec![section] }.html();
+    assert!(page.contains("<img src=\"data:image/png;base64,cG5n\" alt=\"large\">"), "{page}");
+    assert!(!page.contains("<svg"));
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod progress;
 mod recommend;
 mod reference;
 mod regimes;
+mod report;
 mod simulate;
 mod study;
 
@@ -33,7 +34,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Methods x tolerances against the reference: tables and figures
+    /// Methods x tolerances against the reference: tables, figures, report
     Study(study::StudyArgs),
     /// One run with one method: trajectory.csv, events.csv, run.json
     Simulate(simulate::SimulateArgs),
@@ -43,6 +44,8 @@ enum Command {
     Recommend(recommend::RecommendArgs),
     /// The methods, their orders and what each is for
     Methods(methods::MethodsArgs),
+    /// Rebuild tables, figures and the HTML page of a finished study
+    Report(report::ReportArgs),
     /// The default configuration, commented; or its JSON Schema
     Config(config::ConfigArgs),
 }
@@ -141,6 +144,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Regimes(args)) => regimes::run(&args, &stop),
         Some(Command::Recommend(args)) => recommend::run(&args, &stop),
         Some(Command::Methods(args)) => methods::run(&args),
+        Some(Command::Report(args)) => report::run(&args, &stop),
         Some(Command::Config(args)) => config::run(&args),
     };
     match done {

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use deltazero::figures::{Drawing, Picture};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
@@ -55,12 +56,18 @@ impl Output {
         Ok(output)
     }
 
+    /// The directory of finished results, whatever they are of.
+    pub(super) fn existing(dir: &Path) -> Self {
+        Self { dir: dir.to_owned(), hash: String::new() }
+    }
+
     /// A JSON file of an earlier run of the same configuration.
     pub(super) fn own(&self, name: &str) -> Option<Value> {
         self.read(name).filter(|value| hash_of(value) == Some(&self.hash))
     }
 
-    fn read(&self, name: &str) -> Option<Value> {
+    /// A JSON file, whatever it is of.
+    pub(super) fn read(&self, name: &str) -> Option<Value> {
         serde_json::from_slice(&self.bytes(name)?).ok()
     }
 
@@ -84,6 +91,19 @@ impl Output {
             .and_then(|()| fs::rename(&partial, &path))
             .inspect_err(|_| drop(fs::remove_file(&partial)))
             .map_err(fail)
+    }
+
+    /// Draws figures, as SVG and PNG into `figures/`.
+    pub(super) fn draw(&self, drawings: &[Drawing]) -> Result<Vec<Picture>, Failure> {
+        let draw = |drawing: &Drawing| {
+            let picture = drawing
+                .picture()
+                .map_err(|error| Failure::Run(format!("cannot draw {}: {error}", drawing.name)))?;
+            self.write(&format!("figures/{}.svg", picture.name), picture.svg.as_bytes())?;
+            self.write(&format!("figures/{}.png", picture.name), &picture.png)?;
+            Ok(picture)
+        };
+        drawings.iter().map(draw).collect()
     }
 
     /// Where it is.

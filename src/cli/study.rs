@@ -2,15 +2,19 @@
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::SystemTime;
 
 use clap::Args;
 use deltazero::config::Config;
-use deltazero::figures::{self, Drawing};
+use deltazero::figures;
 use deltazero::report;
 use deltazero::run::Limits;
+use deltazero::study::machine::Machine;
 use deltazero::study::motion::motion;
+use deltazero::study::record::StudyRecord;
 use deltazero::study::step_tables::StepTables;
 use deltazero::study::work_precision::{Row, Status, WorkPrecision, against};
+use humantime::format_rfc3339_seconds;
 use serde_json::{Value, json};
 
 use super::output::{Output, hash};
@@ -62,25 +66,34 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         Err(failure) => return Err(failure),
     };
     let table = against(&reference, &config, &known, stop, &|progress| bar.show(progress));
-    output.write("study.csv", report::study_csv(&table).as_bytes())?;
-    write_json(&output, &config, &table, false)?;
+    let mut study = StudyRecord {
+        hash: output.hash.clone(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        machine: Some(Machine::here()),
+        time: Some(format_rfc3339_seconds(SystemTime::now()).to_string()),
+        config,
+        finished: false,
+        table,
+    };
+    output.write("study.csv", report::study_csv(&study.table).as_bytes())?;
+    write_json(&output, &study)?;
     if stop.load(Ordering::Relaxed) {
         return Err(Failure::Interrupted(RESUMED));
     }
     bar.say("figures");
-    let drawings = write_figures(&output, &config, &table, stop)?;
-    let markdown = report::study_markdown(config.reading.name(), &table, &drawings);
-    output.write("study.md", markdown.as_bytes())?;
-    write_json(&output, &config, &table, true)?;
+    write_report(&output, &study, stop)?;
+    study.finished = true;
+    write_json(&output, &study)?;
     drop(bar);
 
+    let table = &study.table;
     if args.run.json {
         print(&format!("{:#}\n", json!(table)))?;
     } else {
-        print(&report::answer(&table))?;
+        print(&report::answer(table))?;
     }
     if !args.run.quiet {
-        summarise(&output, &table);
+        summarise(&output, table);
     }
     if table.rows.iter().any(|row| row.status == Status::Ok) {
         Ok(())
@@ -111,29 +124,17 @@ fn unfinished_rows(output: &Output) -> Vec<Row> {
 }
 
 /// `study.json`; `finished` once figures and report are on disk too.
-fn write_json(
-    output: &Output,
-    config: &Config,
-    table: &WorkPrecision,
-    finished: bool,
-) -> Result<(), Failure> {
-    let study = json!({
-        "hash": output.hash,
-        "version": env!("CARGO_PKG_VERSION"),
-        "config": config.to_json(),
-        "finished": finished,
-        "reference": table.reference,
-        "rows": table.rows,
-    });
-    output.write("study.json", format!("{study:#}\n").as_bytes())
+fn write_json(output: &Output, study: &StudyRecord) -> Result<(), Failure> {
+    output.write("study.json", format!("{:#}\n", json!(study)).as_bytes())
 }
 
-fn write_figures(
+/// The figures with the data behind them, and the reports: all that follows from `study.json`.
+pub(super) fn write_report(
     output: &Output,
-    config: &Config,
-    table: &WorkPrecision,
+    study: &StudyRecord,
     stop: &AtomicBool,
-) -> Result<Vec<Drawing>, Failure> {
+) -> Result<(), Failure> {
+    let StudyRecord { config, table, .. } = study;
     let limits = Limits { max_rhs: config.study.max_rhs, stop };
     let steps = StepTables::new(config, table, limits);
     let motion = motion(config, limits);
@@ -148,13 +149,10 @@ fn write_figures(
     }
     let mut drawings = figures::of_study(table, &steps, motion.as_ref());
     drawings.extend(figures::chosen_axes(table, &config.study.x, &config.study.y));
-    for drawing in &drawings {
-        let fail = |error| Failure::Run(format!("cannot draw {}: {error}", drawing.name));
-        let (svg, png) = (drawing.figure.svg().map_err(fail)?, drawing.figure.png().map_err(fail)?);
-        output.write(&format!("figures/{}.svg", drawing.name), svg.as_bytes())?;
-        output.write(&format!("figures/{}.png", drawing.name), &png)?;
-    }
-    Ok(drawings)
+    let pictures = output.draw(&drawings)?;
+    let markdown = report::study_markdown(config.reading.name(), table, &drawings);
+    output.write("study.md", markdown.as_bytes())?;
+    output.write("report.html", report::html::study_page(study, pictures).html().as_bytes())
 }
 
 fn summarise(output: &Output, table: &WorkPrecision) {
@@ -172,5 +170,8 @@ fn summarise(output: &Output, table: &WorkPrecision) {
         let why = row.error.as_deref().unwrap_or("more than study.max_rhs right-hand sides");
         say(&format!("  {} {}, {}: {why}", row.method, row.events, row.setting()));
     }
-    say(&format!("written to {}: study.md, study.csv, study.json, figures/", output.path()));
+    say(&format!(
+        "written to {}: report.html, study.md, study.csv, study.json, figures/",
+        output.path()
+    ));
 }

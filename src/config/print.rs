@@ -1,5 +1,8 @@
-//! The default configuration as a commented TOML file.
+//! Configurations as TOML files: the default one commented, any one plain.
 
+use serde_json::{Map, Value};
+
+use super::Config;
 use super::keys::{DefaultValue, JOINT_TABLES, KEYS, Key};
 
 const HEAD: &str = "\
@@ -51,4 +54,33 @@ fn entry(key: &Key) -> String {
     };
     let (doc, source, name) = (key.doc, key.source, key.name());
     format!("\n# {doc}.\n# {limits}; {source}.\n{mark}{name} = {value}\n")
+}
+
+impl Config {
+    /// All of it as a TOML file, tables and keys in alphabetical order; [`load`](Self::load) reads it
+    /// back to the same bits.
+    pub fn to_toml(&self) -> String {
+        let mut out = String::new();
+        if let Value::Object(all) = self.to_json() {
+            write_table(&mut out, "", &all);
+        }
+        out
+    }
+}
+
+/// The values of a table, then the tables in it. JSON's numbers, words and lists are TOML's too.
+fn write_table(out: &mut String, path: &str, table: &Map<String, Value>) {
+    let (tables, values): (Vec<_>, Vec<_>) = table.iter().partition(|(_, value)| value.is_object());
+    if !path.is_empty() && !values.is_empty() {
+        *out += &format!("\n[{path}]\n");
+    }
+    for (name, value) in values {
+        *out += &format!("{name} = {value}\n");
+    }
+    for (name, value) in tables {
+        let path = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
+        if let Value::Object(inner) = value {
+            write_table(out, &path, inner);
+        }
+    }
 }

@@ -14,7 +14,7 @@ mod work_precision;
 
 pub use work_precision::chosen_axes;
 
-use deltazero_plots::{Axis, Figure, Marker, Series};
+use deltazero_plots::{Axis, Error, Figure, Marker, Series};
 
 use crate::config::Events;
 use crate::study::motion::Motion;
@@ -34,6 +34,37 @@ pub struct Drawing {
     pub caption: String,
     /// The picture.
     pub figure: Figure,
+}
+
+/// A figure drawn.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// Name of its files, without ending.
+    pub name: &'static str,
+    /// What stands above it.
+    pub title: String,
+    /// Setting and finding, with numbers of the run.
+    pub caption: String,
+    /// As an SVG document.
+    pub svg: String,
+    /// As a PNG file.
+    pub png: Vec<u8>,
+}
+
+impl Drawing {
+    /// Draws it.
+    ///
+    /// # Errors
+    /// Where the figure cannot be drawn.
+    pub fn picture(&self) -> Result<Picture, Error> {
+        Ok(Picture {
+            name: self.name,
+            title: self.figure.title.clone(),
+            caption: self.caption.clone(),
+            svg: self.figure.svg()?,
+            png: self.figure.png()?,
+        })
+    }
 }
 
 /// All figures of a study.

@@ -13,6 +13,7 @@ mod listings;
 mod output;
 mod recommend;
 mod regimes;
+mod report;
 mod simulate;
 mod study;
 

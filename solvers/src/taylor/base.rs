@@ -15,8 +15,9 @@ pub trait Base: Real {
 
 impl Base for f64 {
     // Beyond it the code of all orders does not fit into the first cache of instructions, and to fetch
-    // it takes longer than to loop.
-    const HIGHEST_UNROLLED: usize = 8;
+    // it takes longer than to loop. Where the compiler is not asked for speed, it is spared that code; the
+    // bits are the same.
+    const HIGHEST_UNROLLED: usize = if cfg!(debug_assertions) { 0 } else { 8 };
 
     #[inline(always)]
     fn fma(a: Self, b: Self, c: Self) -> Self {

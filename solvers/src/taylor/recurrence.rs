@@ -10,6 +10,10 @@
 use super::base::Base;
 use super::rows::Row;
 
+/// The highest order whose sums are taken from the middle outwards, as straight code does best; longer ones
+/// are four sums beside each other.
+const SHORT: usize = 8;
+
 /// `1/k`, a constant where the order is one.
 #[inline(always)]
 fn reciprocal<B: Base>(k: usize) -> B {
@@ -19,7 +23,7 @@ fn reciprocal<B: Base>(k: usize) -> B {
 /// `Σ a_j b_(k−j)` over `j = 1 … k − 1`, `k ≥ 1`; none where there is none to sum.
 #[inline(always)]
 fn inner<B: Base>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
-    if k > B::HIGHEST_UNROLLED {
+    if k > SHORT {
         return Some(long_inner(k, a, b));
     }
     let mut sum = if k.is_multiple_of(2) { Some(a.at(k / 2) * b.at(k / 2)) } else { None };
@@ -55,7 +59,7 @@ fn long_inner<B: Base>(k: usize, a: &Row<B>, b: &Row<B>) -> B {
 /// The same for `b = a`.
 #[inline(always)]
 fn inner_square<B: Base>(k: usize, a: &Row<B>) -> Option<B> {
-    if k > B::HIGHEST_UNROLLED {
+    if k > SHORT {
         return Some(long_inner(k, a, a));
     }
     let mut pairs = None;

@@ -35,6 +35,13 @@ fn a_configuration_reads_back_from_the_text_of_its_json() {
 }
 
 #[test]
+fn a_configuration_reads_back_from_its_toml() {
+    for config in configurations() {
+        assert_eq!(load(&config.to_toml(), &[]).as_ref(), Ok(&config), "{}", config.to_toml());
+    }
+}
+
+#[test]
 fn the_json_holds_every_key() {
     let json = load("solver.atol = 1e-12\nregimes.readings = ['full']", &[]).unwrap().to_json();
     for key in KEYS {

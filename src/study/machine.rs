@@ -1,0 +1,36 @@
+//! What a study was measured on.
+
+use std::env::consts::{ARCH, OS};
+
+use serde::{Deserialize, Serialize};
+
+/// A machine and the build of the program on it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Machine {
+    /// Name of its processor, where the system tells (Linux).
+    pub cpu: Option<String>,
+    /// Cores that the program may use.
+    pub cores: usize,
+    /// Operating system and architecture.
+    pub os: String,
+    /// Compiler, target, optimisation level, further flags.
+    pub built_by: String,
+}
+
+impl Machine {
+    /// This one.
+    pub fn here() -> Self {
+        Self {
+            cpu: cpu(),
+            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            os: format!("{OS} {ARCH}"),
+            built_by: env!("DELTAZERO_BUILT_BY").to_owned(),
+        }
+    }
+}
+
+fn cpu() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("model name"))?;
+    line.split_once(':').map(|(_, name)| name.trim().to_owned())
+}
