@@ -9,6 +9,9 @@ const SHRINK: f64 = 0.2;
 const GROWTH: f64 = 10.0;
 /// Weight of the previous error; zero is the plain integral controller. DOPRI5.
 const BETA: f64 = 0.04;
+/// Most that steps grow each after one that had no end: the size that failed is come near to in some seven
+/// steps, where one error after the other would lead there in two.
+const CREEP: f64 = 1.1;
 /// Logarithm of the floor of the remembered error, 1e-4, so that one lucky step does not hold back
 /// the next. DOPRI5.
 const LOG_ERROR_FLOOR: f64 = -9.210_340_371_976_182;
@@ -30,6 +33,8 @@ pub struct StepController {
     exponent: f64,
     log_last_err: f64,
     rejected: bool,
+    /// Largest size of the next step, after one that had no end.
+    ceiling: f64,
 }
 
 /// What the controller makes of an attempted step.
@@ -49,6 +54,7 @@ impl StepController {
             exponent: 1.0 / (embedded_order + 1) as f64,
             log_last_err: LOG_ERROR_FLOOR,
             rejected: false,
+            ceiling: f64::INFINITY,
         }
     }
 
@@ -83,7 +89,9 @@ impl StepController {
             let most = if self.rejected { 1.0 } else { GROWTH };
             self.log_last_err = log_err.max(LOG_ERROR_FLOOR);
             self.rejected = false;
-            Verdict::Accept(h * factor.clamp(SHRINK, most))
+            self.ceiling *= CREEP;
+            let next = (h.abs() * factor.clamp(SHRINK, most)).min(self.ceiling);
+            Verdict::Accept(next.copysign(h))
         } else {
             self.rejected = true;
             Verdict::Reject(h * self.shrunk(log_err))
@@ -91,9 +99,10 @@ impl StepController {
     }
 
     /// The step size to try again with instead of one of size `h` that has no end; none where it is
-    /// fixed.
+    /// fixed. The steps after it grow by a tenth each at most.
     pub fn halved(&mut self, h: f64) -> Option<f64> {
         self.rejected = true;
+        self.ceiling = 0.5 * h.abs();
         matches!(self.control, Control::Adaptive(_)).then_some(0.5 * h)
     }
 
@@ -154,5 +163,19 @@ mod tests {
         let mut controller = controller();
         controller.judge(1.0, norm_sq(1.0));
         assert_eq!(controller.judge(0.5, norm_sq(1e-12)), Verdict::Accept(0.5));
+    }
+
+    #[test]
+    fn steps_creep_towards_a_size_that_had_no_end() {
+        let mut controller = controller();
+        assert_eq!(controller.halved(-1.0), Some(-0.5));
+        let mut h: f64 = -0.5;
+        for n in 1..=8 {
+            let Verdict::Accept(next) = controller.judge(h, norm_sq(1e-12)) else { panic!("{n}") };
+            h = next;
+            // The first one after a refusal does not grow.
+            let most = if n == 1 { 0.5 } else { 0.5 * CREEP.powi(n) };
+            assert!((h + most).abs() < 1e-12, "{n}: {h}");
+        }
     }
 }

@@ -55,6 +55,7 @@
 //! | `tr_bdf2` | its TR-BDF2 | 2 | adaptive |
 //! | `esdirk34` | its ESDIRK 3(4) | 3 | adaptive |
 //! | `tsit45` | its Tsitouras 5(4) | 5 | adaptive |
+//! | `auto` | [the choice between two](auto): explicit or implicit, step by step | 5 or 8, implicit 5 | adaptive |
 //!
 //! # Modules, in the order in which data flow
 //!
@@ -62,7 +63,7 @@
 //!   forms, and the event-blind baseline ([`blind`]).
 //! - What answers: [`methods`], the list; [`tableau`]s and their stage loop ([`erk`]), implicit ones
 //!   without iteration ([`rosenbrock`]) and with it ([`radau`]), all checked by [`order_conditions`];
-//!   [`taylor`] series; or [`diffsol`](mod@diffsol).
+//!   [`taylor`] series; [`diffsol`](mod@diffsol); or the choice between two of them ([`auto`]).
 //! - One step: [`step`] with its [`dense`] output, judged by [`control`] to a [`tolerance`].
 //! - Events: [`event`] looks at guards over a step, [`root`] closes on their roots.
 //! - One smooth phase: [`one_step`] for methods that hand on a step, by the contract in [`phase`].
@@ -72,6 +73,7 @@
 //!
 //! What is promised of events, case by case, and what is not: [`rules`].
 
+pub mod auto;
 pub mod blind;
 pub mod control;
 pub mod dense;

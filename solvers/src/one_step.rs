@@ -128,6 +128,11 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         }
     }
 
+    /// Makes a step of size `h` the first of the next phase, where the method proposes none.
+    pub(crate) fn begin_with(&mut self, h: f64) {
+        self.h = Some(h);
+    }
+
     /// A first step size: one whose local error is about one per cent of the tolerated, judged by the
     /// slope and its change over a trial step.
     ///

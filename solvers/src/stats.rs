@@ -29,6 +29,8 @@ pub struct Stats {
     pub location: Work,
     /// Accepted steps; one that lands on an event counts once.
     pub n_accepted: u64,
+    /// Those of them that [`auto`](crate::auto) took with its implicit half; none of another method.
+    pub n_implicit: u64,
     /// Steps refused by their error estimate or by a failed Newton iteration.
     pub n_rejected: u64,
     /// Steps retaken from the same start to land on an event.
@@ -83,6 +85,7 @@ impl AddAssign for Stats {
         self.restart += other.restart;
         self.location += other.location;
         self.n_accepted += other.n_accepted;
+        self.n_implicit += other.n_implicit;
         self.n_rejected += other.n_rejected;
         self.n_retaken += other.n_retaken;
         self.n_events += other.n_events;
@@ -100,6 +103,7 @@ impl Sub for Stats {
             restart: self.restart - other.restart,
             location: self.location - other.location,
             n_accepted: self.n_accepted - other.n_accepted,
+            n_implicit: self.n_implicit - other.n_implicit,
             n_rejected: self.n_rejected - other.n_rejected,
             n_retaken: self.n_retaken - other.n_retaken,
             n_events: self.n_events - other.n_events,

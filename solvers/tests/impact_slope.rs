@@ -5,7 +5,8 @@
 mod common;
 
 use common::{
-    at_most, distance, end_state, iterates, log_slope, near, slack, steps_itself, tolerance,
+    at_most, distance, end_state, iterates, log_slope, near, slack, steps_itself,
+    takes_fixed_steps, tolerance,
 };
 use deltazero_solvers::problems::{CompliantBall, Exit, HertzBall};
 use deltazero_solvers::{Blind, Control, Error, Integration, METHODS, Method, Outcome, System};
@@ -19,7 +20,7 @@ fn ball(exit: Exit) -> CompliantBall {
 }
 
 fn one_step_methods<P: System>(problem: &P) -> impl Iterator<Item = &'static Method> {
-    METHODS.iter().filter(|method| !steps_itself(method, problem))
+    METHODS.iter().filter(|method| takes_fixed_steps(method, problem))
 }
 
 /// Order on a linear system: how far the stability function agrees with the exponential.

@@ -1,11 +1,17 @@
-//! Where the work of a run goes: steps in each kind of mode, restarts, location.
+//! Where the work of a run goes: steps in each kind of mode, restarts, location; and which half of `auto`
+//! it goes to.
 #![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
 mod common;
 
-use common::{steps_itself, tolerance};
+use std::ops::ControlFlow;
+
+use common::{at_most, log_slope, near, steps_itself, tolerance};
 use deltazero_solvers::problems::{BeltMode, BeltOscillator};
-use deltazero_solvers::{Control, Integration, METHODS, Stats, Work, WorkByKind};
+use deltazero_solvers::{
+    Accepted, Control, Event, Integration, METHODS, Method, Next, Outcome, Real, Record, Stats,
+    System, Work, WorkByKind,
+};
 
 /// On the stick–slip cycle, from the beginning of stick.
 fn belt() -> BeltOscillator {
@@ -70,4 +76,181 @@ fn restarts_and_location_have_their_share() {
             assert!(is_series || location.n_rhs >= run.stats.n_retaken, "{}", method.name);
         }
     }
+}
+
+/// `ẏ₁ = −λ (y₁ − cos t) − sin t`, `ẏ₂ = 1`, ended where y₁ falls below `floor`; `y = (cos t, t)`.
+struct Relaxation {
+    /// Rate λ at all times, or its peak in `λ = 1 + peak sin³²(t/8)`.
+    rate: f64,
+    has_peak: bool,
+    floor: f64,
+}
+
+impl Relaxation {
+    const START: [f64; 2] = [1.0, 0.0];
+    /// End of the runs, where the peak is over.
+    const END: f64 = 8.0 * std::f64::consts::PI;
+
+    /// Always stiff.
+    fn stiff() -> Self {
+        Self { rate: 1e6, has_peak: false, floor: -2.0 }
+    }
+
+    /// Stiff about t = 4π, and slow within 5 of t = 0 and 8π.
+    fn peaked() -> Self {
+        Self { has_peak: true, ..Self::stiff() }
+    }
+}
+
+impl System for Relaxation {
+    type Mode = ();
+    type State<S: Real> = [S; 2];
+    type Guards<S: Real> = [S; 1];
+
+    fn dim(&self) -> usize {
+        2
+    }
+
+    fn n_guards(&self) -> usize {
+        1
+    }
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
+
+    fn rhs<S: Real>(&self, (): (), t: S, y: &[S; 2], dydt: &mut [S; 2]) {
+        let (sin, cos) = t.sin_cos();
+        let mut rate = S::cst(self.rate);
+        if self.has_peak {
+            let (sin, _) = (t * 0.125).sin_cos();
+            let power = (0..5).fold(sin, |power, _| power * power);
+            rate = power * self.rate + 1.0;
+        }
+        *dydt = [(cos - y[0]) * rate - sin, S::cst(1.0)];
+    }
+
+    fn guards<S: Real>(&self, (): (), _t: S, y: &[S; 2], g: &mut [S; 1]) {
+        *g = [y[0] - self.floor];
+    }
+
+    fn guard_bounds(&self, (): (), _t: f64, _y: &[f64; 2], bounds: &mut [f64; 1]) {
+        *bounds = [4.0 * f64::EPSILON];
+    }
+
+    fn transition<S: Real>(&self, (): (), _: usize, _t: S, _y: &mut [S; 2]) -> Next<()> {
+        Next::Stop
+    }
+}
+
+/// Which half took each step, and the greatest error of y₁ at their ends.
+#[derive(Default)]
+struct Halves {
+    is_implicit: Vec<bool>,
+    n_implicit: u64,
+    error: f64,
+}
+
+impl Record<Relaxation> for Halves {
+    fn step(&mut self, accepted: &Accepted<'_, Relaxation>) -> ControlFlow<()> {
+        self.is_implicit.push(accepted.stats.n_implicit > self.n_implicit);
+        self.n_implicit = accepted.stats.n_implicit;
+        let error = accepted.step.y1()[0] - accepted.step.t1().cos();
+        self.error = self.error.max(error.abs());
+        ControlFlow::Continue(())
+    }
+
+    fn event(&mut self, _: &Event<'_, Relaxation>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}
+
+fn auto() -> &'static Method {
+    Method::named("auto").unwrap()
+}
+
+/// A run of `auto` on `problem` to `t_end`.
+fn halves(problem: &Relaxation, rtol: f64, t_end: f64) -> (Halves, Stats, f64) {
+    let mut halves = Halves::default();
+    let mut solver = auto().solver(problem, tolerance(rtol)).unwrap();
+    let mut run = Integration::new(problem, 0.0, Relaxation::START);
+    run.run(t_end, &mut *solver, &mut halves).unwrap();
+    assert_eq!(halves.n_implicit, run.stats.n_implicit);
+    (halves, run.stats, run.point.t)
+}
+
+#[test]
+fn auto_is_its_explicit_pair_bit_for_bit_where_nothing_is_stiff() {
+    let belt = belt();
+    for (rtol, pair) in [(1e-4, "rk45"), (1e-7, "dop853")] {
+        let run = |method: &Method| {
+            let mut solver = method.solver(&belt, tolerance(rtol)).unwrap();
+            let mut run = Integration::new(&belt, 0.0, belt.start);
+            run.run(10.5 * belt.period(), &mut *solver, &mut ()).unwrap();
+            (run.point.y, run.stats)
+        };
+        let ((y, stats), expected) = (run(auto()), run(Method::named(pair).unwrap()));
+        assert_eq!(stats.n_implicit, 0);
+        let looked = Work { n_jac: 0, ..stats.work };
+        assert_eq!((y, Stats { work: looked, ..stats }), expected);
+        // Few looks: one for 512 right-hand sides at most.
+        assert!(stats.work.n_jac <= stats.work.n_rhs / 512);
+    }
+}
+
+#[test]
+fn auto_turns_implicit_on_a_stiff_relaxation_and_its_work_is_bounded() {
+    for rtol in [1e-3, 1e-5, 1e-7] {
+        let (halves, stats, _) = halves(&Relaxation::stiff(), rtol, 10.0);
+        // Measured: 570 at most; dop853 alone needs 2e7.
+        at_most("n_rhs", stats.work.n_rhs as f64, 3e3);
+        assert!(halves.is_implicit.last().unwrap());
+        // Measured: 1.6, 3.0 and 6.5 rtol, in the first steps.
+        at_most("error", halves.error, 60.0 * rtol);
+    }
+}
+
+#[test]
+fn auto_turns_both_ways_within_one_phase_as_the_stiffness_comes_and_goes() {
+    for rtol in [1e-5, 1e-7, 1e-9] {
+        let (halves, stats, _) = halves(&Relaxation::peaked(), rtol, Relaxation::END);
+        let turns = halves.is_implicit.windows(2).filter(|pair| pair[0] != pair[1]).count();
+        // A trial too early is two more.
+        assert!(turns == 2 || turns == 4, "{turns}");
+        assert!(!halves.is_implicit[0] && stats.n_implicit > 50);
+        // Measured: 5300, the worst; dop853 alone needs millions.
+        at_most("n_rhs", stats.work.n_rhs as f64, 2e4);
+        // Measured: 2.7, 1.6 and 7.5 rtol.
+        at_most("error", halves.error, 30.0 * rtol);
+    }
+}
+
+#[test]
+fn the_error_of_auto_follows_its_tolerance_through_its_turns() {
+    let rtols = [1e-5, 3.2e-6, 1e-6, 3.2e-7, 1e-7, 3.2e-8, 1e-8, 3.2e-9, 1e-9];
+    let points = rtols.map(|rtol| {
+        let (halves, ..) = halves(&Relaxation::peaked(), rtol, Relaxation::END);
+        (rtol, halves.error)
+    });
+    // Measured: 0.89.
+    near("auto", log_slope(&points), 0.9, 0.3);
+}
+
+#[test]
+fn auto_lands_on_a_guard_that_falls_in_an_implicit_step() {
+    let problem = Relaxation { floor: 0.5, ..Relaxation::stiff() };
+    let (halves, stats, t) = halves(&problem, 1e-7, 10.0);
+    assert_eq!(stats.n_events, 1);
+    assert!(halves.is_implicit.last().unwrap());
+    // Measured: 6.4e-9.
+    at_most("time", (t - std::f64::consts::FRAC_PI_3).abs(), 6e-8);
+}
+
+#[test]
+fn auto_decides_the_same_in_every_run_and_shows_it_to_any_recorder() {
+    let problem = Relaxation::peaked();
+    let (_, stats, _) = halves(&problem, 1e-6, Relaxation::END);
+    let mut solver = auto().solver(&problem, tolerance(1e-6)).unwrap();
+    let mut run = Integration::new(&problem, 0.0, Relaxation::START);
+    let mut split = WorkByKind::new(|()| ());
+    assert_eq!(run.run(Relaxation::END, &mut *solver, &mut split), Ok(Outcome::Finished));
+    assert_eq!((run.stats, split.kinds), (stats, vec![((), stats)]));
 }

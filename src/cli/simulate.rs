@@ -148,6 +148,7 @@ fn run_json(
     let mut counts = json!({
         "n_rhs": stats.work.n_rhs,
         "n_accepted": stats.n_accepted,
+        "n_implicit": stats.n_implicit,
         "n_rejected": stats.n_rejected,
         "n_retaken": stats.n_retaken,
         "n_events": n_events,

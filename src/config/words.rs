@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// `study.methods`.
 pub const METHODS: &[&str] = &[
     "rk4", "bs32", "rk45", "dop853", "vern98", "taylor", "rodas5p", "radau5", "bdf", "tr_bdf2",
-    "esdirk34", "tsit45",
+    "esdirk34", "tsit45", "auto",
 ];
 
 /// The columns of `study.csv` that `study.x` and `study.y` accept: those of errors and of work.

@@ -304,8 +304,13 @@ impl BlockReference {
         &self.nodes[..self.nodes.partition_point(|node| self.is_within(node.t))]
     }
 
-    /// Largest `e` of a run's samples, on the same times, within the horizon.
+    /// Largest `e` of a run's samples, on the same times, within the horizon; infinite for a run that ends
+    /// before them.
     pub fn error(&self, run: &BlockTrajectory) -> f64 {
+        let n_within = self.times.iter().filter(|t| **t < self.lost_at).count();
+        if run.samples.len() < n_within {
+            return f64::INFINITY;
+        }
         let pairs = self.times.iter().zip(&self.samples).zip(&run.samples);
         let within = pairs.filter(|((t, _), _)| self.is_within(**t));
         let errors = within.map(|((_, y), sample)| sample_error(&sample.y, y, self.scale));

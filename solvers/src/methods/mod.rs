@@ -16,6 +16,7 @@ pub use radau_iia_5::RADAU_IIA_5;
 pub use rodas_5p::RODAS_5P;
 pub use verner_98::VERNER_98;
 
+use crate::auto::{self, AutoSolver};
 use crate::control::Control;
 use crate::diffsol::{DiffsolScheme, DiffsolSolver};
 use crate::erk::ExplicitRk;
@@ -51,11 +52,12 @@ enum Scheme {
     Taylor,
     Radau(&'static Radau),
     Diffsol(DiffsolScheme),
+    Auto,
 }
 
 /// Evaluates the first expression with the tableau of an explicit scheme, whatever its size, the
 /// second with that of a Rosenbrock scheme, the third for Taylor series, the fourth with the tableau of a
-/// Radau scheme, or the fifth with the scheme of `diffsol`.
+/// Radau scheme, the fifth with the scheme of `diffsol`, or the sixth for the choice between two halves.
 macro_rules! by_scheme {
     (
         $scheme:expr,
@@ -63,7 +65,8 @@ macro_rules! by_scheme {
         $rosenbrock:pat => $implicit:expr,
         taylor => $series:expr,
         $radau:pat => $iterated:expr,
-        $diffsol:pat => $other:expr $(,)?
+        $diffsol:pat => $other:expr,
+        auto => $chosen:expr $(,)?
     ) => {
         match $scheme {
             Scheme::Explicit4($tableau) => $explicit,
@@ -74,6 +77,7 @@ macro_rules! by_scheme {
             Scheme::Taylor => $series,
             Scheme::Radau($radau) => $iterated,
             Scheme::Diffsol($diffsol) => $other,
+            Scheme::Auto => $chosen,
         }
     };
 }
@@ -152,6 +156,12 @@ pub static METHODS: &[Method] = &[
         about: "diffsol's Tsitouras 5(4), explicit, adaptive: a check of rk45 by other hands",
         scheme: Scheme::Diffsol(DiffsolScheme::Tsit45),
     },
+    Method {
+        name: "auto",
+        order: DORMAND_PRINCE_853.order,
+        about: "rk45 or dop853 by tolerance, radau5 where stability binds their step: any damping",
+        scheme: Scheme::Auto,
+    },
 ];
 
 impl Method {
@@ -169,10 +179,11 @@ impl Method {
             taylor => false,
             _ => false,
             _ => false,
+            auto => false,
         )
     }
 
-    /// Whether its steps solve equations, and so are not bound by stability.
+    /// Whether all its steps solve equations, and so are not bound by stability.
     pub fn is_implicit(&self) -> bool {
         match self.scheme {
             Scheme::Rosenbrock8(_) | Scheme::Radau(_) => true,
@@ -199,6 +210,7 @@ impl Method {
             taylor => Vec::new(),
             tableau => tableau.residuals(),
             _ => Vec::new(),
+            auto => Vec::new(),
         )
     }
 
@@ -252,6 +264,21 @@ impl Method {
                 }
                 Control::Fixed(_) => {
                     return Err(Error::BadControl { method: self.name, needs: "a tolerance" });
+                }
+            },
+            auto => {
+                let Control::Adaptive(tolerance) = control else {
+                    return Err(Error::BadControl { method: self.name, needs: "a tolerance" });
+                };
+                let implicit = |control: &Control| {
+                    RadauMethod::new(&RADAU_IIA_5, n, control).on_slow_solutions()
+                };
+                if tolerance.rtol >= auto::LOOSE {
+                    let explicit = ExplicitRk::new(&DORMAND_PRINCE_5, n);
+                    Box::new(AutoSolver::new(problem, explicit, implicit, tolerance))
+                } else {
+                    let explicit = ExplicitRk::new(&DORMAND_PRINCE_853, n);
+                    Box::new(AutoSolver::new(problem, explicit, implicit, tolerance))
                 }
             },
         ))

@@ -15,8 +15,8 @@
 //! Good at strong damping and tight tolerances: the stages hold their order where a system is stiff. On
 //! a contact of 10⁹ N/m with a damping ratio of 1 and of 20 it takes 7 and 3 times fewer steps than
 //! [Rodas5P](super::RODAS_5P) to an error of 10⁻⁶ of the clearance, 17 and 11 times fewer to 10⁻⁹. Each
-//! costs up to twice as much, as up to one attempt in two fails to converge and is halved; in time the
-//! gain is 4 and 2, 11 and 6 times. Less so at loose tolerances with many events: a restart has nothing
+//! costs up to twice as much, and one attempt in eight fails to converge and is halved; in time the gain to
+//! 10⁻⁶ is 7 and 4 times. Less so at loose tolerances with many events: a restart has nothing
 //! to begin the iteration with, and each step retaken on an event is iterated to rounding. Where the
 //! step is bound by accuracy, an explicit pair does it for less.
 //!

@@ -50,6 +50,8 @@ pub struct RadauMethod<Y> {
     guess: [Y; 3],
     /// None at the start of a phase.
     h_guess: Option<f64>,
+    /// Whether a phase begins on the slow solution: then the slope there is a guess.
+    is_smooth: bool,
     /// What a correction leaves, in parts of it, as the last iteration found it.
     left: f64,
     z: [Y; 3],
@@ -95,6 +97,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
             has_converged: true,
             guess: three(),
             h_guess: None,
+            is_smooth: false,
             left: 1.0,
             z: three(),
             w: three(),
@@ -105,6 +108,12 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
             scale: zero(),
             step: RadauStep::new(tableau, n),
         }
+    }
+
+    /// The method where every phase begins on the slow solution, as after steps of another method: its first
+    /// iteration begins along the slope, and not at zero increments.
+    pub(crate) fn on_slow_solutions(self) -> Self {
+        Self { is_smooth: true, ..self }
     }
 
     /// Entries `i` of three vectors.
@@ -375,6 +384,12 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
         stats.work.n_rhs += 1;
         (self.is_linearised, self.is_completed) = (false, false);
         (self.h_guess, self.left) = (None, 1.0);
+        if self.is_smooth {
+            self.h_guess = Some(1.0);
+            let [linear, rest @ ..] = &mut self.guess;
+            linear.clone_from(&self.step.slope0);
+            rest.iter_mut().for_each(|all| all.as_mut().fill(0.0));
+        }
     }
 
     fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats) {

@@ -6,7 +6,7 @@ use crate::real::Real;
 
 /// A number that series are made of.
 pub trait Base: Real {
-    /// The highest order of a series with [code of its own](super::unrolled).
+    /// The highest order of a series with code of its own.
     const HIGHEST_UNROLLED: usize;
 
     /// `a b + c`, fused where the target has an instruction for it.

@@ -21,12 +21,13 @@ pub struct Expansion<B: Copy> {
     n_rows: usize,
 }
 
-impl<B: Base> Expansion<B> {
-    /// Memory for an expansion.
-    pub fn new() -> Self {
+impl<B: Base> Default for Expansion<B> {
+    fn default() -> Self {
         Self { rows: Rows::new(), n_rows: 0 }
     }
+}
 
+impl<B: Base> Expansion<B> {
     /// Begins an expansion about `(t0, y0)`, whose slope there goes to `slope`: the value of the
     /// right-hand side to the bit.
     pub fn begin<P: System>(

@@ -64,7 +64,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
             mode: problem.initial_mode(t, y),
             stats: Stats::default(),
             tolerance,
-            expansion: Expansion::new(),
+            expansion: Expansion::default(),
             guards: GuardSeries::new(problem.n_guards(), MAX_ORDER),
             y: vec![extended.clone(); MAX_ORDER + 1],
             t1: TwoFloat::from(t),
@@ -186,28 +186,24 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     fn attempt(&mut self, t1: TwoFloat) -> f64 {
         let (size, degree) = (t1 - self.t, self.step.degree);
         self.t1 = t1;
-        let n = self.problem.dim();
-        let mut defect = rounded::<P, _>(&self.y1);
-        let mut ends = vec![TwoFloat::from(0.0); n];
-        for i in 0..n {
-            let (mut y, mut slope) = (TwoFloat::from(0.0), TwoFloat::from(0.0));
+        let mut slopes = self.y1.clone();
+        let ends = self.y1.as_mut().iter_mut().zip(slopes.as_mut());
+        for (i, (y, slope)) in ends.enumerate() {
+            (*y, *slope) = (TwoFloat::from(0.0), TwoFloat::from(0.0));
             for c in self.y[..=degree].iter().rev() {
-                slope = slope * size + y;
-                y = y * size + c.as_ref()[i];
+                *slope = *slope * size + *y;
+                *y = *y * size + c.as_ref()[i];
             }
-            self.y1.as_mut()[i] = y;
-            ends[i] = slope;
         }
         self.expansion.begin(self.problem, self.mode, self.t1, &self.y1, &mut self.slope1);
         self.step.t1 = self.t1.value();
         self.step.y1 = rounded::<P, _>(&self.y1);
         self.step.slope1 = rounded::<P, _>(&self.slope1);
         let share = size.value() / (degree + 1) as f64;
-        for (i, defect) in defect.as_mut().iter_mut().enumerate() {
-            *defect = share * (ends[i] - self.slope1.as_ref()[i]).value();
-        }
-        let (y0, y1) = (self.step.y[0].as_ref(), self.step.y1.as_ref());
-        self.tolerance.norm(defect.as_ref(), y0, y1)
+        let pairs = slopes.as_ref().iter().zip(self.slope1.as_ref());
+        let error: Vec<f64> =
+            pairs.map(|(of_series, of_state)| share * (*of_series - *of_state).value()).collect();
+        self.tolerance.norm(&error, self.step.y[0].as_ref(), self.step.y1.as_ref())
     }
 
     /// Cuts the step at the zero of the guard that falls first on it; that guard.

@@ -59,7 +59,7 @@ impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
     pub fn new(n: usize, n_guards: usize, order: usize) -> Self {
         Self {
             step: TaylorStep::new(n, order),
-            expansion: Expansion::new(),
+            expansion: Expansion::default(),
             guards: GuardSeries::new(n_guards, order),
             is_expanded: false,
             degree: None,

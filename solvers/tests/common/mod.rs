@@ -39,9 +39,15 @@ pub(crate) fn tolerance(rtol: f64) -> Control {
     Control::Adaptive(Tolerance { rtol, atol: vec![rtol; 2] })
 }
 
-/// Whether `method` chooses its steps itself and lands on its interpolant.
+/// Whether `method` takes a fixed step.
+pub(crate) fn takes_fixed_steps<P: System>(method: &Method, problem: &P) -> bool {
+    method.solver(problem, Control::Fixed(1.0)).is_ok()
+}
+
+/// Whether `method` chooses its steps itself and lands on its interpolant; `auto` chooses, but retakes
+/// its steps to land.
 pub(crate) fn steps_itself<P: System>(method: &Method, problem: &P) -> bool {
-    method.solver(problem, Control::Fixed(1.0)).is_err()
+    !takes_fixed_steps(method, problem) && method.name != "auto"
 }
 
 /// Whether `method` solves the equations of a step by iteration: where the slope jumps within it they
