@@ -12,14 +12,14 @@ use deltazero::contest::{
 };
 use deltazero::figures::Picture;
 use deltazero::report::html::{Heading, Page, Part, Section, Table};
-use deltazero::run::{Accuracy, Limits, Setting};
+use deltazero::run::{Accuracy, Limits, Run, Setting};
 use deltazero::study::columns::{Column, Value};
 use deltazero::study::step_tables::StepTables;
 use deltazero::study::work_precision::{
     Status, WorkPrecision, cheapest, sample_times, work_precision,
 };
 use deltazero::{figures, report};
-use deltazero_solvers::{METHODS, Method};
+use deltazero_solvers::{Grid, METHODS, Method};
 
 fn study(sets: &[&str]) -> WorkPrecision {
     let short =
@@ -258,11 +258,16 @@ fn the_configuration_knows_the_methods_of_the_solvers() {
     assert_eq!(names, deltazero::config::METHODS);
 }
 
+/// The arena of Table 1 with `sets`.
+fn arena(sets: &[&str]) -> Arena {
+    let config = config(sets);
+    Arena::new(&config, sample_times(&config), &AtomicBool::new(false)).unwrap()
+}
+
 /// The contest of `methods` on the first 0.3 s of Table 1, flights included, and where it took place.
 fn contest(methods: &[&str], accuracy: f64) -> (Arena, Standings) {
     let stop = AtomicBool::new(false);
-    let config = config(&["run.t_end=0.3"]);
-    let arena = Arena::new(&config, sample_times(&config), &stop).unwrap();
+    let arena = arena(&["run.t_end=0.3"]);
     let methods: Vec<String> = methods.iter().map(|name| (*name).to_owned()).collect();
     let candidates = Candidate::all(&methods, Events::ALL);
     let max_work = 1e8;
@@ -290,9 +295,9 @@ fn a_setting_that_a_contest_finds_holds_beside_itself_and_a_decade_looser_does_n
         let [own, tighter, looser] = [1.0, 0.56, 10.0].map(run);
         assert_eq!(own.e, entry.e, "{entry:?}");
         for trial in [&own, &tighter] {
-            assert!(trial.e <= accuracy && trial.events_are_right(entry.events), "{entry:?}");
+            assert!(trial.e <= accuracy && trial.events_are_right(), "{entry:?}");
         }
-        let reaches = looser.e <= MARGIN * accuracy && looser.events_are_right(entry.events);
+        let reaches = looser.e <= MARGIN * accuracy && looser.events_are_right();
         assert!(!reaches || !entry.timed, "{entry:?} {looser:?}");
     }
 }
@@ -310,11 +315,48 @@ fn a_contest_is_won_by_the_shortest_time_and_cuts_what_needs_ten_times_the_work(
 }
 
 #[test]
-fn a_located_run_with_wrong_events_does_not_reach_an_accuracy_and_a_blind_one_may() {
-    let (_, standings) = contest(&["dop853"], 1e-2);
-    let of = |events| standings.entries.iter().find(move |entry| entry.events == events).unwrap();
-    let (located, blind) = (of(Events::Located), of(Events::Blind));
-    assert_eq!((located.missed, located.spurious), (0, 0));
-    assert!(blind.missed + blind.spurious > 0, "{blind:?}");
-    assert!(blind.rtol > located.rtol);
+fn located_events_must_be_right_from_1e_minus_6_on_and_blind_ones_need_not() {
+    let (_, standings) = contest(&["dop853", "rk45", "bs32"], 1e-6);
+    let wrong = |of: Events| {
+        let own = standings.entries.iter().filter(move |entry| entry.events == of);
+        own.map(|entry| entry.missed + entry.spurious).max().unwrap()
+    };
+    assert_eq!(wrong(Events::Located), 0);
+    assert!(wrong(Events::Blind) > 0);
+    let (_, loose) = contest(&["dop853", "rk45", "bs32"], 1e-2);
+    assert!(
+        loose.entries.iter().any(|e| e.events == Events::Located && e.missed > 0),
+        "{loose:#?}"
+    );
+}
+
+#[test]
+fn the_part_of_an_arena_with_its_first_events_is_an_arena() {
+    let whole = arena(&["run.t_end=0.3"]);
+    let n = whole.n_events / 2;
+    let part = whole.clone().with_at_most(n);
+    assert!((n..whole.n_events).contains(&part.n_events) && part.t_end < whole.t_end);
+    let shorter = arena(&[&format!("run.t_end={}", part.t_end)]);
+    assert_eq!(part.n_events, shorter.n_events);
+    for (own, other) in part.reference.blocks.iter().zip(&shorter.reference.blocks) {
+        assert_eq!((&own.times, own.scale), (&other.times, other.scale));
+        assert_eq!(own.samples, other.samples);
+    }
+    assert_eq!(whole.clone().with_at_most(whole.n_events).t_end, whole.t_end);
+}
+
+#[test]
+fn a_run_that_ends_early_has_an_infinite_error_and_one_a_sample_short_has_not() {
+    let arena = arena(&["run.t_end=0.1"]);
+    let setting = Setting::of(&config(&[])).unwrap();
+    let grid = Grid::Times(arena.times.clone());
+    let limits = Limits { max_rhs: u64::MAX, stop: &AtomicBool::new(false) };
+    let run = Run::new(&arena.mechanism, &setting, arena.t_end, &grid, limits);
+    let reference = &arena.reference.blocks[0];
+    let mut own = run.trajectories[0].clone();
+    assert!(reference.error(&own) < 1e-6);
+    own.samples.pop();
+    assert!(reference.error(&own) < 1e-6);
+    own.samples.pop();
+    assert_eq!(reference.error(&own), f64::INFINITY);
 }

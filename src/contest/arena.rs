@@ -53,13 +53,36 @@ impl Arena {
             times.retain(|t| *t <= t_end);
             reference = Reference::new(&mechanism, t_end, &times, limits)?;
         }
-        let blocks = mechanism.blocks.iter().zip(&reference.blocks);
-        let n_events = blocks.map(|(block, own)| counted(&own.events, block).len()).sum();
+        let n_events = n_counted(&mechanism, &reference);
         Ok(Self { mechanism, reference, times, t_end, horizon, n_events })
+    }
+
+    /// Its first part with the first `most` events, up to a sample; itself where it has no more.
+    pub fn with_at_most(mut self, most: usize) -> Self {
+        let blocks = self.mechanism.blocks.iter().zip(&self.reference.blocks);
+        let events = blocks.flat_map(|(block, own)| counted(&own.events, block));
+        let mut at: Vec<f64> = events.map(|event| event.t).collect();
+        at.sort_by(f64::total_cmp);
+        let Some(last) = at.get(most) else {
+            return self;
+        };
+        if let Some(&t_end) = self.times.iter().find(|t| *t >= last) {
+            self.t_end = t_end;
+            self.times.retain(|t| *t <= t_end);
+            self.reference.cut(t_end);
+            self.n_events = n_counted(&self.mechanism, &self.reference);
+        }
+        self
     }
 
     /// Whether it is predictable for too short a time to compare methods on it.
     pub fn is_ill_posed(&self) -> bool {
         self.horizon.is_some_and(|horizon| horizon < ILL_POSED_BELOW_S)
     }
+}
+
+/// The events of a reference that count.
+fn n_counted(mechanism: &Mechanism, reference: &Reference) -> usize {
+    let blocks = mechanism.blocks.iter().zip(&reference.blocks);
+    blocks.map(|(block, own)| counted(&own.events, block).len()).sum()
 }

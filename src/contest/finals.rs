@@ -6,6 +6,8 @@ use crate::run::Setting;
 
 /// Those that take longer than this many times the shortest time are not run again.
 const CLOSE: f64 = 2.0;
+/// Those that take longer than this are run twice at most: noise is a smaller part of them [s].
+const LONG_S: f64 = 0.2;
 
 /// Times the entries within [`FINAL`] times the least work, and puts all in order: the timed ones by
 /// their shortest time, then the others by their work. `settings` are those of the entries.
@@ -18,7 +20,8 @@ pub(super) fn time(contest: &Contest<'_>, settings: &[Setting], entries: &mut [E
         let best = shortest(entries);
         for (entry, setting) in entries.iter_mut().zip(settings) {
             // The search has run each of them once, but at different times: not to be judged by that.
-            if !entry.timed || turn > 1 && entry.wall_s > CLOSE * best {
+            let is_far = entry.wall_s > CLOSE * best || entry.wall_s > LONG_S;
+            if !entry.timed || turn > 1 && is_far {
                 continue;
             }
             let run = Trial::new(contest.arena, setting, Start::Exact, f64::INFINITY, contest.stop);

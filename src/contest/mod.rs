@@ -1,9 +1,9 @@
 //! The contest: of several methods, each at the cheapest setting that truly reaches an accuracy, which
 //! one is the fastest?
 //!
-//! A [`Setting`] reaches an accuracy if its error `e` keeps below it up to the end, and, where it
-//! locates events, if it has found each event of the reference and no other. A blind run makes no
-//! claim about events and is judged by `e` alone; how many of them it has is told beside it.
+//! A [`Setting`] reaches an accuracy if its error `e` keeps below it up to the end, and if, at an accuracy
+//! of [`EVENTS_FROM`] or better, a run that locates events has found each event of the reference and no
+//! other. A blind run makes no claim about events. How many of them are wrong is told beside `e`.
 //!
 //! Error against tolerance is jagged, so one run that reaches it proves little. A setting counts if
 //! `e` keeps a [`MARGIN`], and so does the next tighter setting, and both again from a start moved by
@@ -13,8 +13,7 @@
 //! under a budget that grows until one of them arrives; from then on a run is cut at [`CUT`] times the
 //! least work so far, or at [`FINAL`] times the least of its own kind (explicit or implicit, located or
 //! blind). So cheap winners come first, hopeless ones cost little, and the best of each kind is known
-//! where it comes within ten times the best of all. Those that stay within [`FINAL`] times the least
-//! work are then timed, one after the other in turns, so that what disturbs the machine disturbs them
+//! where it comes within ten times the best of all. Those that stay within [`FINAL`] times the least work are then timed, one after the other in turns, so that what disturbs the machine disturbs them
 //! alike.
 
 mod arena;
@@ -42,6 +41,8 @@ pub const MARGIN: f64 = 0.8;
 pub const CUT: f64 = 10.0;
 /// Candidates within this many times the least work are timed.
 pub const FINAL: f64 = 3.0;
+/// From this accuracy on a run that locates events must have their sequence right.
+pub const EVENTS_FROM: f64 = 1e-6;
 /// Work of the first budget: some milliseconds.
 const FIRST_BUDGET: f64 = 5e4;
 /// Growth of the budget while no candidate has arrived.
@@ -125,6 +126,11 @@ pub struct Entry {
 }
 
 impl Entry {
+    /// Whether it is the method that chooses between others as it goes.
+    pub fn is_auto(&self) -> bool {
+        self.method == "auto"
+    }
+
     /// Tolerance or step as text: `rtol 1e-6`, `h 1e-4 s`.
     pub fn setting(&self) -> String {
         let accuracy = match (self.rtol, self.step) {
@@ -236,8 +242,8 @@ impl Contest<'_> {
                 let most = self.max_work.min(least.limit(search.candidate));
                 let limit = budget.min(most);
                 match search.advance(limit, least.of_all()) {
-                    Step::Over(found) => {
-                        least.arrived(search.candidate, found);
+                    Step::Over => {
+                        least.arrived(search.candidate, search.work());
                         progress(search.candidate.method.name);
                     }
                     // A later, lower limit would cut it all the more.
@@ -281,9 +287,9 @@ impl Least {
         2 * usize::from(candidate.method.is_implicit()) + usize::from(blind)
     }
 
-    fn arrived(&mut self, candidate: Candidate, work: Option<f64>) {
+    fn arrived(&mut self, candidate: Candidate, work: f64) {
         let own = &mut self.0[Self::kind(candidate)];
-        *own = own.min(work.unwrap_or(f64::INFINITY));
+        *own = own.min(work);
     }
 
     fn of_all(&self) -> f64 {
@@ -294,6 +300,11 @@ impl Least {
     fn limit(&self, candidate: Candidate) -> f64 {
         (CUT * self.of_all()).min(FINAL * self.0[Self::kind(candidate)])
     }
+}
+
+/// Whether a run that treats events in this way has them right, or need not have at this accuracy.
+pub fn accepts_events(accuracy: f64, events: Events, trial: &Trial) -> bool {
+    accuracy > EVENTS_FROM || events == Events::Blind || trial.events_are_right()
 }
 
 /// Mean accepted step [s] of a run that came `covered` seconds far, blocks added.

@@ -6,12 +6,15 @@ use deltazero_solvers::Error;
 
 use super::ladder::{self, A_DECADE};
 use super::trial::{ON_COURSE, Start, Trial, TrialEnd};
-use super::{Candidate, Contest, Entry, FINAL, Failure, FailureKind, MARGIN, mean_step};
+use super::{
+    Candidate, Contest, Entry, FINAL, Failure, FailureKind, MARGIN, accepts_events, mean_step,
+};
 use crate::run::Setting;
 
 /// Longest move between two rungs that are looked at: two decades.
 const LONGEST: i32 = 2 * A_DECADE;
-/// Rungs that are skipped where events are wrong, or a run fails.
+/// Rungs that are skipped where events are wrong, the next time twice as many, and so on; or where a run
+/// fails.
 const EVENTS_WRONG: i32 = 2;
 const FAILED: i32 = A_DECADE;
 /// After so many moves without half the error, tighter settings are held not to help.
@@ -29,8 +32,8 @@ const TOO_GOOD: f64 = 0.01;
 
 /// What came of a search under a limit of work.
 pub(super) enum Step {
-    /// It is over; the work of the setting found, if one was.
-    Over(Option<f64>),
+    /// It is over.
+    Over,
     /// It needs a higher limit.
     Cut,
 }
@@ -101,17 +104,17 @@ impl<'a> Search<'a> {
         if self.contest.is_interrupted() {
             let message = "interrupted".to_owned();
             self.verdict = Some(Err((FailureKind::Interrupted, message)));
-            return Step::Over(None);
+            return Step::Over;
         }
         match found {
             Ok(rung) => {
                 self.verdict = Some(Ok(rung));
-                Step::Over(self.trials.get(&rung).map(|trial| trial.work))
+                Step::Over
             }
             Err(End::Cut) => Step::Cut,
             Err(End::Failure(kind, message)) => {
                 self.verdict = Some(Err((kind, message)));
-                Step::Over(None)
+                Step::Over
             }
         }
     }
@@ -125,6 +128,7 @@ impl<'a> Search<'a> {
         // Below `misses` no rung is looked at any more, nor above `meets` or `cut`.
         let (mut misses, mut meets, mut cut) = (None::<i32>, None::<i32>, None::<i32>);
         let (mut stagnations, mut least_e) = (0, f64::INFINITY);
+        let mut times_wrong = 0;
         loop {
             let mut away = 1;
             match self.look(rung, limit) {
@@ -156,6 +160,10 @@ impl<'a> Search<'a> {
                         (stagnations, least_e) = (0, e);
                     }
                     away = to_go.max(away);
+                    if e <= MARGIN * contest.accuracy {
+                        times_wrong += 1;
+                        away *= times_wrong;
+                    }
                 }
             }
             if contest.is_interrupted() {
@@ -250,7 +258,7 @@ impl<'a> Search<'a> {
                 // One that was affordable under an earlier, higher limit.
                 if trial.work > limit {
                     Kind::Cut
-                } else if trial.events_are_right(candidate.events) {
+                } else if accepts_events(contest.accuracy, candidate.events, trial) {
                     Kind::Meets
                 } else {
                     Kind::Misses(EVENTS_WRONG)
@@ -276,7 +284,9 @@ impl<'a> Search<'a> {
             vec![run(Start::Up), run(Start::Down)]
         });
         let goal = MARGIN * contest.accuracy;
-        nudged.iter().all(|trial| trial.e <= goal && trial.events_are_right(candidate.events))
+        nudged.iter().all(|trial| {
+            trial.e <= goal && accepts_events(contest.accuracy, candidate.events, trial)
+        })
     }
 
     /// How many rungs looser than one that meets the accuracy another might meet it.
@@ -325,12 +335,20 @@ impl<'a> Search<'a> {
         End::Failure(kind, format!("at {setting}: {what}"))
     }
 
+    fn accepts_events(&self, trial: &Trial) -> bool {
+        accepts_events(self.contest.accuracy, self.candidate.events, trial)
+    }
+
     /// Whether a setting tighter than the one found has the events wrong.
     fn grazes(&self, rung: i32) -> bool {
-        let wrong = |trial: &Trial| {
-            trial.end == TrialEnd::Reached && !trial.events_are_right(self.candidate.events)
-        };
+        let wrong = |trial: &Trial| trial.end == TrialEnd::Reached && !self.accepts_events(trial);
         self.trials.range(rung + 1..).any(|(_, trial)| wrong(trial))
+    }
+
+    /// The work of the setting that was found; infinite where none was.
+    pub(super) fn work(&self) -> f64 {
+        let found = self.verdict.as_ref().and_then(|verdict| verdict.as_ref().ok());
+        found.and_then(|rung| self.trials.get(rung)).map_or(f64::INFINITY, |trial| trial.work)
     }
 
     /// What was found, with its setting.

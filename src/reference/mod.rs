@@ -213,6 +213,19 @@ impl Reference {
         Self { blocks, summary }
     }
 
+    /// Leaves of its samples, events, nodes and contacts those up to `t_end` [s], and measures angles by the
+    /// largest that is left; states at the end, balances and the summary stay those of the whole.
+    pub fn cut(&mut self, t_end: f64) {
+        for block in &mut self.blocks {
+            block.cut(t_end);
+        }
+        let angles = self.blocks.iter().flat_map(|block| &block.samples).map(|y| y[2].abs());
+        let theta = angles.fold(0.0, f64::max);
+        for block in &mut self.blocks {
+            block.scale.theta = theta;
+        }
+    }
+
     /// The shortest horizon of its blocks [s].
     pub fn horizon(&self) -> f64 {
         self.blocks.iter().fold(f64::INFINITY, |least, block| least.min(block.horizon()))
@@ -289,6 +302,15 @@ impl BlockReference {
         }
     }
 
+    fn cut(&mut self, t_end: f64) {
+        let n = self.times.partition_point(|t| *t <= t_end);
+        self.times.truncate(n);
+        self.samples.truncate(n);
+        self.events.retain(|event| event.t <= t_end);
+        self.nodes.truncate(self.nodes.partition_point(|node| node.t <= t_end));
+        self.contacts.retain(|contact| contact.end <= t_end);
+    }
+
     /// Whether `t` lies within the horizon.
     pub fn is_within(&self, t: f64) -> bool {
         t < self.lost_at
@@ -307,8 +329,10 @@ impl BlockReference {
     /// Largest `e` of a run's samples, on the same times, within the horizon; infinite for a run that ends
     /// before them.
     pub fn error(&self, run: &BlockTrajectory) -> f64 {
-        let n_within = self.times.iter().filter(|t| **t < self.lost_at).count();
-        if run.samples.len() < n_within {
+        // A run that ends a sample early stopped at 90° beside the sample; one that ends earlier
+        // still went astray.
+        let n_within = self.times.iter().filter(|t| self.is_within(**t)).count();
+        if run.samples.len() + 1 < n_within {
             return f64::INFINITY;
         }
         let pairs = self.times.iter().zip(&self.samples).zip(&run.samples);
