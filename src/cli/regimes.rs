@@ -8,6 +8,7 @@ use std::time::Duration;
 use clap::Args;
 use deltazero::config::Config;
 use deltazero::figures;
+use deltazero::report::html::regimes_page;
 use deltazero::report::regimes::{csv, markdown};
 use deltazero::study::regimes::{Cell, Site, estimate, quick, regimes, sites};
 use serde_json::{Value, json};
@@ -68,19 +69,16 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
         ));
     }
     let drawings = figures::regimes::drawings(&cells);
-    for drawing in &drawings {
-        let fail = |error| Failure::Run(format!("cannot draw {}: {error}", drawing.name));
-        let (svg, png) = (drawing.figure.svg().map_err(fail)?, drawing.figure.png().map_err(fail)?);
-        output.write(&format!("figures/{}.svg", drawing.name), svg.as_bytes())?;
-        output.write(&format!("figures/{}.png", drawing.name), &png)?;
-    }
+    let pictures = output.draw(&drawings)?;
+    let page = regimes_page(&config, &cells, pictures);
+    output.write("regimes.html", page.html().as_bytes())?;
     let text = markdown(&config, &cells, &drawings);
     output.write("regimes.md", text.as_bytes())?;
     write_json(&output, &config, &cells)?;
     print(&if args.run.json { format!("{:#}\n", json!(cells)) } else { text })?;
     if !args.run.quiet {
         say(&format!(
-            "written to {}: regimes.md, regimes.csv, regimes.json, figures/",
+            "written to {}: regimes.html, regimes.md, regimes.csv, regimes.json, figures/",
             output.path()
         ));
     }

@@ -351,7 +351,7 @@ pub const KEYS: &[Key] = &[
         path: "contest.methods",
         kind: Kind::List(&Kind::Word(METHODS), None),
         default: Toml(
-            "[\"rk4\", \"bs32\", \"rk45\", \"dop853\", \"vern98\", \"taylor\", \"rodas5p\", \"radau5\", \"bdf\"]",
+            "[\"rk4\", \"bs32\", \"rk45\", \"dop853\", \"vern98\", \"taylor\", \"rodas5p\", \"radau5\", \"bdf\", \"auto\"]",
         ),
         unit: "",
         doc: "Methods among which recommend and regimes choose",
@@ -412,6 +412,14 @@ pub const KEYS: &[Key] = &[
         unit: "",
         doc: "Readings of the map",
         source: "absent: the configured one",
+    },
+    Key {
+        path: "regimes.max_events",
+        kind: Kind::Integer(10, 1_000_000),
+        default: Toml("100"),
+        unit: "",
+        doc: "Events after which a contest ends: what a stiffer contact does later repeats it",
+        source: "choice of this study; Table 1 has 60 in 2 s",
     },
     Key {
         path: "regimes.threads",

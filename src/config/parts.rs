@@ -201,6 +201,8 @@ pub struct Regimes {
     /// Readings; absent: the configured one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub readings: Option<Vec<ReadingName>>,
+    /// Events to which a contest is cut short.
+    pub max_events: usize,
     /// Cells at the same time.
     pub threads: usize,
 }

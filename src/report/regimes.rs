@@ -4,9 +4,12 @@ use std::fmt::Write as _;
 
 use super::{exact, field};
 use crate::config::{Config, Events};
-use crate::contest::{CUT, Entry};
+use crate::contest::{CUT, EVENTS_FROM, Entry};
 use crate::figures::Drawing;
 use crate::study::regimes::{Cell, CellStatus, maps, of_map};
+
+/// A time within this factor of the winner's is near it.
+const NEAR: f64 = 1.3;
 
 /// `regimes.csv`: one row a cell.
 pub fn csv(cells: &[Cell]) -> String {
@@ -14,11 +17,11 @@ pub fn csv(cells: &[Cell]) -> String {
         "reading,stiffness,damping_ratio,accuracy,status,t_end_s,horizon_s,n_events,method,events,rtol,\
          step,e,e_least,e_most,missed,spurious,wall_s,n_rhs,n_accepted,second,second_events,\
          second_wall_s,explicit,explicit_wall_s,implicit,implicit_wall_s,located,located_wall_s,blind,\
-         blind_wall_s,failures,error\n",
+         blind_wall_s,auto_over_winner,failures,error\n",
     );
     for cell in cells {
         let first = cell.winner();
-        let second = cell.standings.entries.get(1);
+        let second = cell.second();
         let of = |f: fn(&Entry) -> f64| exact(first.map(f));
         let count = |f: fn(&Entry) -> u64| first.map_or_else(String::new, |e| f(e).to_string());
         let mut fields = vec![
@@ -55,6 +58,7 @@ pub fn csv(cells: &[Cell]) -> String {
             fields.push(best.map_or_else(String::new, name));
             fields.push(exact(best.map(|entry| entry.wall_s)));
         }
+        fields.push(exact(cell.auto_over_winner()));
         let failures: Vec<String> = cell
             .standings
             .failures
@@ -70,23 +74,26 @@ pub fn csv(cells: &[Cell]) -> String {
     csv
 }
 
+/// What the map asks, and under which rules.
+pub fn lead(config: &Config) -> String {
+    format!(
+        "The fastest method and setting that reaches an accuracy e, over contact stiffness K and damping \
+         ratio ζ, both joints, 0 to {} s, or half the time over which the motion is predictable, or {} \
+         events where there are more. From e ≤ {EVENTS_FROM:e} on every event of a located run must be right, \
+         too. A run is cut at {CUT} times the least work.",
+        config.run.t_end, config.regimes.max_events
+    )
+}
+
 /// `regimes.md`: the finding, the figures, a table for each reading and accuracy.
 pub fn markdown(config: &Config, cells: &[Cell], drawings: &[Drawing]) -> String {
-    let mut text = format!(
-        "# Where does which method win?\n\nThe fastest method and setting that reaches an accuracy e, over \
-         contact stiffness K and damping ratio ζ, both joints, 0 to {} s, or half the time over which the \
-         motion is predictable. A located run must have every event right, a blind one is judged by e \
-         alone. A run is cut at {CUT} times the least work.\n",
-        config.run.t_end
-    );
+    let mut text = format!("# Where does which method win?\n\n{}\n", lead(config));
     for (reading, accuracy) in maps(cells) {
         let own: Vec<&Cell> = of_map(cells, reading, accuracy);
         let _ = write!(
             text,
-            "\n## Reading `{reading}`, e ≤ {accuracy:e}\n\n{}\n{}\n{}\n\n{}",
-            implicit(&own),
-            location(&own),
-            nothing(&own),
+            "\n## Reading `{reading}`, e ≤ {accuracy:e}\n\n- {}\n\n{}",
+            findings(&own).join("\n- "),
             table(&own)
         );
     }
@@ -104,6 +111,12 @@ fn name(entry: &Entry) -> String {
     format!("{} {}", entry.method, entry.events)
 }
 
+/// What follows from the cells of one map, a sentence or two each: where implicit wins, where locating events
+/// pays, what `auto` costs, where nothing arrives.
+pub fn findings(cells: &[&Cell]) -> [String; 4] {
+    [implicit(cells), location(cells), auto(cells), nothing(cells)]
+}
+
 fn place(cell: &Cell) -> String {
     format!("K = {:e}, ζ = {}", cell.stiffness, cell.damping_ratio)
 }
@@ -114,11 +127,11 @@ fn implicit(cells: &[&Cell]) -> String {
     let wins: Vec<&&Cell> =
         cells.iter().filter(|cell| cell.winner().is_some_and(|entry| entry.implicit)).collect();
     if wins.is_empty() {
-        return format!("**Implicit wins** nowhere in {decided} cells.");
+        return format!("Implicit wins nowhere in {decided} cells.");
     }
     let by = |cell: &&&Cell| cell.explicit_over_implicit().unwrap_or(f64::INFINITY);
     let alone = wins.iter().filter(|cell| by(cell).is_infinite()).count();
-    let mut text = format!("**Implicit wins** in {} of {decided} cells: ", wins.len());
+    let mut text = format!("Implicit wins in {} of {decided} cells: ", wins.len());
     let mut zetas: Vec<f64> = wins.iter().map(|cell| cell.damping_ratio).collect();
     zetas.sort_by(f64::total_cmp);
     zetas.dedup();
@@ -162,7 +175,7 @@ fn location(cells: &[&Cell]) -> String {
             .filter(|cell| cell.best(|entry| entry.events == other).is_none())
             .count()
     };
-    let mut text = "**Locating events** ".to_owned();
+    let mut text = "Locating events ".to_owned();
     if let (Some((least, at)), Some((most, best)), Some((median, _))) =
         (ratios.first(), ratios.last(), ratios.get(ratios.len() / 2))
     {
@@ -190,6 +203,25 @@ fn location(cells: &[&Cell]) -> String {
     text
 }
 
+/// What does it cost to leave the choice to `auto`?
+fn auto(cells: &[&Cell]) -> String {
+    let mut ratios: Vec<(f64, &&Cell)> =
+        cells.iter().filter_map(|cell| Some((cell.auto_over_winner()?, cell))).collect();
+    ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let decided = cells.iter().filter(|cell| cell.winner().is_some()).count();
+    let (Some((median, _)), Some((most, at))) = (ratios.get(ratios.len() / 2), ratios.last())
+    else {
+        return "`auto` reaches it nowhere.".to_owned();
+    };
+    let near = ratios.iter().filter(|(ratio, _)| *ratio <= NEAR).count();
+    format!(
+        "`auto` takes at most {NEAR} times as long as the winner in {near} of {decided} cells, median \
+         {median:.2}, at most {most:.2} ({}); in {} it does not arrive.",
+        place(at),
+        decided - ratios.len()
+    )
+}
+
 /// Where does nothing reach the accuracy, and why?
 fn nothing(cells: &[&Cell]) -> String {
     let lost: Vec<String> = cells
@@ -207,9 +239,9 @@ fn nothing(cells: &[&Cell]) -> String {
         })
         .collect();
     if lost.is_empty() {
-        "**Nothing reaches it** nowhere: every cell has a winner.".to_owned()
+        "Nothing is out of reach: every cell has a winner.".to_owned()
     } else {
-        format!("**Nothing reaches it** in {} cells: {}.", lost.len(), lost.join("; "))
+        format!("Nothing reaches it in {} cells: {}.", lost.len(), lost.join("; "))
     }
 }
 

@@ -73,23 +73,38 @@ pub struct Cell {
 }
 
 impl Cell {
+    /// Those that reach the accuracy by a method that is the same throughout, the fastest first; `auto`, which
+    /// is made of them, is measured against them.
+    pub fn fixed(&self) -> impl Iterator<Item = &Entry> {
+        self.standings.entries.iter().filter(|entry| !entry.is_auto())
+    }
+
     /// The fastest.
     pub fn winner(&self) -> Option<&Entry> {
-        self.standings.entries.first()
+        self.fixed().next()
+    }
+
+    /// The second.
+    pub fn second(&self) -> Option<&Entry> {
+        self.fixed().nth(1)
+    }
+
+    /// Time of `auto`, with its events located, over that of the winner.
+    pub fn auto_over_winner(&self) -> Option<f64> {
+        let is_own = |entry: &&Entry| entry.is_auto() && entry.events == Events::Located;
+        let own = self.standings.entries.iter().find(is_own)?;
+        Some(own.wall_s / self.winner()?.wall_s)
     }
 
     /// The fastest of those that `of` is true for.
     pub fn best(&self, of: impl Fn(&Entry) -> bool) -> Option<&Entry> {
-        let own = self.standings.entries.iter().filter(|entry| of(entry));
+        let own = self.fixed().filter(|entry| of(entry));
         own.min_by(|a, b| a.wall_s.total_cmp(&b.wall_s))
     }
 
     /// Time of the second over that of the winner.
     pub fn margin(&self) -> Option<f64> {
-        let [first, second, ..] = &self.standings.entries[..] else {
-            return None;
-        };
-        Some(second.wall_s / first.wall_s)
+        Some(self.second()?.wall_s / self.winner()?.wall_s)
     }
 
     /// Time of the best explicit method over that of the best implicit one.
@@ -289,7 +304,7 @@ fn cells(config: &Config, site: &Site, stop: &AtomicBool) -> Vec<Cell> {
         standings: Standings::default(),
     };
     let arena = match Arena::new(&own, sample_times(&own), stop) {
-        Ok(arena) => arena,
+        Ok(arena) => arena.with_at_most(config.regimes.max_events),
         Err(error) => {
             let error = Some(error.to_string());
             let without = |&accuracy: &f64| Cell { error: error.clone(), ..empty(accuracy) };

@@ -3,12 +3,14 @@
 //! A [`Page`] is a value; what it says is escaped by the macro that writes it. It loads nothing, which
 //! its own content security policy enforces.
 
+mod regimes;
 mod study;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+pub use regimes::page as regimes_page;
 pub use study::page as study_page;
 
 use crate::figures::Picture;
