@@ -69,7 +69,7 @@ pub use figure::{Figure, Size};
 pub use heatmap::{Cells, Heatmap};
 pub use histogram::{Group, Histogram};
 pub use legend::Legend;
-pub use line::{Band, Bars, Guide, Level, LineChart, Note, Upright};
+pub use line::{Band, Bars, Guide, Level, LineChart, Note, Ribbon, Upright};
 pub use marker::Marker;
 pub use orbit::{Circle, Orbit};
 pub use panel::Panel;

@@ -59,6 +59,15 @@ pub struct Bars {
     pub bars: Vec<((f64, f64), f64)>,
 }
 
+/// The area between two curves, pale: what a quantity covers that oscillates too fast to be followed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ribbon {
+    /// Index into the palette; the area has a pale tint of it, its edges the colour itself.
+    pub color: usize,
+    /// x, and the lower and the upper y there.
+    pub points: Vec<(f64, f64, f64)>,
+}
+
 /// A text at a point of the chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Note {
@@ -81,6 +90,8 @@ pub struct LineChart {
     pub series: Vec<Series>,
     /// Bars, below the series.
     pub bars: Vec<Bars>,
+    /// Areas, below the grid; an axis without a range does not include them.
+    pub ribbons: Vec<Ribbon>,
     /// Shaded intervals of x.
     pub bands: Vec<Band>,
     /// Thin vertical lines: times of events.

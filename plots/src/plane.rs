@@ -111,6 +111,7 @@ impl Content for Plane<'_> {
         let (chart, view) = (&self.chart, self.view(plot));
         let labels = reference::labels(chart, &view, fonts);
         reference::draw_bands(chart, &view, canvas);
+        reference::draw_ribbons(chart, &view, canvas);
         frame.draw_grid(plot, canvas);
         reference::draw_lines(chart, &view, canvas);
         reference::draw_grounds(&labels, canvas);

@@ -4,7 +4,7 @@ use crate::canvas::Canvas;
 use crate::font::Fonts;
 use crate::geometry::{Point, Rect, clip, dash, thin};
 use crate::line::{Band, LineChart};
-use crate::style::{BAND, DASH, GUIDE, MARK, NOTE, Rgb, THIN, WHITE, palette};
+use crate::style::{BAND, DASH, GUIDE, MARK, NOTE, RIBBON, RIBBON_EDGE, Rgb, THIN, WHITE, palette};
 use crate::view::View;
 
 /// Distance of a text from its line and from the frame.
@@ -20,6 +20,25 @@ pub(crate) fn draw_bands(chart: &LineChart, view: &View, canvas: &mut Canvas) {
     for band in &chart.bands {
         if let Some(rect) = view.band(band.x) {
             canvas.rect(rect, tint(band));
+        }
+    }
+}
+
+/// Ribbons, which stand behind the grid: all areas, then their edges.
+pub(crate) fn draw_ribbons(chart: &LineChart, view: &View, canvas: &mut Canvas) {
+    let areas: Vec<(Rgb, [Vec<Point>; 2])> = chart
+        .ribbons
+        .iter()
+        .map(|ribbon| (palette(ribbon.color), view.ribbon(&ribbon.points)))
+        .filter(|(_, [lower, _])| lower.len() > 1)
+        .collect();
+    for (color, [lower, upper]) in &areas {
+        let around = lower.iter().chain(upper.iter().rev()).copied().collect();
+        canvas.fill(around, color.over_white(RIBBON));
+    }
+    for (color, edges) in areas {
+        for edge in edges {
+            canvas.stroke(edge, THIN / 2.0, color.over_white(RIBBON_EDGE));
         }
     }
 }

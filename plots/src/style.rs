@@ -79,6 +79,10 @@ pub(crate) const GUIDE: Rgb = Rgb(0x80, 0x80, 0x80);
 pub(crate) const MARK: Rgb = Rgb(0xB4, 0xB4, 0xB4);
 /// Opacity of the colour of a band.
 pub(crate) const BAND: f64 = 0.16;
+/// Opacity of the colour of a ribbon, and of its edges.
+pub(crate) const RIBBON: f64 = 0.25;
+pub(crate) const RIBBON_EDGE: f64 = 0.6;
+
 /// Opacity of the colour of a category's cell.
 pub(crate) const CELL: f64 = 0.45;
 

@@ -50,6 +50,17 @@ impl View {
         (rect.top < rect.bottom).then_some(rect)
     }
 
+    /// The visible part of the area between two curves: its lower and its upper edge, from left to right.
+    pub(crate) fn ribbon(&self, points: &[(f64, f64, f64)]) -> [Vec<Point>; 2] {
+        let edge = |y: fn(&(f64, f64, f64)) -> f64| -> Vec<Point> {
+            let inside = points.iter().filter_map(|point| Some((self.across(point.0)?, y(point))));
+            // What lies below a logarithmic axis lies at its lower end.
+            let height = |y: f64| self.y.fraction(y).unwrap_or(0.0).clamp(0.0, 1.0);
+            inside.map(|(x, y)| (x, self.plot.at((0.0, height(y))).1)).collect()
+        };
+        [edge(|point| point.1), edge(|point| point.2)]
+    }
+
     /// Where vertical lines stand, at most one each half pixel.
     pub(crate) fn columns(&self, values: &[f64]) -> Vec<f64> {
         let mut places: Vec<f64> = values.iter().filter_map(|&x| self.across(x)).collect();

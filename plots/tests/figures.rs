@@ -2,7 +2,7 @@
 
 use deltazero_plots::{
     Axis, Band, Cells, Error, Figure, Group, Guide, Heatmap, Histogram, Level, LineChart, Marker,
-    Note, Orbit, Panel, Series, Size, StepHistory, StepLook, Upright,
+    Note, Orbit, Panel, Ribbon, Series, Size, StepHistory, StepLook, Upright,
 };
 
 fn chart(points: Vec<(f64, f64)>) -> LineChart {
@@ -171,6 +171,21 @@ fn a_histogram_has_a_bar_for_each_count_above_zero() {
     // Of each of the two groups.
     assert_eq!(fills(vec![1.0, 2.0, 3.0]) - fills(vec![1.0, 0.0, 3.0]), 2);
     assert!(svg(vec![1.0]).contains("group 1"));
+}
+
+#[test]
+fn a_ribbon_is_one_area_with_two_edges_cut_at_the_frame() {
+    let svg = |points: Vec<(f64, f64, f64)>| {
+        let ribbons = vec![Ribbon { color: 1, points }];
+        let line = LineChart { ribbons, ..chart(vec![(1.0, 1e-3), (9.0, 1.0)]) };
+        Figure::single("", line).svg().unwrap()
+    };
+    let count = |points, shape| svg(points).matches(shape).count();
+    let whole = vec![(2.0, 1e-2, 1e-1), (3.0, 0.0, 1e99), (4.0, f64::NAN, 0.5), (1e9, 1.0, 2.0)];
+    for (shape, n) in [("<polygon", 1), ("<polyline", 2)] {
+        assert_eq!(count(whole.clone(), shape) - count(vec![], shape), n, "{shape}");
+    }
+    assert_eq!(svg(vec![(2.0, 1.0, 2.0)]), svg(vec![]), "one point is no area");
 }
 
 #[test]
