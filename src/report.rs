@@ -1,5 +1,6 @@
 //! Tables to text: Markdown, CSV and the HTML page.
 
+pub mod audit;
 pub mod html;
 pub mod recommend;
 pub mod regimes;

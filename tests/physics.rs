@@ -9,6 +9,7 @@ use deltazero::energy_balance::{Balance, EnergyBalance};
 use deltazero::metrics::log_log_slope;
 use deltazero::model::{Mechanism, Mode};
 use deltazero::run::{Accuracy, Setting, integrate};
+use deltazero::study::ideal::ideal;
 use deltazero_solvers::Outcome;
 
 fn balance(config: &Config, setting: &Setting) -> Balance {
@@ -78,27 +79,14 @@ fn every_reading_reaches_two_seconds() {
 
 #[test]
 fn the_ideal_joint_reaches_90_degrees_when_quadrature_says() {
-    let config = config(&["joint.clearance=0", "run.t_end=20"]);
-    let (mechanism, run) = run(&config, &located("rk45", 1e-10));
-    // The energy integral ½ I(θ) θ̇² = M θ: t = ∫ √(I/(2 M θ)) dθ, θ = (π/2) s², midpoint rule.
-    let quadrature = |joint: usize| {
-        let block = &mechanism.blocks[joint];
-        let n = 200_000;
-        let half_pi = std::f64::consts::FRAC_PI_2;
-        let sum: f64 = (0..n)
-            .map(|k| {
-                let s = (f64::from(k) + 0.5) / f64::from(n);
-                let (sin, cos) = (half_pi * s * s).sin_cos();
-                (block.inertia.about_pin(sin, cos) / (2.0 * block.torque * half_pi)).sqrt()
-            })
-            .sum();
-        2.0 * half_pi * sum / f64::from(n)
-    };
-    for (joint, expected) in [(0, 13.5186), (1, 13.3975)] {
-        let reached = run.blocks[joint].reached_90().unwrap();
-        assert!((reached - expected).abs() < 1e-4, "joint {}: {reached}", joint + 1);
-        // Measured: 1.4e-11 s.
-        assert!((reached - quadrature(joint)).abs() < 1e-10, "{reached} {}", quadrature(joint));
+    let rows = ideal(&config(&[]));
+    let expected = [13.5186, 13.3975, 13.9211, 14.0410];
+    assert_eq!(rows.len(), expected.len());
+    for (row, expected) in rows.iter().zip(expected) {
+        let (quadrature, integrated) = (row.quadrature_s.unwrap(), row.integrated_s.unwrap());
+        assert!((quadrature - expected).abs() < 1e-4, "{row:?}");
+        // Measured: at most 1.2e-13 s, by vern98 at rtol 1e-12.
+        assert!((quadrature - integrated).abs() < 1e-12, "{row:?}");
     }
 }
 

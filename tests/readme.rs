@@ -3,7 +3,9 @@
 
 use deltazero::config::Config;
 use deltazero::report;
+use deltazero::study::audit::Audit;
 use deltazero::study::work_precision::WorkPrecision;
+use serde_json::Value;
 
 fn file(name: &str) -> String {
     std::fs::read_to_string(format!("{}/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
@@ -13,6 +15,24 @@ fn file(name: &str) -> String {
 fn the_answer_in_the_readme_is_that_of_the_committed_study() {
     let table: WorkPrecision = serde_json::from_str(&file("docs/table1/study.json")).unwrap();
     assert!(file("README.md").contains(&report::answer(&table)));
+}
+
+fn committed_audit() -> (Value, Audit) {
+    let mut record: Value = serde_json::from_str(&file("docs/audit/audit.json")).unwrap();
+    let audit = serde_json::from_value(record["audit"].take()).unwrap();
+    (record, audit)
+}
+
+#[test]
+fn the_claims_in_the_readme_are_those_of_the_committed_audit_which_is_the_default_one() {
+    let (record, audit) = committed_audit();
+    assert!(file("README.md").contains(&report::audit::answer(&audit.rows)));
+    let config = Config::from_json(&record["config"]).unwrap();
+    assert_eq!(config, Config::table1().unwrap());
+    let text = file("docs/audit/audit.md");
+    for finding in report::audit::findings(&config, &audit) {
+        assert!(text.contains(&finding), "{finding}");
+    }
 }
 
 #[test]

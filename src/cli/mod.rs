@@ -1,5 +1,6 @@
 //! Commands, one a file: read a configuration, run one experiment, write its results.
 
+mod audit;
 mod config;
 mod methods;
 mod output;
@@ -42,6 +43,8 @@ enum Command {
     Regimes(regimes::RegimesArgs),
     /// Which method and setting for this contact, with the measured reason
     Recommend(recommend::RecommendArgs),
+    /// The paper's claims, one by one, under each reading: verdicts, its figures redrawn, the torque ratio
+    Audit(audit::AuditArgs),
     /// The methods, their orders and what each is for
     Methods(methods::MethodsArgs),
     /// Rebuild tables, figures and the HTML page of a finished study
@@ -143,6 +146,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Simulate(args)) => simulate::run(&args, &stop),
         Some(Command::Regimes(args)) => regimes::run(&args, &stop),
         Some(Command::Recommend(args)) => recommend::run(&args, &stop),
+        Some(Command::Audit(args)) => audit::run(&args, &stop),
         Some(Command::Methods(args)) => methods::run(&args),
         Some(Command::Report(args)) => report::run(&args, &stop),
         Some(Command::Config(args)) => config::run(&args),

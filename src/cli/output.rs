@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 use super::Failure;
 
 /// Files that carry the hash of what they are results of.
-const OWNERS: [&str; 3] = ["study.json", "run.json", "regimes.json"];
+const OWNERS: [&str; 4] = ["study.json", "run.json", "regimes.json", "audit.json"];
 
 /// A directory for the results of one configuration.
 pub(super) struct Output {

@@ -1,5 +1,6 @@
 //! The figures, one a file: a caption, and a function from a table to a chart.
 
+pub mod audit;
 mod contact;
 mod orbit;
 mod proportionality;
@@ -10,6 +11,7 @@ mod stability;
 mod stays;
 mod step_histogram;
 mod step_size;
+pub mod torque_ratio;
 mod work_precision;
 
 pub use work_precision::chosen_axes;

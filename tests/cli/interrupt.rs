@@ -121,3 +121,15 @@ fn an_interrupted_map_keeps_its_finished_cells() {
     assert!(!rows.is_empty() && rows.len() < 30, "{} rows", rows.len());
     assert!(rows.iter().all(|row| row["status"] == "ok"), "{rows:?}");
 }
+
+#[test]
+fn an_interrupted_audit_writes_nothing_and_says_so() {
+    let scratch = Scratch::new();
+    let run = Running::start(&scratch, &["audit", "--quiet", "--threads", "1", "--out", "out"]);
+    run.until(&scratch.path("out"), Duration::from_millis(300));
+    let output = run.interrupt();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{stderr}");
+    assert!(stderr.contains("nothing is written"), "{stderr}");
+    assert_eq!(scratch.files("out"), [""; 0]);
+}

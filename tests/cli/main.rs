@@ -5,6 +5,7 @@
     reason = "helpers of tests, where a panic is a failed test"
 )]
 
+mod audit;
 mod bad_input;
 mod failure;
 #[cfg(unix)]

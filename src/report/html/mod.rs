@@ -3,6 +3,7 @@
 //! A [`Page`] is a value; what it says is escaped by the macro that writes it. It loads nothing, which
 //! its own content security policy enforces.
 
+mod audit;
 mod regimes;
 mod study;
 
@@ -10,6 +11,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+pub use audit::page as audit_page;
 pub use regimes::page as regimes_page;
 pub use study::page as study_page;
 

@@ -1,0 +1,78 @@
+//! `deltazero audit`.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Args;
+use deltazero::config::{Config, Study};
+use deltazero::study::audit::{Audit, audit};
+use deltazero::{figures, report};
+use serde_json::{Value, json};
+
+use super::output::{Output, hash};
+use super::progress::Bar;
+use super::{Failure, RunArgs, print, say};
+
+#[derive(Args)]
+pub(super) struct AuditArgs {
+    #[command(flatten)]
+    run: RunArgs,
+    /// Runs at the same time; the default is one a core
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+pub(super) fn run(args: &AuditArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let config = args.run.load()?;
+    let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out/audit"));
+    let output = Output::open(&dir, hash("audit", &used(&config)?), args.run.force)?;
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = args.threads.map_or_else(cores, usize::from);
+    let bar = Bar::new(args.run.quiet);
+    let audit = audit(&config, threads, stop, &|progress| bar.show(progress));
+    if stop.load(Ordering::Relaxed) {
+        return Err(Failure::Interrupted("nothing is written; the same command begins anew"));
+    }
+    let audit = audit.ok_or_else(|| Failure::Run("the method of the audit is missing".into()))?;
+    bar.say("figures");
+    write(&output, &config, &audit)?;
+    drop(bar);
+    if args.run.json {
+        print(&format!("{:#}\n", json!(audit.rows)))?;
+    } else {
+        print(&report::audit::text(&audit))?;
+    }
+    if !args.run.quiet {
+        say(&format!(
+            "written to {}: audit.html, audit.md, audit.csv, audit.json, courses.csv, figures/",
+            output.path()
+        ));
+    }
+    Ok(())
+}
+
+/// The configuration as results are named by: without what an audit does not use.
+fn used(config: &Config) -> Result<Value, Failure> {
+    let Config { reading, bays, run, solver, study, contest, regimes, .. } = Config::table1()?;
+    let study = Study { max_rhs: config.study.max_rhs, ..study };
+    let used = Config { reading, bays, run, solver, study, contest, regimes, ..config.clone() };
+    Ok(used.to_json())
+}
+
+fn write(output: &Output, config: &Config, audit: &Audit) -> Result<(), Failure> {
+    let mut drawings = figures::audit::drawings(audit);
+    drawings.push(figures::torque_ratio::drawing(&audit.torque_ratio));
+    let pictures = output.draw(&drawings)?;
+    let record = json!({
+        "hash": output.hash,
+        "version": env!("CARGO_PKG_VERSION"),
+        "config": config.to_json(),
+        "audit": audit,
+    });
+    output.write("audit.csv", report::audit::csv(&audit.rows).as_bytes())?;
+    output.write("courses.csv", report::audit::courses_csv(audit).as_bytes())?;
+    output.write("audit.md", report::audit::markdown(config, audit, &drawings).as_bytes())?;
+    output
+        .write("audit.html", report::html::audit_page(config, audit, pictures).html().as_bytes())?;
+    output.write("audit.json", format!("{record:#}\n").as_bytes())
+}

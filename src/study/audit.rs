@@ -1,0 +1,241 @@
+//! What becomes of the paper's deployment under each reading: the runs that its claims are judged by.
+
+use std::sync::atomic::AtomicBool;
+
+use deltazero_solvers::{Grid, Method, Outcome, Trajectory};
+use serde::{Deserialize, Serialize};
+
+use super::claims::{ClaimRow, claims};
+use super::course::{Bin, Binning, Quantity};
+use super::ideal::{IdealRow, RIGHT_ANGLE, ideal, time_to, without_clearance};
+use super::parallel::in_parallel;
+use super::torque_ratio::{TorqueRatio, torque_ratio};
+use super::work_precision::Progress;
+use crate::config::{Config, Events, ReadingName};
+use crate::energy_balance::EnergyBalance;
+use crate::metrics::{ErrorScale, sample_error};
+use crate::model::{Block, Mechanism, State};
+use crate::reference::{HORIZON_ERROR, counted};
+use crate::run::{Accuracy, BlockRun, BlockTrajectory, Limits, Setting, integrate, mode_changes};
+
+/// Method and relative tolerance of the runs.
+///
+/// All ten to 90° take 0.5 s by vern98 at 1e-11, 0.7 s by dop853, 1.0 s by taylor; from 1e-9 on the times
+/// at which AF arrives are equal to 1e-9 s.
+const RUN_BY: (&str, f64) = ("vern98", 1e-12);
+/// A run lasts at most this many times as long as the ideal joint takes to 90°.
+pub const PATIENCE: f64 = 2.0;
+/// Width of the bins [s]: rattling comes some fifteen times a second.
+const BIN_S: f64 = 0.01;
+/// Spacing of the samples that the horizon is looked for on [s].
+const SAMPLE_S: f64 = 0.01;
+
+/// The paper's deployment under every reading, and its claims.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Audit {
+    /// One row a claim and reading.
+    pub rows: Vec<ClaimRow>,
+    /// The joints without clearance, by quadrature and by integration.
+    pub ideal: Vec<IdealRow>,
+    /// The run of each joint under each reading, the ideal ones first.
+    pub runs: Vec<RunRow>,
+    /// Which torques bring both struts to 90° together.
+    pub torque_ratio: TorqueRatio,
+    /// Method and setting of the runs.
+    pub method: String,
+    /// Clearance of joint 1 [m].
+    pub clearance_m: f64,
+    /// How the joints move, in the order of `runs`; not kept in files.
+    #[serde(skip)]
+    pub courses: Vec<Course>,
+}
+
+impl Audit {
+    /// The course of a joint under a reading, or without clearance.
+    pub fn course(&self, reading: Option<ReadingName>, joint: usize) -> Option<&Course> {
+        self.courses
+            .iter()
+            .find(|course| course.run.reading == reading && course.run.joint == joint)
+    }
+
+    /// What was found of a claim under a reading, or under `ideal`.
+    pub fn row(&self, claim: &str, reading: &str) -> Option<&ClaimRow> {
+        self.rows.iter().find(|row| row.claim == claim && row.reading == reading)
+    }
+}
+
+/// The run of one joint to 90°.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RunRow {
+    /// Reading; none without clearance.
+    pub reading: Option<ReadingName>,
+    /// Joint, 1 or 2.
+    pub joint: usize,
+    /// When θ reaches 90° [s]; none if it never does.
+    pub reached_90_s: Option<f64>,
+    /// By how much a last-bit change of the start moves that [s].
+    pub moved_s: Option<f64>,
+    /// From when on the digits are lost: a last-bit change of the start exceeds e = 1e-9 [s].
+    pub horizon_s: Option<f64>,
+    /// When the run ended [s].
+    pub end_s: f64,
+    /// Largest θ [rad].
+    pub theta_max_rad: f64,
+    /// When that was [s].
+    pub theta_max_at_s: f64,
+    /// Mode changes, the start's own left out.
+    pub n_events: usize,
+    /// Separations of pin and bush in the first 2 s.
+    pub separations: usize,
+    /// Largest normal force before the horizon [N].
+    pub force_before_horizon_n: f64,
+    /// Largest normal force of the whole run [N].
+    pub force_n: f64,
+    /// Work of the torque [J].
+    pub work_j: f64,
+    /// Energy that nothing accounts for [J]: what an inconsistent reading feeds in.
+    pub fed_in_j: f64,
+    /// Why it ended early, if it did.
+    pub error: Option<String>,
+}
+
+/// A run with its motion.
+#[derive(Clone, Debug)]
+pub struct Course {
+    /// What is said of it.
+    pub run: RunRow,
+    /// Its motion.
+    pub bins: Vec<Bin>,
+    /// The state at its end, in the order of the block.
+    pub end: State<f64>,
+}
+
+impl Course {
+    /// The part that lies before `t` [s].
+    pub fn until(&self, t: f64) -> &[Bin] {
+        let n = self.bins.iter().take_while(|bin| bin.begin_s + bin.length_s <= t).count();
+        &self.bins[..n]
+    }
+}
+
+/// Runs every reading to 90°, judges every claim and finds the torque ratios, on `threads` threads,
+/// which change nothing else. The torques, struts, joints and `study.max_rhs` of `config` are used, no other key.
+///
+/// Once `stop` is set the result is worthless.
+pub fn audit(
+    config: &Config,
+    threads: usize,
+    stop: &AtomicBool,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Option<Audit> {
+    let (name, rtol) = RUN_BY;
+    let method = Method::named(name)?;
+    let setting = Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(rtol, None) };
+    let limits = Limits { max_rhs: config.study.max_rhs, stop };
+    let ideals = without_clearance(config, config.strut.inertia);
+    let mut jobs: Vec<(Option<ReadingName>, Block)> = Vec::new();
+    jobs.extend(ideals.blocks.into_iter().map(|block| (None, block)));
+    for &reading in ReadingName::ALL {
+        let blocks = under(config, reading).blocks;
+        jobs.extend(blocks.into_iter().map(|block| (Some(reading), block)));
+    }
+    progress(Progress::Runs(jobs.len() + super::torque_ratio::jobs(config).len()));
+    let courses = in_parallel(&jobs, threads, |(reading, block)| {
+        let course = course(*reading, block, &setting, limits);
+        let name = reading.map_or("ideal", ReadingName::name);
+        progress(Progress::Done(format!("{name}, joint {}", block.joint)));
+        course
+    });
+    let torque_ratio = torque_ratio(config, threads, limits, progress);
+    let rows = claims(config, &courses, &torque_ratio);
+    Some(Audit {
+        rows,
+        ideal: ideal(config),
+        runs: courses.iter().map(|course| course.run.clone()).collect(),
+        torque_ratio,
+        method: setting.to_string(),
+        clearance_m: config.joints[0].joint.clearance,
+        courses,
+    })
+}
+
+/// The mechanism of `config` under `reading`, its blocks ending at 90°.
+pub(super) fn under(config: &Config, reading: ReadingName) -> Mechanism {
+    let mut config = config.clone();
+    (config.reading, config.bays) = (reading, 1);
+    config.run.stop_at_90 = true;
+    Mechanism::new(&config)
+}
+
+/// How long `block` is given to reach 90° [s].
+pub(super) fn patience(block: &Block) -> f64 {
+    time_to(block, RIGHT_ANGLE).map_or(0.0, |t| PATIENCE * t)
+}
+
+fn course(
+    reading: Option<ReadingName>,
+    block: &Block,
+    setting: &Setting,
+    limits: Limits<'_>,
+) -> Course {
+    let (y0, t_end) = (block.initial_state(), patience(block));
+    let samples = || Trajectory::on(Grid::uniform(SAMPLE_S, t_end));
+    let balance = EnergyBalance::new(block, Events::Located, &y0);
+    let mut record = ((Binning::new(block, BIN_S), balance), (samples(), limits));
+    let run = integrate(block, setting, y0, t_end, &mut record);
+    let ((binning, balance), (trajectory, _)) = record;
+
+    let nudge = |y: f64| if y == 0.0 { y } else { y.next_up() };
+    let mut record = (samples(), limits);
+    let nudged = integrate(block, setting, y0.map(nudge), t_end, &mut record);
+    let horizon_s = lost_at(block, &trajectory, &record.0);
+
+    let bins = binning.bins;
+    let balance = balance.at(run.mode, &run.y);
+    let force =
+        |bins: &[Bin]| bins.iter().map(|bin| bin.of(Quantity::Force).most).fold(0.0, f64::max);
+    let before = |t: f64| bins.iter().take_while(|bin| bin.begin_s + bin.length_s <= t).count();
+    let n_before = horizon_s.map_or(bins.len(), before);
+    let furthest = bins
+        .iter()
+        .max_by(|a, b| a.of(Quantity::Theta).most.total_cmp(&b.of(Quantity::Theta).most));
+    let events = counted(&mode_changes(&trajectory), block);
+    let moved = |t: f64| nudged.reached_90().map(|other| (other - t).abs());
+    let row = RunRow {
+        reading,
+        joint: block.joint,
+        reached_90_s: run.reached_90(),
+        moved_s: run.reached_90().and_then(moved),
+        horizon_s,
+        end_s: run.t,
+        theta_max_rad: furthest.map_or(0.0, |bin| bin.of(Quantity::Theta).most),
+        theta_max_at_s: furthest.map_or(0.0, Bin::middle_s),
+        n_events: events.len(),
+        separations: events.iter().filter(|event| event.t <= 2.0 && event.after == 0).count(),
+        force_before_horizon_n: force(&bins[..n_before]),
+        force_n: force(&bins),
+        work_j: balance.work,
+        fed_in_j: -balance.residual,
+        error: failure(&run),
+    };
+    Course { run: row, bins, end: run.y }
+}
+
+/// Why a run ended before its time.
+fn failure(run: &BlockRun) -> Option<String> {
+    match &run.outcome {
+        Ok(Outcome::Interrupted) => Some("more than study.max_rhs right-hand sides".to_owned()),
+        Ok(_) => None,
+        Err(error) => Some(error.to_string()),
+    }
+}
+
+/// The first sample time at which two runs differ by more than [`HORIZON_ERROR`] [s].
+fn lost_at(block: &Block, one: &BlockTrajectory, other: &BlockTrajectory) -> Option<f64> {
+    let theta =
+        one.samples.iter().map(|sample| sample.y[2].abs()).fold(f64::MIN_POSITIVE, f64::max);
+    let scale = ErrorScale::of(block, theta);
+    let mut pairs = one.samples.iter().zip(&other.samples);
+    let is_lost = |a, b| sample_error(b, a, scale).total_cmp(&HORIZON_ERROR).is_gt();
+    pairs.find(|(a, b)| is_lost(&a.y, &b.y)).map(|(a, _)| a.t)
+}
