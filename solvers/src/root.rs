@@ -89,7 +89,8 @@ pub fn find_root(mut f: impl FnMut(f64) -> f64, bracket: Bracket, tolerance: f64
 const GOLDEN: f64 = 0.381_966_011_250_105_2;
 
 /// A point where `f` is small and its value there, by golden-section search from the three points
-/// `a < m < b`: where `f` has one minimum between `a` and `b`, to 1e-3 of their distance.
+/// `a < m < b`: where `f` has one minimum between `a` and `b`, to 1e-3 of their distance, or where no
+/// number lies between.
 ///
 /// J. Kiefer, "Sequential minimax search for a maximum", Proc. Amer. Math. Soc. 4(3), 502–506 (1953).
 pub fn minimum(mut f: impl FnMut(f64) -> f64, [mut a, mut m, mut b]: [f64; 3]) -> (f64, f64) {
@@ -97,6 +98,9 @@ pub fn minimum(mut f: impl FnMut(f64) -> f64, [mut a, mut m, mut b]: [f64; 3]) -
     let mut f_m = f(m);
     while b - a > 1e-3 * width {
         let x = if m - a > b - m { m - GOLDEN * (m - a) } else { m + GOLDEN * (b - m) };
+        if x <= a || x >= b || x == m {
+            break;
+        }
         let f_x = f(x);
         let (left, right) = (x.min(m), x.max(m));
         if (f_x < f_m) == (x < m) {
@@ -119,6 +123,18 @@ mod tests {
     fn a_minimum_is_found_to_a_thousandth_of_its_interval() {
         let (x, value) = minimum(|x| 1.0 + (x - 0.3) * (x - 0.3), [0.0, 0.9, 1.0]);
         assert!((x - 0.3).abs() < 1e-3 && (value - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_minimum_between_neighbouring_numbers_ends() {
+        for n in 1..5 {
+            let (a, mut b) = (0.3_f64, 0.3_f64);
+            for _ in 0..n {
+                b = b.next_up();
+            }
+            let (x, _) = minimum(|x| (x - a) * (x - b), [a, a + 0.5 * (b - a), b]);
+            assert!(a <= x && x <= b);
+        }
     }
 
     #[test]

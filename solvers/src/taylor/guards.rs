@@ -171,8 +171,10 @@ fn fall_of(p: &Polynomial, bound: f64) -> Option<(f64, f64)> {
     // A start between −bound and −bound/2 falls where it is violated.
     let is_below = p.at(0.0) <= -0.5 * bound;
     let located = p.raised(if is_below { bound } else { 0.5 * bound });
-    let mut from = 0.0;
-    loop {
+    // Falls and rises that rounding does not tell apart would follow each other at one place for ever: the
+    // search moves on by at least a stride, and by twice as much each time.
+    let (mut from, mut stride) = (0.0_f64, PRECISION);
+    while from < 1.0 {
         let fall = located.first_fall(from, PRECISION)?;
         let violated = |s: f64| p.at(s) + bound;
         match located.negated().first_fall(fall, PRECISION) {
@@ -182,8 +184,35 @@ fn fall_of(p: &Polynomial, bound: f64) -> Option<(f64, f64)> {
                 if least < 0.0 {
                     return Some((fall, s));
                 }
-                from = rise;
+                from = rise.max(from + stride);
+                stride *= 2.0;
             }
         }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn touches_within_rounding_end_the_search() {
+        let bound = 1e-12;
+        for touch in [0.1, 0.3, 0.7, 0.9] {
+            for size in [1e-10, 1e-12, 1e-14, 1e-16, 1e-20] {
+                for off in [-1.0, 0.0, 1.0] {
+                    // −bound/2 + size (s − touch)², lifted by the last bits of −bound/2.
+                    let c = [size * touch * touch, -2.0 * size * touch, size];
+                    let lift = off * f64::EPSILON * bound;
+                    let p = Polynomial::new(c.into_iter()).raised(-0.5 * bound).raised(lift);
+                    let violated = fall_of(&p, bound).map(|(_, violated)| violated);
+                    assert!(violated.is_none_or(|at| at == 1.0), "{touch} {size:e} {off}");
+                }
+            }
+        }
+        let falls = Polynomial::new([1e-12, -4e-12].into_iter());
+        let (fall, violated) = fall_of(&falls, bound).unwrap_or((f64::NAN, f64::NAN));
+        assert!((fall - 0.375).abs() < 1e-12 && violated > 0.5, "{fall} {violated}");
     }
 }
