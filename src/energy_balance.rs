@@ -82,7 +82,7 @@ impl Record<Block> for EnergyBalance<'_> {
     fn event(&mut self, event: &Event<'_, Block>) -> ControlFlow<()> {
         // A contact that ends or begins at δ = 0 holds no energy there; a blind run sees it later.
         if let Next::Mode(after) = event.after
-            && [event.before, after].contains(&Mode::Relaxing)
+            && [event.before, after].iter().any(|mode| matches!(mode, Mode::Relaxing(_)))
         {
             let elastic = |mode| self.block.energy(mode, event.y).elastic;
             self.dissipated += elastic(event.before) - elastic(after);

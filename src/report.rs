@@ -2,6 +2,7 @@
 
 pub mod audit;
 pub mod html;
+pub mod laws;
 pub mod recommend;
 pub mod regimes;
 mod runs;

@@ -133,6 +133,19 @@ pub fn integrate(
     record: &mut dyn Record<Block>,
 ) -> BlockRun {
     let start = Instant::now();
+    if let Err(error) = block.check() {
+        let mode = block.initial_mode(0.0, &y0);
+        let (stats, wall) = (Stats::default(), start.elapsed());
+        return BlockRun {
+            joint: block.joint,
+            outcome: Err(error),
+            t: 0.0,
+            y: y0,
+            mode,
+            stats,
+            wall,
+        };
+    }
     match setting.events {
         Events::Located => {
             let mut run = Integration::new(block, 0.0, y0);
@@ -162,10 +175,10 @@ pub fn integrate_extended(
     let start = Instant::now();
     let atol = block.scale().map(|scale| rtol * scale).to_vec();
     let mut run = ExtendedIntegration::new(block, 0.0, &y0, Tolerance { rtol, atol });
-    let outcome = run.run(t_end, record);
+    let outcome = block.check().and_then(|()| run.run(t_end, record));
     BlockRun {
         joint: block.joint,
-        outcome,
+        outcome: block.judged(outcome, run.t.value(), run.mode, &run.rounded()),
         t: run.t.value(),
         y: run.rounded(),
         mode: run.mode,
@@ -195,7 +208,7 @@ fn finished<P: System<State<f64> = State<f64>>>(
 ) -> BlockRun {
     BlockRun {
         joint: block.joint,
-        outcome,
+        outcome: block.judged(outcome, run.point.t, mode, &run.point.y),
         t: run.point.t,
         y: run.point.y,
         mode,
@@ -314,6 +327,17 @@ pub struct ModeChange {
     pub before: i8,
     /// Code of the mode after.
     pub after: i8,
+}
+
+/// Contacts that began at the floor of the impact speed or below it, of a law that asks for that speed.
+pub fn contacts_at_floor(block: &Block, trajectory: &BlockTrajectory) -> usize {
+    let begins_at_floor = |switch: &&Switch<Mode>| match switch.after {
+        Next::Mode(after) if switch.before == Mode::Apart => {
+            after.touch().is_some_and(|touch| touch.impact_speed <= block.normal.impact_speed_floor)
+        }
+        _ => false,
+    };
+    trajectory.events.iter().filter(begins_at_floor).count()
 }
 
 /// The mode changes among the events of a block; free apart and free relaxing are one mode.

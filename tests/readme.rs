@@ -4,6 +4,9 @@
 use deltazero::config::Config;
 use deltazero::report;
 use deltazero::study::audit::Audit;
+use deltazero::report::laws::markdown;
+use deltazero::study::friction::costs;
+use deltazero::study::restitution::deliveries;
 use deltazero::study::work_precision::WorkPrecision;
 use serde_json::Value;
 
@@ -41,6 +44,11 @@ fn the_committed_study_is_the_default_one() {
     let mut config = Config::from_json(&study["config"]).unwrap();
     config.study.repeats = 3;
     assert_eq!(config, Config::table1().unwrap());
+}
+
+#[test]
+fn the_committed_table_of_laws_is_what_the_program_prints() {
+    assert_eq!(file("docs/laws.md"), markdown(&deliveries().unwrap(), &costs().unwrap()));
 }
 
 #[test]

@@ -89,6 +89,16 @@ pub enum Error {
         /// Mode.
         mode: String,
     },
+    /// The model holds no further, as whoever built it found out; an integration does not say so by itself.
+    #[error("the model ends at t = {t} in mode {mode}: {reason}")]
+    OutsideModel {
+        /// Time.
+        t: f64,
+        /// Mode.
+        mode: String,
+        /// What ends it, with numbers, and the way out.
+        reason: String,
+    },
     /// A tolerance is not usable.
     #[error(
         "rtol = {rtol:e} and atol = {atol:?} for {n} states: they must be finite and above zero, one atol a state"

@@ -46,9 +46,26 @@ pub trait Real:
 
     /// `selfᵃ` for a base of at least zero.
     fn powf(self, a: f64) -> Self;
+
+    /// Iterations of Newton's by which a root known to the digits of an `f64` has all of this number: each
+    /// doubles digits and, of what expands, orders.
+    const NEWTON_STEPS: usize = 6;
+
+    /// `f(self)`, where `f` is long: code of its own, which does not slow down what is around it.
+    fn apart<F: Function>(self, f: &F) -> Self {
+        f.of(self)
+    }
+}
+
+/// A function of one number, written over any.
+pub trait Function {
+    /// Its value at `x`.
+    fn of<S: Real>(&self, x: S) -> S;
 }
 
 impl Real for f64 {
+    const NEWTON_STEPS: usize = 0;
+
     fn cst(x: f64) -> Self {
         x
     }
@@ -80,6 +97,8 @@ impl Real for f64 {
 
 /// A value and its derivative along one direction (forward-mode differentiation).
 impl Real for Dual64 {
+    const NEWTON_STEPS: usize = 1;
+
     fn cst(x: f64) -> Self {
         Self::from_re(x)
     }
@@ -114,6 +133,8 @@ impl Real for Dual64 {
 
 /// A sum of two `f64`: some 31 digits, for finite values.
 impl Real for TwoFloat {
+    const NEWTON_STEPS: usize = 2;
+
     fn cst(x: f64) -> Self {
         Self::from(x)
     }

@@ -2,6 +2,7 @@
 
 mod audit;
 mod config;
+mod laws;
 mod methods;
 mod output;
 mod progress;
@@ -19,7 +20,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
-use deltazero::config::{Config, ConfigError};
+use deltazero::config::{Config, ConfigError, Events};
 
 /// Which integrator, at which setting, for this contact?
 ///
@@ -47,6 +48,8 @@ enum Command {
     Audit(audit::AuditArgs),
     /// The methods, their orders and what each is for
     Methods(methods::MethodsArgs),
+    /// The laws of contact and friction: equations, sources, the restitution delivered, the cost of regularising
+    Laws(laws::LawsArgs),
     /// Rebuild tables, figures and the HTML page of a finished study
     Report(report::ReportArgs),
     /// The default configuration, commented; or its JSON Schema
@@ -114,6 +117,16 @@ fn say(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
+/// Says that blind runs among `events` are left out, where the contact laws do not permit them.
+fn note_left_out(config: &Config, events: &[Events], quiet: bool) {
+    if !quiet && config.permitted(events).len() < events.len() {
+        say(
+            "blind runs are left out: a contact law depends on the speed of each impact, which is read off \
+             no state",
+        );
+    }
+}
+
 /// A word in the place of CONFIG that is no file: a command misspelt, or put after its options.
 fn misplaced_command(args: &study::StudyArgs) -> Option<Failure> {
     let word = args.run.config.as_deref()?;
@@ -148,6 +161,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Recommend(args)) => recommend::run(&args, &stop),
         Some(Command::Audit(args)) => audit::run(&args, &stop),
         Some(Command::Methods(args)) => methods::run(&args),
+        Some(Command::Laws(args)) => laws::run(&args),
         Some(Command::Report(args)) => report::run(&args, &stop),
         Some(Command::Config(args)) => config::run(&args),
     };

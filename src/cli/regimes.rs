@@ -14,7 +14,7 @@ use deltazero::study::regimes::{Cell, Site, estimate, quick, regimes, sites};
 use serde_json::{Value, json};
 
 use super::output::{Output, hash};
-use super::{Failure, RunArgs, print, say};
+use super::{Failure, RunArgs, note_left_out, print, say};
 
 #[derive(Args)]
 pub(super) struct RegimesArgs {
@@ -42,6 +42,7 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
         config.regimes.threads = usize::from(threads);
     }
     let known = known(&output);
+    note_left_out(&config, &config.contest.events, args.run.quiet);
     announce(&config, &known, args.run.quiet, stop);
 
     let n_sites = sites(&config).len();

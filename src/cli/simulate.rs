@@ -11,7 +11,9 @@ use deltazero::metrics::work::WorkByPhase;
 use deltazero::model::{Block, Mechanism, Mode};
 use deltazero::reference::counted;
 use deltazero::report;
-use deltazero::run::{BlockRun, BlockTrajectory, Limits, Setting, integrate, mode_changes};
+use deltazero::run::{
+    BlockRun, BlockTrajectory, Limits, Setting, contacts_at_floor, integrate, mode_changes,
+};
 use deltazero_solvers::{Grid, Outcome, Stats, Trajectory, WorkByKind};
 use serde_json::{Value, json};
 
@@ -135,6 +137,8 @@ fn run_json(
         .iter()
         .map(|block| counted(&mode_changes(&block.trajectory), block.block).len())
         .sum();
+    let n_at_floor: usize =
+        blocks.iter().map(|block| contacts_at_floor(block.block, &block.trajectory)).sum();
     let reached = |block: &Simulated<'_>| {
         let t_s = block.run.reached_90()?;
         Some(json!({ "bay": 1, "joint": block.run.joint, "t_s": t_s }))
@@ -155,6 +159,7 @@ fn run_json(
         "n_jac": stats.work.n_jac,
         "n_factorisations": stats.work.n_factorisations,
         "n_lin_solves": stats.work.n_lin_solves,
+        "n_at_speed_floor": n_at_floor,
     });
     if let Some(order) = setting.method.series_order(setting.rtol()) {
         counts["series_order"] = order.into();

@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 use super::output::{Output, hash};
 use super::progress::Bar;
 use super::reference::reference;
-use super::{Failure, RunArgs, print, say};
+use super::{Failure, RunArgs, note_left_out, print, say};
 
 /// What an interrupted study leaves.
 const RESUMED: &str = "what was finished is on disk, the same command goes on from there";
@@ -54,6 +54,7 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(threads) = args.threads {
         config.study.threads = usize::from(threads);
     }
+    note_left_out(&config, &config.study.events, args.run.quiet);
     let bar = Bar::new(args.run.quiet);
     let known = unfinished_rows(&output);
     let reference = match reference(&output, &config, stop, args.run.quiet) {

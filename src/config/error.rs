@@ -132,6 +132,28 @@ pub enum ConfigError {
         /// What the key takes.
         expected: Box<str>,
     },
+    /// Blind runs alone of a law that remembers its impacts.
+    #[error(
+        "{place}: {key} asks for blind runs, but contact.law = {law} depends on the speed of each impact, \
+         which is read off no state; use events = \"located\""
+    )]
+    BlindWithMemory {
+        /// Where.
+        place: Place,
+        /// The key.
+        key: &'static str,
+        /// The law.
+        law: &'static str,
+    },
+    /// A friction law with a state of its own.
+    #[error(
+        "{place}: friction.law = lugre needs the deflection of its bristles as a seventh state of a block, \
+         which is not built; use stribeck, or a regularised law (tanh, ambrosio, threlfall)"
+    )]
+    NoBristles {
+        /// Where.
+        place: Place,
+    },
     /// A chain of several bays.
     #[error("{place}: bays = {bays}: more than one bay is not built yet; use bays = 1")]
     SeveralBays {

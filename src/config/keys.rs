@@ -4,8 +4,10 @@
 //! misspelt all follow from [`KEYS`].
 
 use super::kind::Kind;
-use super::range::Range;
-use super::words::{AXES, ContactLaw, Digits, Events, FrictionLaw, METHODS, ReadingName};
+use super::range::{End, Range};
+use super::words::{
+    AXES, ContactLaw, Curvature, Digits, Events, FrictionLaw, METHODS, ReadingName,
+};
 
 /// One key.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -152,7 +154,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Word(ContactLaw::WORDS),
         default: Toml("\"power\""),
         unit: "",
-        doc: "Normal force law; power: F_N = K δⁿ + D δ̇",
+        doc: "Normal force law; power: F_N = K δⁿ + D δ̇; the others: `deltazero laws`",
         source: "Eqs. (3) and (5)",
     },
     Key {
@@ -160,7 +162,7 @@ pub const KEYS: &[Key] = &[
         kind: POSITIVE,
         default: Toml("1e7"),
         unit: "N/mⁿ",
-        doc: "Contact stiffness K",
+        doc: "Contact stiffness K; laws of cylinders do not use it",
         source: "Table 1, K_1 and K_2 (printed in N.m)",
     },
     Key {
@@ -168,7 +170,7 @@ pub const KEYS: &[Key] = &[
         kind: NOT_NEGATIVE,
         default: Toml("178.7"),
         unit: "N s/m",
-        doc: "Contact damping D",
+        doc: "Contact damping D; laws with hysteresis do not use it",
         source: "Table 1, D_1 and D_2",
     },
     Key {
@@ -176,7 +178,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Number(Range::at_least(1.0)),
         default: Toml("1.0"),
         unit: "",
-        doc: "Exponent n of the penetration δ",
+        doc: "Exponent n of the penetration δ; laws of cylinders have their own",
         source: "Eq. (3), which is linear",
     },
     Key {
@@ -188,11 +190,59 @@ pub const KEYS: &[Key] = &[
         source: "Eq. (3), as printed",
     },
     Key {
+        path: "contact.restitution",
+        kind: Kind::Number(Range { low: End::Open(0.0), high: End::Closed(1.0) }),
+        default: Toml("0.9"),
+        unit: "",
+        doc: "Coefficient of restitution e that laws with hysteresis are asked for",
+        source: "choice of this study, as in the slider-crank benchmark of Flores and others",
+    },
+    Key {
+        path: "contact.impact_speed_floor",
+        kind: POSITIVE,
+        default: Toml("1e-6"),
+        unit: "m/s",
+        doc: "Least speed of impact that laws with hysteresis reckon with",
+        source: "choice of this study: at the start that speed is zero",
+    },
+    Key {
+        path: "contact.young_modulus",
+        kind: POSITIVE,
+        default: Toml("2.07e11"),
+        unit: "Pa",
+        doc: "Young's modulus E of pin and bush of laws of cylinders; of two materials 2/(1/E_1 + 1/E_2)",
+        source: "steel; choice of this study",
+    },
+    Key {
+        path: "contact.poisson_ratio",
+        kind: Kind::Number(Range { low: End::Open(-1.0), high: End::Closed(0.5) }),
+        default: Toml("0.3"),
+        unit: "",
+        doc: "Poisson's ratio ν of both of laws of cylinders",
+        source: "steel; choice of this study",
+    },
+    Key {
+        path: "contact.length",
+        kind: POSITIVE,
+        default: Toml("0.02"),
+        unit: "m",
+        doc: "Length L of the line of contact, 2a in Eq. (1) of laws of cylinders",
+        source: "choice of this study; the paper has no number",
+    },
+    Key {
+        path: "contact.curvature",
+        kind: Kind::Word(Curvature::WORDS),
+        default: Toml("\"internal\""),
+        unit: "",
+        doc: "Cylinders inside each other, R = R_1 R_2/(R_2 − R_1), or beside each other, R_1 R_2/(R_1 + R_2)",
+        source: "a pin is inside its bush; Eq. (1) prints the other",
+    },
+    Key {
         path: "friction.law",
         kind: Kind::Word(FrictionLaw::WORDS),
         default: Toml("\"coulomb\""),
         unit: "",
-        doc: "Friction law; coulomb: F_T = μ F_N against the sliding",
+        doc: "Friction law; coulomb: F_T = μ F_N against the sliding; tanh, ambrosio and threlfall do not stick; lugre is refused",
         source: "Eq. (4)",
     },
     Key {
@@ -202,6 +252,38 @@ pub const KEYS: &[Key] = &[
         unit: "",
         doc: "Friction coefficient μ",
         source: "Table 1, μ_1 and μ_2",
+    },
+    Key {
+        path: "friction.static_coefficient",
+        kind: NOT_NEGATIVE,
+        default: Toml("0.15"),
+        unit: "",
+        doc: "Coefficient μ_s at rest, of stribeck",
+        source: "choice of this study",
+    },
+    Key {
+        path: "friction.stribeck_speed",
+        kind: POSITIVE,
+        default: Toml("1e-3"),
+        unit: "m/s",
+        doc: "Speed v_S over which stribeck falls to μ",
+        source: "choice of this study",
+    },
+    Key {
+        path: "friction.regularisation_speed",
+        kind: POSITIVE,
+        default: Toml("1e-4"),
+        unit: "m/s",
+        doc: "Speed v_r over which tanh, ambrosio and threlfall rise to μ",
+        source: "choice of this study; `deltazero laws` prints what it costs",
+    },
+    Key {
+        path: "friction.dead_ratio",
+        kind: Kind::Number(Range::closed(0.01, 0.99)),
+        default: Toml("0.1"),
+        unit: "",
+        doc: "Part of v_r up to which ambrosio has no friction",
+        source: "choice of this study",
     },
     Key {
         path: "run.t_end",

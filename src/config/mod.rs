@@ -55,7 +55,7 @@ pub use parts::{
 pub use print::default_toml;
 pub use range::{End, Range};
 pub use schema::json_schema;
-pub use words::{AXES, ContactLaw, Digits, Events, FrictionLaw, METHODS, ReadingName};
+pub use words::{AXES, ContactLaw, Curvature, Digits, Events, FrictionLaw, METHODS, ReadingName};
 
 use given::Given;
 use settings::Settings;
@@ -146,6 +146,12 @@ impl Config {
         let mut all = Value::Object(all);
         all.sort_all_objects();
         all
+    }
+
+    /// Those of `events` that the contact laws permit: a blind run has no memory of the speed of an impact.
+    pub fn permitted(&self, events: &[Events]) -> Vec<Events> {
+        let has_memory = self.joints.iter().any(|joint| joint.contact.law.has_memory());
+        events.iter().copied().filter(|&e| e == Events::Located || !has_memory).collect()
     }
 
     /// The configuration that [`to_json`](Self::to_json) wrote; what is absent has its default.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::words::{ContactLaw, Digits, Events, FrictionLaw, ReadingName};
+use super::words::{ContactLaw, Curvature, Digits, Events, FrictionLaw, ReadingName};
 
 /// Six equal, solid, round struts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -77,6 +77,18 @@ pub struct Contact {
     pub exponent: f64,
     /// Whether F_N may be negative before separation; if not, contact ends at F_N = 0.
     pub adhesion: bool,
+    /// Coefficient of restitution e that a law with hysteresis is asked for, 0 < e ≤ 1.
+    pub restitution: f64,
+    /// Least speed of impact δ̇₋ that such a law reckons with \[m/s\].
+    pub impact_speed_floor: f64,
+    /// Young's modulus E of pin and bush, for the laws of cylinders \[Pa\].
+    pub young_modulus: f64,
+    /// Poisson's ratio ν of both.
+    pub poisson_ratio: f64,
+    /// Length L of their line of contact \[m\].
+    pub length: f64,
+    /// How they touch.
+    pub curvature: Curvature,
 }
 
 /// Tangential force of a contact.
@@ -87,6 +99,14 @@ pub struct Friction {
     pub law: FrictionLaw,
     /// Coefficient μ.
     pub coefficient: f64,
+    /// Coefficient μ_s at rest, of `stribeck`.
+    pub static_coefficient: f64,
+    /// Speed v_S over which it falls to μ \[m/s\].
+    pub stribeck_speed: f64,
+    /// Speed v_r over which a regularised law rises \[m/s\].
+    pub regularisation_speed: f64,
+    /// Part of it up to which `ambrosio` has no friction.
+    pub dead_ratio: f64,
 }
 
 /// Extent and output of a run.

@@ -11,7 +11,7 @@ use super::given::{Datum, Given, excerpt};
 use super::keys::{DefaultValue, JOINT_TABLES, JOINTS, KEYS, Key, find, names_in, one_joint};
 use super::nearest::nearest_key;
 use super::toml_source;
-use super::{Config, JointConfig};
+use super::{Config, Events, FrictionLaw, JointConfig};
 
 /// Largest number of samples of a run: at some 150 bytes a row and two joints, 30 GB of output.
 const MOST_SAMPLES: f64 = 1e8;
@@ -102,6 +102,7 @@ impl Settings {
         if config.bays > 1 {
             return Err(ConfigError::SeveralBays { place: self.place("bays"), bays: config.bays });
         }
+        self.check_laws(config)?;
         let (t_end, sample) = (config.run.t_end, config.run.sample);
         if sample > 0.0 && t_end / sample > MOST_SAMPLES {
             let place = match self.place("run.sample") {
@@ -118,6 +119,31 @@ impl Settings {
                 place => place,
             };
             return Err(ConfigError::TooManySteps { place, step, t_end, most: MOST_STEPS });
+        }
+        Ok(())
+    }
+
+    /// Whether every law is built, and permits the runs that are asked for.
+    fn check_laws(&self, config: &Config) -> Result<(), ConfigError> {
+        let asked: [(_, &[Events]); 3] = [
+            ("solver.events", &[config.solver.events]),
+            ("study.events", &config.study.events),
+            ("contest.events", &config.contest.events),
+        ];
+        for (name, joint) in JOINTS.iter().zip(&config.joints) {
+            if joint.friction.law == FrictionLaw::Lugre {
+                let own = format!("{name}.friction.law");
+                let is_own = self.values.contains_key(&own);
+                let place = self.place(if is_own { &own } else { "friction.law" });
+                return Err(ConfigError::NoBristles { place });
+            }
+        }
+        let laws = config.joints.iter().map(|joint| joint.contact.law);
+        for law in laws.filter(|law| law.has_memory()) {
+            if let Some((key, _)) = asked.iter().find(|(_, e)| !e.contains(&Events::Located)) {
+                let (place, law) = (self.place(key), law.name());
+                return Err(ConfigError::BlindWithMemory { place, key, law });
+            }
         }
         Ok(())
     }

@@ -57,11 +57,11 @@ impl<'a> Contacts<'a> {
 
     /// `F_N` at `y` in `mode` [N].
     fn force<S: Real>(&self, mode: Mode, y: &State<S>) -> S {
-        if !mode.is_contact() {
+        let (Some(touch), true) = (mode.touch(), mode.is_contact()) else {
             return S::cst(0.0);
-        }
+        };
         let pose = self.block.pose(y);
-        self.block.normal.force(pose.delta, pose.delta_dot)
+        self.block.normal.force(pose.delta, pose.delta_dot, touch)
     }
 
     /// `dF_N/dt` at `(t, y)` in `mode` [N/s].
@@ -219,7 +219,7 @@ mod tests {
 
     /// Worst relative errors of impulse, `2 m v`, peak force, `v √(K m)`, and duration, `π √(m/K)`.
     fn errors((block, contacts): &(Block, Vec<Contact>)) -> [f64; 3] {
-        let (m, k) = (block.inertia.m_y, block.normal.stiffness);
+        let (m, k) = (block.inertia.m_y, block.normal.elastic.slope(0.0));
         let exact = [2.0 * m * V, V * (k * m).sqrt(), std::f64::consts::PI * (m / k).sqrt()];
         let mut worst = [0.0_f64; 3];
         for contact in contacts {

@@ -1,11 +1,13 @@
 //! One joint with the struts that hang on it: a hybrid system of six states.
 
-use deltazero_solvers::{ModeOfState, Next, Real, System};
+use deltazero_solvers::{Error, ModeOfState, Next, Outcome, Real, System};
 
 use super::contact::{NormalLaw, PinPose};
+use super::elastic::Elastic;
 use super::inertia::{Arrow, BlockInertia};
-use super::mode::{ANGLE_BOUND, Mode, delta_bound};
+use super::mode::{END_BOUND, Mode, delta_bound};
 use super::reading::Reading;
+use super::sliding::Shape;
 
 /// State of a block: X, Y [m], θ [rad] and their rates. X is the pin displacement whose arm goes
 /// with sin θ (x01, z02), Y the one with cos θ (y01, y02).
@@ -31,8 +33,10 @@ pub struct Block {
     pub pin_radius: f64,
     /// Normal force law.
     pub normal: NormalLaw,
-    /// Coulomb's coefficient `μ`.
+    /// Coefficient `μ` of friction.
     pub mu: f64,
+    /// How friction goes with the speed of sliding.
+    pub sliding: Shape,
     /// Where the contact forces enter.
     pub reading: Reading,
     /// Whether the block ends at θ = 90°.
@@ -75,24 +79,33 @@ impl Block {
         self.inertia.accelerations(arrow, y[5] * y[5], loads)
     }
 
-    /// Whether the law is linear and all of it acts at the pin, but for a torque of friction.
+    /// `K`, where the law is `K δ + D δ̇` with Coulomb's friction and all of it acts at the pin, but for a torque of friction.
     #[inline(always)]
-    fn is_plain(&self) -> bool {
-        self.normal.exponent == 1.0 && self.reading == Reading::AT_PIN
+    fn plain_stiffness(&self) -> Option<f64> {
+        match self.normal.elastic {
+            Elastic::Linear { stiffness }
+                if self.normal.hysteresis == 0.0
+                    && self.sliding == Shape::Constant
+                    && self.reading == Reading::AT_PIN =>
+            {
+                Some(stiffness)
+            }
+            _ => None,
+        }
     }
 
-    /// Accelerations while slipping with the sign `sigma` of v_T, where [`is_plain`](Self::is_plain)
-    /// holds: those of [`accelerations`](Self::accelerations) without its terms of zero, and without a
-    /// branch among its operations, past which series are slower.
+    /// Accelerations while slipping with the sign `sigma` of v_T under a
+    /// [plain stiffness](Self::plain_stiffness): those of [`accelerations`](Self::accelerations) without its
+    /// terms of zero, and without a branch among its operations, past which series are slower.
     #[inline(always)]
     fn plain_slip<S: Real>(
         &self,
-        sigma: f64,
+        (sigma, stiffness): (f64, f64),
         y: &State<S>,
         arrow: &Arrow<S>,
         pose: &PinPose<S>,
     ) -> [S; 3] {
-        let pull = -(pose.delta * self.normal.stiffness + pose.delta_dot * self.normal.damping);
+        let pull = -(pose.delta * stiffness + pose.delta_dot * self.normal.damping);
         let torque = pull * (sigma * self.mu * self.pin_radius) + self.torque;
         let loads = [pose.n[0] * pull, pose.n[1] * pull, torque];
         self.inertia.accelerations(arrow, y[5] * y[5], loads)
@@ -136,6 +149,45 @@ impl Block {
         if self.joint == 1 { *y } else { [y_, x, theta, v_y, v_x, omega] }
     }
 
+    /// Whether the contact can carry what the drive alone asks of it, `M/l`.
+    ///
+    /// # Errors
+    /// [`Error::OutsideModel`]: the law never has that force.
+    pub fn check(&self) -> Result<(), Error> {
+        let (most, least) =
+            (self.normal.elastic.strongest(), self.torque.abs() / self.strut_length);
+        if self.clearance == 0.0 || most > least {
+            return Ok(());
+        }
+        let reason = format!(
+            "contact.law carries at most {most:.3e} N, the drive presses with {least:.3e} N; take a longer \
+             contact, a stiffer material, or a larger clearance"
+        );
+        Err(Error::OutsideModel { t: 0.0, mode: Mode::Apart.to_string(), reason })
+    }
+
+    /// `outcome` of a run that ended at `(t, y)`; an error where what stopped it was not 90° but the range of
+    /// the contact law.
+    pub fn judged(
+        &self,
+        outcome: Result<Outcome, Error>,
+        t: f64,
+        mode: Mode,
+        y: &State<f64>,
+    ) -> Result<Outcome, Error> {
+        match (&outcome, self.too_deep(y)) {
+            (Ok(Outcome::Stopped), Some(delta)) => {
+                let most = self.normal.elastic.strongest();
+                let reason = format!(
+                    "penetration δ = {delta:.6e} m is where contact.law ends, at {most:.3e} N; take a longer \
+                     contact, a stiffer material, or a larger clearance"
+                );
+                Err(Error::OutsideModel { t, mode: mode.to_string(), reason })
+            }
+            _ => outcome,
+        }
+    }
+
     /// The start of the paper: X = 0, Y = −c, θ = 0, at rest.
     pub fn initial_state(&self) -> State<f64> {
         [0.0, -self.clearance, 0.0, 0.0, 0.0, 0.0]
@@ -150,22 +202,24 @@ impl ModeOfState for Block {
         let pose = self.pose(y);
         // A pin at the very centre has no direction, and is apart.
         if pose.delta.value() > 0.0 {
-            if self.normal.adhesion || self.normal.force(pose.delta, pose.delta_dot).value() > 0.0 {
+            let touch = self.normal.touch(pose.delta_dot.value());
+            let force = || self.normal.force(pose.delta, pose.delta_dot, touch).value();
+            if self.normal.adhesion || force() > 0.0 {
                 self.entered(y)
             } else {
-                Mode::Relaxing
+                Mode::Relaxing(touch)
             }
         } else {
             Mode::Apart
         }
     }
 
-    fn end<S: Real>(&self, _t: S, y: &State<S>) -> S {
-        self.below_90(y)
+    fn end<S: Real>(&self, t: S, y: &State<S>) -> S {
+        self.before_end(self.mode_of_state(t, y), y)
     }
 
     fn end_bound(&self) -> f64 {
-        ANGLE_BOUND
+        END_BOUND
     }
 }
 
@@ -199,7 +253,7 @@ impl System for Block {
                 let about_pin = self.inertia.about_pin(sin, cos);
                 [zero, zero, y[5], zero, zero, moment / about_pin]
             }
-            Mode::Apart | Mode::Relaxing => {
+            Mode::Apart | Mode::Relaxing(_) => {
                 let (arrow, omega_sq) = (self.inertia.at(y[2]), y[5] * y[5]);
                 let a = if self.reading.centrifugal == 1.0 {
                     self.inertia.free_accelerations(&arrow, omega_sq, self.torque)
@@ -209,13 +263,15 @@ impl System for Block {
                 };
                 [y[3], y[4], y[5], a[0], a[1], a[2]]
             }
-            Mode::SlipPlus | Mode::SlipMinus if self.is_plain() => {
+            Mode::SlipPlus(_) | Mode::SlipMinus(_)
+                if let Some(stiffness) = self.plain_stiffness() =>
+            {
                 let (arrow, pose) = (self.inertia.at(y[2]), self.pose(y));
-                let sigma = if mode == Mode::SlipPlus { 1.0 } else { -1.0 };
-                let a = self.plain_slip(sigma, y, &arrow, &pose);
+                let sigma = if matches!(mode, Mode::SlipPlus(_)) { 1.0 } else { -1.0 };
+                let a = self.plain_slip((sigma, stiffness), y, &arrow, &pose);
                 [y[3], y[4], y[5], a[0], a[1], a[2]]
             }
-            Mode::SlipPlus | Mode::SlipMinus | Mode::Stick => {
+            Mode::SlipPlus(_) | Mode::SlipMinus(_) | Mode::Stick(_) => {
                 let (arrow, pose) = (self.inertia.at(y[2]), self.pose(y));
                 let a = self.accelerations(y, &arrow, &pose, self.forces(mode, y, &pose));
                 [y[3], y[4], y[5], a[0], a[1], a[2]]
@@ -260,6 +316,7 @@ mod tests {
     use super::*;
     use crate::config::Config;
     use crate::model::Mechanism;
+    use crate::model::contact::Touch;
 
     #[test]
     fn plain_accelerations_are_the_general_ones() {
@@ -267,12 +324,12 @@ mod tests {
         for block in &Mechanism::new(&config).blocks {
             let y = [3e-5, -9.9e-5, 0.02, 2e-3, -1e-3, 0.3];
             let (arrow, pose) = (block.inertia.at(y[2]), block.pose(&y));
-            for mode in [Mode::SlipPlus, Mode::SlipMinus] {
+            for mode in [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)] {
                 let forces = block.forces(mode, &y, &pose);
                 let general = block.accelerations(&y, &arrow, &pose, forces);
                 let mut dydt = [0.0; 6];
                 block.rhs(mode, 0.0, &y, &mut dydt);
-                assert!(block.is_plain());
+                assert!(block.plain_stiffness().is_some());
                 for (plain, general) in dydt[3..].iter().zip(general) {
                     // Measured: equal to the bit.
                     assert!((plain / general - 1.0).abs() < 1e-15, "{plain}, {general}");
@@ -294,7 +351,9 @@ mod tests {
                 config.drive.m1 = 0.0;
                 for block in &Mechanism::new(&config).blocks {
                     use Mode::{Apart, Relaxing, SlipMinus, SlipPlus, Stick};
-                    for mode in [Apart, Relaxing, SlipPlus, SlipMinus, Stick] {
+                    let in_contact = [Relaxing, SlipPlus, SlipMinus, Stick];
+                    let in_contact = in_contact.map(|mode| mode(Touch::PLAIN));
+                    for mode in [Apart].into_iter().chain(in_contact) {
                         let bounds = block.guard_bounds_of(mode, &block.initial_state());
                         assert!(bounds.iter().all(|bound| *bound > 0.0), "{mode}: {bounds:?}");
                     }

@@ -2,62 +2,127 @@
 
 use deltazero_solvers::Real;
 
-use crate::config::Contact;
+use super::elastic::{Conformal, Elastic, Logarithmic};
+use super::restitution::hysteresis_factor;
+use crate::config::{Contact, ContactLaw, Curvature, Joint};
 
-/// Normal force law `F_N = K δⁿ + D δ̇` (Eqs. 3 and 5 of the paper, there with n = 1).
+/// Normal force law: an elastic relation F(δ) and what it loses, by viscous damping or by hysteresis.
+///
+/// ```text
+/// F_N = F(δ) + D δ̇        or        F_N = F(δ) (1 + χ δ̇/δ̇₋)
+/// ```
+///
+/// with δ̇₋ the speed at which this contact began. The first with `F = K δⁿ` is that of Eqs. 3 and 5 of the
+/// paper, there with n = 1. A law loses `D δ̇²` or `F χ δ̇²/δ̇₋` [W].
 #[derive(Clone, Debug, PartialEq)]
 pub struct NormalLaw {
-    /// `K` [N/mⁿ].
-    pub stiffness: f64,
-    /// `D` [N s/m].
+    /// `F(δ)`.
+    pub elastic: Elastic,
+    /// `D` [N s/m]; zero for a law with hysteresis.
     pub damping: f64,
-    /// `n ≥ 1`.
-    pub exponent: f64,
+    /// `χ`; zero for a law without.
+    pub hysteresis: f64,
+    /// The least `δ̇₋` [m/s].
+    pub impact_speed_floor: f64,
     /// Whether contact lasts until δ = 0, pulling before it, as printed; or ends at F_N = 0.
     pub adhesion: bool,
 }
 
+/// What a contact mode carries: how the contact began, and where its sliding is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// `δ̇₋`, not below the floor [m/s]; infinite for a law that does not ask for it.
+    pub impact_speed: f64,
+    /// The piece of its law of friction that it slides in.
+    pub piece: u8,
+}
+
+impl Touch {
+    /// Of a law without hysteresis, and friction of one piece.
+    pub const PLAIN: Self = Self { impact_speed: f64::INFINITY, piece: 0 };
+}
+
 impl NormalLaw {
     /// The law of a configuration.
-    pub fn new(contact: &Contact) -> Self {
+    pub fn new(contact: &Contact, joint: &Joint) -> Self {
+        let hysteresis = hysteresis_factor(contact.law, contact.restitution);
         Self {
-            stiffness: contact.stiffness,
-            damping: contact.damping,
-            exponent: contact.exponent,
+            elastic: elastic(contact, joint),
+            damping: if hysteresis.is_some() { 0.0 } else { contact.damping },
+            hysteresis: hysteresis.unwrap_or(0.0),
+            impact_speed_floor: contact.impact_speed_floor,
             adhesion: contact.adhesion,
         }
     }
 
-    /// `K δ|δ|ⁿ⁻¹ + D δ̇` [N]: the law, continued past δ = 0 by the odd extension of δⁿ.
-    #[inline(always)]
-    pub fn force<S: Real>(&self, delta: S, delta_dot: S) -> S {
-        self.odd_power(delta) * self.stiffness + delta_dot * self.damping
+    /// The same without losses.
+    pub fn undamped(&self) -> Self {
+        Self { damping: 0.0, hysteresis: 0.0, ..self.clone() }
     }
 
-    #[inline(always)]
-    fn odd_power<S: Real>(&self, delta: S) -> S {
-        if self.exponent == 1.0 {
-            delta
-        } else if delta.value() < 0.0 {
-            -(-delta).powf(self.exponent)
+    /// What a contact keeps that begins at the speed `delta_dot` [m/s].
+    pub fn touch(&self, delta_dot: f64) -> Touch {
+        if self.hysteresis == 0.0 {
+            Touch::PLAIN
         } else {
-            delta.powf(self.exponent)
+            Touch { impact_speed: delta_dot.max(self.impact_speed_floor), piece: 0 }
         }
     }
 
-    /// `∂F_N/∂δ = n K |δ|ⁿ⁻¹` [N/m].
-    pub fn slope(&self, delta: f64) -> f64 {
-        if self.exponent == 1.0 {
-            self.stiffness
+    /// `F_N` [N], past δ = 0 too.
+    #[inline(always)]
+    pub fn force<S: Real>(&self, delta: S, delta_dot: S, touch: Touch) -> S {
+        let elastic = self.elastic.force(delta);
+        if self.hysteresis == 0.0 {
+            elastic + delta_dot * self.damping
         } else {
-            self.exponent * self.stiffness * libm::pow(delta.abs(), self.exponent - 1.0)
+            elastic * (delta_dot * (self.hysteresis / touch.impact_speed) + 1.0)
         }
     }
 
-    /// Elastic energy `K |δ|ⁿ⁺¹/(n + 1)` [J].
-    pub fn elastic_energy(&self, delta: f64) -> f64 {
-        let n = self.exponent + 1.0;
-        self.stiffness * libm::pow(delta.abs(), n) / n
+    /// `∂F_N/∂δ` [N/m] and `∂F_N/∂δ̇` [N s/m].
+    pub fn gradient(&self, delta: f64, delta_dot: f64, touch: Touch) -> [f64; 2] {
+        let rate = self.hysteresis / touch.impact_speed;
+        let by_speed = self.damping + self.elastic.force(delta) * rate;
+        [self.elastic.slope(delta) * (1.0 + rate * delta_dot), by_speed]
+    }
+
+    /// What damping and hysteresis take [W].
+    pub fn loss(&self, delta: f64, delta_dot: f64, touch: Touch) -> f64 {
+        let [_, by_speed] = self.gradient(delta, delta_dot, touch);
+        by_speed * delta_dot * delta_dot
+    }
+}
+
+/// The elastic part of a law.
+///
+/// Of cylinders of radii R₁ (pin) and R₂ = R₁ + c (bush), of one material: `k = 2(1 − ν²)/(π E)`,
+/// `1/E* = π k`, length L; inside each other `ΔR = R₂ − R₁`, beside each other `ΔR = R₁ + R₂`,
+/// `R = R₁R₂/ΔR`.
+fn elastic(contact: &Contact, joint: &Joint) -> Elastic {
+    let (e, nu, length) = (contact.young_modulus, contact.poisson_ratio, contact.length);
+    let k = 2.0 * (1.0 - nu * nu) / (std::f64::consts::PI * e);
+    let modulus = e / (2.0 * (1.0 - nu * nu));
+    let (pin, bush) = (joint.pin_radius, joint.pin_radius + joint.clearance);
+    let gap = match contact.curvature {
+        Curvature::Internal => joint.clearance,
+        Curvature::External => pin + bush,
+    };
+    let radius = pin * bush / gap;
+    // δ = (k/L) F (ln(B/F) + s) = A F ln(C/F), C = B eˢ.
+    let logarithmic =
+        |b: f64, s: f64| Elastic::Logarithmic(Logarithmic::new(k / length, b * libm::exp(s)));
+    match contact.law {
+        ContactLaw::DubowskyFreudenstein => {
+            logarithmic(length * length * length / (radius * k), 1.0)
+        }
+        ContactLaw::Johnson => logarithmic(4.0 * length * gap / k, -1.0),
+        ContactLaw::Esdu78035 => logarithmic(4.0 * length * gap / k, 1.0),
+        ContactLaw::Liu => Elastic::Conformal(Conformal::new(modulus, length, gap)),
+        ContactLaw::LankaraniNikraveshCylinder => {
+            Elastic::power(4.0 / 3.0 * modulus * radius.sqrt(), 1.5)
+        }
+        _ => Elastic::power(contact.stiffness, contact.exponent),
     }
 }
 
@@ -94,29 +159,43 @@ impl<S: Real> PinPose<S> {
 
 #[cfg(test)]
 mod tests {
+    use num_dual::Dual64;
+
     use super::*;
 
-    fn law(exponent: f64) -> NormalLaw {
-        NormalLaw { stiffness: 1e7, damping: 100.0, exponent, adhesion: true }
-    }
-
     #[test]
-    fn slope_and_energy_are_derivative_and_integral_of_the_force() {
-        for law in [law(1.0), law(1.5), law(2.2)] {
-            let (delta, h) = (3e-6, 1e-10);
-            let force = |delta: f64| law.force(delta, 0.0);
-            let slope = (force(delta + h) - force(delta - h)) / (2.0 * h);
-            assert!((slope / law.slope(delta) - 1.0).abs() < 1e-7);
-            let gained = law.elastic_energy(delta + h) - law.elastic_energy(delta - h);
-            assert!((gained / (2.0 * h) / force(delta) - 1.0).abs() < 1e-7);
+    fn the_gradient_of_a_law_is_its_derivative() {
+        for (damping, hysteresis) in [(100.0, 0.0), (0.0, 0.6)] {
+            let law = NormalLaw {
+                elastic: Elastic::power(1e10, 1.5),
+                damping,
+                hysteresis,
+                impact_speed_floor: 1e-6,
+                adhesion: true,
+            };
+            let (delta, delta_dot, touch) = (3e-6, -4e-3, law.touch(1e-2));
+            let force = |i: usize| {
+                let seed = |j: usize| if i == j { 1.0 } else { 0.0 };
+                law.force(Dual64::new(delta, seed(0)), Dual64::new(delta_dot, seed(1)), touch).eps
+            };
+            for (i, own) in law.gradient(delta, delta_dot, touch).iter().enumerate() {
+                assert!((own / force(i) - 1.0).abs() < 1e-15, "{own} against {}", force(i));
+            }
         }
     }
 
     #[test]
-    fn the_force_is_odd_past_the_surface_for_any_exponent() {
-        for exponent in [1.0, 1.5, 3.0] {
-            assert_eq!(law(exponent).force(-2e-6, 0.0), -law(exponent).force(2e-6, 0.0));
-        }
+    fn a_slow_touch_counts_as_one_at_the_floor() {
+        let law = NormalLaw {
+            elastic: Elastic::power(1e7, 1.0),
+            damping: 0.0,
+            hysteresis: 0.5,
+            impact_speed_floor: 1e-6,
+            adhesion: true,
+        };
+        assert_eq!(law.touch(1e-9).impact_speed, 1e-6);
+        assert_eq!(law.touch(2e-3).impact_speed, 2e-3);
+        assert_eq!(law.undamped().touch(2e-3), Touch::PLAIN);
     }
 
     #[test]

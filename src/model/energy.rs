@@ -38,19 +38,19 @@ impl Block {
                 + inertia.m_y * u_y * u_y
                 + inertia.schur(cos) * omega * omega);
         let elastic =
-            if mode.is_contact() { self.normal.elastic_energy(self.pose(y).delta) } else { 0.0 };
+            if mode.is_contact() { self.normal.elastic.energy(self.pose(y).delta) } else { 0.0 };
         Energy { kinetic, elastic }
     }
 
-    /// Powers at `y` in `mode`: `D δ̇²` by damping, and by friction `−F_T v_T` where it acts as a
+    /// Powers at `y` in `mode`: that of the normal law's losses, and by friction `−F_T v_T` where it acts as a
     /// force and a torque, `−F_T r θ̇` where as a torque alone.
     pub fn power(&self, mode: Mode, y: &State<f64>) -> Power {
         let drive = self.torque * y[5];
-        if !mode.is_contact() {
+        let (Some(touch), true) = (mode.touch(), mode.is_contact()) else {
             return Power { drive, dissipated: 0.0 };
-        }
+        };
         let pose = self.pose(y);
-        let damping = self.normal.damping * pose.delta_dot * pose.delta_dot;
+        let damping = self.normal.loss(pose.delta, pose.delta_dot, touch);
         let turning = self.pin_radius * y[5];
         let speed = turning + self.reading.tangential_force * pose.w([y[3], y[4]]);
         let friction = self.forces(mode, y, &pose).tangential * speed;

@@ -1,11 +1,12 @@
-//! Tangential velocity, Coulomb friction, and the force that sticking takes.
+//! Tangential velocity, friction, and the force that sticking takes.
 
 use deltazero_solvers::Real;
 
 use super::block::{Block, ContactForces, State};
-use super::contact::PinPose;
+use super::contact::{PinPose, Touch};
 use super::inertia::Arrow;
 use super::mode::Mode;
+use super::sliding::Shape;
 
 impl Block {
     /// `v_T = t·v + θ̇ r` [m/s]: tangential velocity of the pin's surface at the contact point.
@@ -14,20 +15,24 @@ impl Block {
         pose.w([y[3], y[4]]) + y[5] * self.pin_radius
     }
 
-    /// The forces of a contact in `mode`: `F_N` of the normal law, and `F_T = −σ μ F_N` slipping,
+    /// The forces of a contact in `mode`: `F_N` of the normal law, and `F_T = −σ m F_N` slipping,
     /// `F_T` of `v̇_T = 0` sticking; none where the mode is no contact.
     #[inline(always)]
     pub fn forces<S: Real>(&self, mode: Mode, y: &State<S>, pose: &PinPose<S>) -> ContactForces<S> {
-        if !mode.is_contact() {
+        let (Some(touch), true) = (mode.touch(), mode.is_contact()) else {
             return ContactForces::frictionless(S::cst(0.0));
-        }
-        let normal = self.normal.force(pose.delta, pose.delta_dot);
+        };
+        let normal = self.normal.force(pose.delta, pose.delta_dot, touch);
         let tangential = match mode.sigma() {
-            Some(sigma) => normal * (-sigma * self.mu),
+            Some(sigma) if self.sliding == Shape::Constant => normal * (-sigma * self.mu),
+            Some(sigma) => {
+                let s = self.v_t(pose, y) * sigma;
+                normal * self.sliding.ratio(self.mu, touch.piece, s) * -sigma
+            }
             None => {
                 let arrow = self.inertia.at(y[2]);
                 let (per_force, _) = self.friction_response(&arrow, pose);
-                -(self.frictionless_v_t_dot(y, &arrow, pose) / per_force)
+                -(self.frictionless_v_t_dot(y, &arrow, pose, touch) / per_force)
             }
         };
         ContactForces { normal, tangential }
@@ -46,13 +51,14 @@ impl Block {
 
     /// `v̇_T` under the normal force alone.
     #[inline(always)]
-    fn frictionless_v_t_dot<S: Real>(
+    pub(super) fn frictionless_v_t_dot<S: Real>(
         &self,
         y: &State<S>,
         arrow: &Arrow<S>,
         pose: &PinPose<S>,
+        touch: Touch,
     ) -> S {
-        let normal = self.normal.force(pose.delta, pose.delta_dot);
+        let normal = self.normal.force(pose.delta, pose.delta_dot, touch);
         let forces = ContactForces::frictionless(normal);
         self.v_t_dot(y, pose, self.accelerations(y, arrow, pose, forces))
     }
@@ -68,11 +74,6 @@ impl Block {
         let load = [pose.n[1] * on_pin, -(pose.n[0] * on_pin), S::cst(self.pin_radius)];
         let a = self.inertia.accelerations(arrow, S::cst(0.0), load);
         (pose.n[1] * a[0] - pose.n[0] * a[1] + a[2] * self.pin_radius, a)
-    }
-
-    /// The slipping mode that leaves `v_T = 0` at `y` without friction.
-    pub(super) fn slip_without_friction<S: Real>(&self, y: &State<S>, pose: &PinPose<S>) -> Mode {
-        Mode::slip(self.frictionless_v_t_dot(y, &self.inertia.at(y[2]), pose).value())
     }
 
     /// `v̇_T` in the contact mode `mode`.

@@ -1,7 +1,7 @@
 //! The analytic Jacobian of a block.
 
 use super::block::{Block, ContactForces, State};
-use super::contact::PinPose;
+use super::contact::{PinPose, Touch};
 use super::mode::Mode;
 
 /// A gradient with respect to the six states.
@@ -49,14 +49,16 @@ impl Block {
                 let nothing = [0.0; 6];
                 return [nothing, nothing, unit(5), nothing, nothing, self.pinned_gradient(y)];
             }
-            Mode::Apart | Mode::Relaxing => {
+            Mode::Apart | Mode::Relaxing(_) => {
                 let none = ContactForces { normal: 0.0, tangential: 0.0 };
                 // Without force any direction serves; the pin may be at the centre.
                 let pose = PinPose::new([0.0, -self.clearance], [0.0, 0.0], self.clearance);
                 let still = PoseGradient::new(&pose, 0.0);
                 self.gradients(y, &pose, &still, none, [[0.0; 6]; 2])
             }
-            Mode::SlipPlus | Mode::SlipMinus | Mode::Stick => self.contact_gradients(mode, y),
+            Mode::SlipPlus(touch) | Mode::SlipMinus(touch) | Mode::Stick(touch) => {
+                self.contact_gradients(mode, touch, y)
+            }
         };
         [unit(3), unit(4), unit(5), a_x, a_y, a_theta]
     }
@@ -72,15 +74,22 @@ impl Block {
         [0.0, 0.0, by_theta / about_pin, 0.0, 0.0, 2.0 * i_c * sin * cos * y[5] / about_pin]
     }
 
-    fn contact_gradients(&self, mode: Mode, y: &State<f64>) -> [Gradient; 3] {
+    fn contact_gradients(&self, mode: Mode, touch: Touch, y: &State<f64>) -> [Gradient; 3] {
         let pose = self.pose(y);
         let w = pose.w([y[3], y[4]]);
         let d = PoseGradient::new(&pose, w);
         let forces = self.forces(mode, y, &pose);
-        let slope = self.normal.slope(pose.delta);
-        let normal = gradient(|j| slope * d.delta[j] + self.normal.damping * d.delta_dot[j]);
+        let [slope, damping] = self.normal.gradient(pose.delta, pose.delta_dot, touch);
+        let normal = gradient(|j| slope * d.delta[j] + damping * d.delta_dot[j]);
         if let Some(sigma) = mode.sigma() {
-            let tangential = gradient(|j| -sigma * self.mu * normal[j]);
+            let s = sigma * self.v_t(&pose, y);
+            let ratio = self.sliding.ratio(self.mu, touch.piece, s);
+            let slope = self.sliding.slope(self.mu, touch.piece, s);
+            // s = σ v_T and F_T = −σ m(s) F_N: ∇F_T = −σ m ∇F_N − m' F_N ∇v_T.
+            let tangential = gradient(|j| {
+                let v_t = d.w[j] + if j == 5 { self.pin_radius } else { 0.0 };
+                -sigma * ratio * normal[j] - slope * forces.normal * v_t
+            });
             return self.gradients(y, &pose, &d, forces, [normal, tangential]);
         }
         // Stick: F_T follows from v̇_T = 0, so ∇F_T = −∇v̇_T|F_T / (∂v̇_T/∂F_T).
@@ -162,11 +171,13 @@ mod tests {
     use num_dual::Dual64;
 
     use super::*;
-    use crate::config::{Config, ReadingName};
+    use crate::config::{Config, ContactLaw, FrictionLaw, ReadingName};
     use crate::model::Mechanism;
 
-    const MODES: [Mode; 5] =
-        [Mode::Pinned, Mode::Apart, Mode::SlipPlus, Mode::SlipMinus, Mode::Stick];
+    fn modes(touch: Touch) -> [Mode; 5] {
+        use Mode::{Apart, Pinned, SlipMinus, SlipPlus, Stick};
+        [Pinned, Apart, SlipPlus(touch), SlipMinus(touch), Stick(touch)]
+    }
 
     /// The column of dual numbers, from the generic right-hand side.
     fn dual_column(block: &Block, mode: Mode, y: &State<f64>, j: usize) -> [f64; 6] {
@@ -176,41 +187,78 @@ mod tests {
         dydt.map(|d| d.eps)
     }
 
-    #[test]
-    fn the_analytic_jacobian_is_that_of_dual_numbers_in_every_mode_and_reading() {
-        let mut config = Config::table1().unwrap();
+    /// Every entry in every mode of both joints, at states of slight and deep contact.
+    fn agrees(config: &Config) {
         let states = [
             [2e-5, -9.9e-5, 0.01, 2e-3, 1e-3, 0.02],
             [-9e-5, -5e-5, 0.7, -1e-3, 3e-3, 0.3],
             [6e-5, 8.1e-5, 1.5, 1e-3, -2e-3, -0.4],
         ];
+        let (reading, law) = (config.reading, config.joints[0].contact.law);
+        for block in &Mechanism::new(config).blocks {
+            let touch = block.normal.touch(2e-3);
+            let pieces = (0..2).map(|piece| Touch { piece, ..touch });
+            let modes: Vec<Mode> = pieces.flat_map(modes).collect();
+            for (mode, y) in modes.iter().flat_map(|m| states.iter().map(move |y| (*m, y))) {
+                let rows = block.jacobian_rows(mode, y);
+                for j in 0..6 {
+                    let column = dual_column(block, mode, y, j);
+                    for i in 0..6 {
+                        let size = rows[i].iter().fold(1e-9, |m: f64, x| m.max(x.abs()));
+                        let difference = (rows[i][j] - column[i]).abs() / size;
+                        // Measured: at most 3.1e-13.
+                        assert!(
+                            difference < 1e-12,
+                            "{reading} {law} {mode} ({i}, {j}): {} against {}",
+                            rows[i][j],
+                            column[i]
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_analytic_jacobian_is_that_of_dual_numbers_in_every_mode_and_reading() {
+        let mut config = Config::table1().unwrap();
         for &reading in ReadingName::ALL {
             for exponent in [1.0, 1.5] {
                 config.reading = reading;
                 for joint in &mut config.joints {
                     joint.contact.exponent = exponent;
                 }
-                for block in &Mechanism::new(&config).blocks {
-                    for (mode, y) in MODES.iter().flat_map(|m| states.iter().map(move |y| (*m, y)))
-                    {
-                        let rows = block.jacobian_rows(mode, y);
-                        for j in 0..6 {
-                            let column = dual_column(block, mode, y, j);
-                            for i in 0..6 {
-                                let size = rows[i].iter().fold(1e-9, |m: f64, x| m.max(x.abs()));
-                                let difference = (rows[i][j] - column[i]).abs() / size;
-                                // Measured: at most 3.1e-13.
-                                assert!(
-                                    difference < 1e-12,
-                                    "{reading} {mode} ({i}, {j}): {} against {}",
-                                    rows[i][j],
-                                    column[i]
-                                );
-                            }
-                        }
-                    }
-                }
+                agrees(&config);
             }
+        }
+    }
+
+    #[test]
+    fn the_analytic_jacobian_is_that_of_dual_numbers_for_every_law_of_friction() {
+        let mut config = Config::table1().unwrap();
+        for reading in [ReadingName::Pin, ReadingName::Full] {
+            config.reading = reading;
+            for &law in FrictionLaw::ALL {
+                for joint in &mut config.joints {
+                    joint.friction.law = law;
+                    joint.friction.regularisation_speed = 5e-3;
+                }
+                agrees(&config);
+            }
+        }
+    }
+
+    #[test]
+    fn the_analytic_jacobian_is_that_of_dual_numbers_for_every_law() {
+        let mut config = Config::table1().unwrap();
+        config.reading = ReadingName::Full;
+        for &law in ContactLaw::ALL {
+            for joint in &mut config.joints {
+                let contact = &mut joint.contact;
+                (contact.law, contact.stiffness, contact.exponent) = (law, 1e10, 1.5);
+                contact.restitution = 0.7;
+            }
+            agrees(&config);
         }
     }
 }

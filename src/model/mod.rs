@@ -5,13 +5,17 @@
 
 pub mod block;
 pub mod contact;
+pub mod elastic;
 pub mod energy;
 mod friction;
 pub mod inertia;
 mod jacobian;
+pub mod laws;
 pub mod mode;
 pub mod reading;
+pub mod restitution;
 mod scale;
+pub mod sliding;
 
 pub use block::{Block, State};
 pub use mode::Mode;
@@ -20,6 +24,7 @@ pub use reading::Reading;
 use crate::config::Config;
 use contact::NormalLaw;
 use inertia::BlockInertia;
+use sliding::Shape;
 
 /// The mechanism: its independent blocks, joint 1 (AB) and joint 2 (AF).
 #[derive(Clone, Debug)]
@@ -41,8 +46,9 @@ impl Mechanism {
                 torque,
                 clearance: own.joint.clearance,
                 pin_radius: own.joint.pin_radius,
-                normal: NormalLaw::new(&own.contact),
+                normal: NormalLaw::new(&own.contact, &own.joint),
                 mu: own.friction.coefficient,
+                sliding: Shape::new(&own.friction),
                 reading: Reading::of(config.reading, joint - 1),
                 stop_at_90: config.run.stop_at_90,
             }

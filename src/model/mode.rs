@@ -6,41 +6,43 @@ use std::fmt;
 use deltazero_solvers::{Next, Real};
 
 use super::block::{Block, State};
+use super::contact::Touch;
 
-/// Guard: θ below 90°, where the struts line up.
-pub const GUARD_90: usize = 0;
+/// Guard: θ below 90°, where the struts line up, and in contact δ within the range of its law.
+pub const GUARD_END: usize = 0;
 /// Guard: on this side of the contact surface.
 pub const GUARD_CONTACT: usize = 1;
-/// Guard: slipping, v_T keeps its sign; sticking, F_T < μ F_N; relaxing, δ > 0.
+/// Guard: slipping, v_T keeps its sign, or |v_T| above where its piece of friction begins; sticking,
+/// F_T < μ F_N; relaxing, δ > 0.
 pub const GUARD_UPPER: usize = 2;
-/// Guard: sticking, F_T > −μ F_N.
+/// Guard: slipping, |v_T| below where its piece of friction ends; sticking, F_T > −μ F_N.
 pub const GUARD_LOWER: usize = 3;
 
-/// Mode of a joint.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+/// Mode of a joint, with what its contact keeps of its beginning.
+#[derive(Clone, Copy, PartialEq)]
 pub enum Mode {
     /// No clearance: the pin is held at the centre of its bush.
     Pinned,
     /// Free, pin and bush apart: δ < 0.
     Apart,
     /// Free, the bush still dented: δ > 0 but F_N ≤ 0 without adhesion.
-    Relaxing,
+    Relaxing(Touch),
     /// Contact, v_T > 0.
-    SlipPlus,
+    SlipPlus(Touch),
     /// Contact, v_T < 0.
-    SlipMinus,
+    SlipMinus(Touch),
     /// Contact, v_T = 0.
-    Stick,
+    Stick(Touch),
 }
 
 impl Mode {
     /// As the files write it: 0 free, 1 and −1 the sign of v_T while slipping, 2 stick.
     pub fn code(self) -> i8 {
         match self {
-            Self::Pinned | Self::Apart | Self::Relaxing => 0,
-            Self::SlipPlus => 1,
-            Self::SlipMinus => -1,
-            Self::Stick => 2,
+            Self::Pinned | Self::Apart | Self::Relaxing(_) => 0,
+            Self::SlipPlus(_) => 1,
+            Self::SlipMinus(_) => -1,
+            Self::Stick(_) => 2,
         }
     }
 
@@ -48,29 +50,40 @@ impl Mode {
     pub fn phase(self) -> &'static str {
         match self {
             Self::Pinned => "pinned",
-            Self::Apart | Self::Relaxing => "flight",
-            Self::SlipPlus | Self::SlipMinus => "contact",
-            Self::Stick => "stick",
+            Self::Apart | Self::Relaxing(_) => "flight",
+            Self::SlipPlus(_) | Self::SlipMinus(_) => "contact",
+            Self::Stick(_) => "stick",
         }
     }
 
     /// Whether a contact force acts.
     pub fn is_contact(self) -> bool {
-        matches!(self, Self::SlipPlus | Self::SlipMinus | Self::Stick)
+        matches!(self, Self::SlipPlus(_) | Self::SlipMinus(_) | Self::Stick(_))
     }
 
     /// σ, the sign of v_T while slipping.
     pub fn sigma(self) -> Option<f64> {
         match self {
-            Self::SlipPlus => Some(1.0),
-            Self::SlipMinus => Some(-1.0),
+            Self::SlipPlus(_) => Some(1.0),
+            Self::SlipMinus(_) => Some(-1.0),
             _ => None,
         }
     }
 
+    /// What its contact keeps of its beginning, relaxing too.
+    pub fn touch(self) -> Option<Touch> {
+        match self {
+            Self::Pinned | Self::Apart => None,
+            Self::Relaxing(touch)
+            | Self::SlipPlus(touch)
+            | Self::SlipMinus(touch)
+            | Self::Stick(touch) => Some(touch),
+        }
+    }
+
     /// The slipping mode with the sign of `v_t`.
-    pub fn slip(v_t: f64) -> Self {
-        if v_t < 0.0 { Self::SlipMinus } else { Self::SlipPlus }
+    pub fn slip(v_t: f64, touch: Touch) -> Self {
+        if v_t < 0.0 { Self::SlipMinus(touch) } else { Self::SlipPlus(touch) }
     }
 }
 
@@ -79,10 +92,10 @@ impl fmt::Debug for Mode {
         f.write_str(match self {
             Self::Pinned => "pinned",
             Self::Apart => "free",
-            Self::Relaxing => "free (relaxing)",
-            Self::SlipPlus => "slip+",
-            Self::SlipMinus => "slip-",
-            Self::Stick => "stick",
+            Self::Relaxing(_) => "free (relaxing)",
+            Self::SlipPlus(_) => "slip+",
+            Self::SlipMinus(_) => "slip-",
+            Self::Stick(_) => "stick",
         })
     }
 }
@@ -98,7 +111,7 @@ impl Block {
     #[inline(always)]
     pub(super) fn guards_of<S: Real>(&self, mode: Mode, y: &State<S>) -> [S; 4] {
         let mut g = [S::cst(1.0); 4];
-        g[GUARD_90] = self.below_90(y);
+        g[GUARD_END] = self.before_end(mode, y);
         match mode {
             Mode::Pinned => {}
             // (ρ + c)(c − ρ): smooth at the bush's centre too.
@@ -107,30 +120,38 @@ impl Block {
                 g[GUARD_CONTACT] = -(rho_sq - self.clearance * self.clearance);
             }
             // (ρ + c) δ and ρ v_T: guards are evaluated at every step, and quotients are dear.
-            Mode::SlipPlus | Mode::SlipMinus if self.normal.adhesion => {
+            Mode::SlipPlus(_) | Mode::SlipMinus(_) if self.has_products() => {
                 let rho_sq = y[0] * y[0] + y[1] * y[1];
                 let rho_v_t = y[1] * y[3] - y[0] * y[4] + rho_sq.sqrt() * y[5] * self.pin_radius;
                 g[GUARD_CONTACT] = rho_sq - self.clearance * self.clearance;
-                g[GUARD_UPPER] = if mode == Mode::SlipPlus { rho_v_t } else { -rho_v_t };
+                g[GUARD_UPPER] = if matches!(mode, Mode::SlipPlus(_)) { rho_v_t } else { -rho_v_t };
             }
-            Mode::Relaxing => {
+            Mode::Relaxing(touch) => {
                 let pose = self.pose(y);
-                g[GUARD_CONTACT] = -self.normal.force(pose.delta, pose.delta_dot);
+                g[GUARD_CONTACT] = -self.normal.force(pose.delta, pose.delta_dot, touch);
                 g[GUARD_UPPER] = pose.delta;
             }
-            Mode::SlipPlus | Mode::SlipMinus | Mode::Stick => {
+            Mode::SlipPlus(touch) | Mode::SlipMinus(touch) | Mode::Stick(touch) => {
                 let pose = self.pose(y);
                 g[GUARD_CONTACT] = if self.normal.adhesion {
                     pose.delta
                 } else {
-                    self.normal.force(pose.delta, pose.delta_dot)
+                    self.normal.force(pose.delta, pose.delta_dot, touch)
                 };
                 match mode.sigma() {
-                    Some(sigma) => g[GUARD_UPPER] = self.v_t(&pose, y) * sigma,
+                    Some(sigma) => {
+                        let (s, [low, high]) =
+                            (self.v_t(&pose, y) * sigma, self.sliding.span(touch.piece));
+                        g[GUARD_UPPER] = s - low;
+                        if high < f64::INFINITY {
+                            g[GUARD_LOWER] = -(s - high);
+                        }
+                    }
                     None => {
-                        let forces = self.forces(mode, y, &pose);
-                        g[GUARD_UPPER] = forces.normal * self.mu - forces.tangential;
-                        g[GUARD_LOWER] = forces.normal * self.mu + forces.tangential;
+                        let (forces, mu) =
+                            (self.forces(mode, y, &pose), self.sliding.at_rest(self.mu));
+                        g[GUARD_UPPER] = forces.normal * mu - forces.tangential;
+                        g[GUARD_LOWER] = forces.normal * mu + forces.tangential;
                     }
                 }
             }
@@ -138,10 +159,32 @@ impl Block {
         g
     }
 
+    /// Whether the guards of slipping are `(ρ + c) δ` and `ρ v_T`.
+    #[inline(always)]
+    fn has_products(&self) -> bool {
+        self.normal.adhesion && self.sliding.is_whole()
+    }
+
     /// `π/2 − θ` [rad] where the block ends at 90°.
     #[inline(always)]
-    pub(super) fn below_90<S: Real>(&self, y: &State<S>) -> S {
+    fn below_90<S: Real>(&self, y: &State<S>) -> S {
         if self.stop_at_90 { -(y[2] - FRAC_PI_2) } else { S::cst(1.0) }
+    }
+
+    /// [`below_90`](Self::below_90); in a contact whose law ends at a penetration times `1 − δ/δ_max`.
+    #[inline(always)]
+    pub(super) fn before_end<S: Real>(&self, mode: Mode, y: &State<S>) -> S {
+        let deepest = self.normal.elastic.deepest();
+        if deepest == f64::INFINITY || !mode.is_contact() {
+            return self.below_90(y);
+        }
+        self.below_90(y) * (-(self.pose(y).delta / deepest) + 1.0)
+    }
+
+    /// The penetration at `y` [m], where that is what ends a run there and not the angle.
+    pub fn too_deep(&self, y: &State<f64>) -> Option<f64> {
+        let (delta, deepest) = (self.pose(y).delta, self.normal.elastic.deepest());
+        (1.0 - delta / deepest < self.below_90(y)).then_some(delta)
     }
 
     /// Bounds of the guards' rounding errors.
@@ -152,25 +195,29 @@ impl Block {
         let least = self.rounding_floor();
         let speed = (y[3].abs() + y[4].abs() + y[5].abs() * self.pin_radius).max(least.speed);
         let area = 2.0 * self.clearance * delta;
-        let mut bounds = [ANGLE_BOUND, area, delta, delta];
-        if mode.is_contact() || mode == Mode::Relaxing {
+        let mut bounds = [END_BOUND, area, delta, delta];
+        if let Some(touch) = mode.touch() {
             let pose = self.pose(y);
-            let force = self.normal.slope(pose.delta) * delta
-                + eps
-                    * (self.normal.force(pose.delta, 0.0).abs() + self.normal.damping * speed)
-                        .max(least.force);
-            if mode == Mode::Relaxing || !self.normal.adhesion {
+            // The slope of a law may be zero at the surface, not so beside it.
+            let beside = pose.delta.abs() + delta;
+            let [slope, damping] = self.normal.gradient(beside, pose.delta_dot, touch);
+            let elastic = self.normal.elastic.force(pose.delta).abs();
+            let force =
+                slope.abs() * delta + eps * (elastic + damping.abs() * speed).max(least.force);
+            let is_stick = matches!(mode, Mode::Stick(_));
+            if !mode.is_contact() || !self.normal.adhesion {
                 bounds[GUARD_CONTACT] = force;
-            } else if mode == Mode::Stick {
+            } else if is_stick || !self.has_products() {
                 bounds[GUARD_CONTACT] = delta;
             }
             if mode.sigma().is_some() {
-                let arm = if self.normal.adhesion { pose.rho } else { 1.0 };
+                let arm = if self.has_products() { pose.rho } else { 1.0 };
                 bounds[GUARD_UPPER] = arm * eps * speed;
-            } else if mode == Mode::Stick {
+                bounds[GUARD_LOWER] = eps * speed;
+            } else if is_stick {
                 let drive = self.torque.abs() / self.pin_radius;
-                let load = self.normal.force(pose.delta, pose.delta_dot).abs() + drive;
-                let friction = force * (1.0 + self.mu) + 4.0 * eps * load;
+                let load = self.normal.force(pose.delta, pose.delta_dot, touch).abs() + drive;
+                let friction = force * (1.0 + self.sliding.at_rest(self.mu)) + 4.0 * eps * load;
                 bounds[GUARD_UPPER] = friction;
                 bounds[GUARD_LOWER] = friction;
             }
@@ -180,65 +227,96 @@ impl Block {
 
     /// What follows when a guard of `mode` falls at `y`.
     pub(super) fn after<S: Real>(&self, mode: Mode, guard: usize, y: &mut State<S>) -> Next<Mode> {
-        if guard == GUARD_90 {
+        if guard == GUARD_END {
             return Next::Stop;
         }
         Next::Mode(match (mode, guard) {
             (Mode::Pinned, _) => Mode::Pinned,
-            (Mode::Apart | Mode::Relaxing, GUARD_CONTACT) => self.entered(y),
-            (Mode::Apart | Mode::Relaxing, _) => Mode::Apart,
-            (_, GUARD_CONTACT) => self.left(y),
-            (Mode::SlipPlus | Mode::SlipMinus, _) => self.reversed(mode, y),
+            (Mode::Apart, _) => self.entered(y),
+            // The dent is that of the same contact.
+            (Mode::Relaxing(touch), GUARD_CONTACT) => self.slipping(y, touch),
+            (Mode::Relaxing(_), _) => Mode::Apart,
+            (
+                Mode::SlipPlus(touch) | Mode::SlipMinus(touch) | Mode::Stick(touch),
+                GUARD_CONTACT,
+            ) => self.left(y, touch),
+            (Mode::SlipPlus(touch), upper_or_lower) if self.is_between(touch, upper_or_lower) => {
+                Mode::SlipPlus(neighbour(touch, upper_or_lower))
+            }
+            (Mode::SlipMinus(touch), upper_or_lower) if self.is_between(touch, upper_or_lower) => {
+                Mode::SlipMinus(neighbour(touch, upper_or_lower))
+            }
+            (Mode::SlipPlus(touch) | Mode::SlipMinus(touch), _) => self.reversed(mode, touch, y),
             // F_T = −σ μ F_N at its upper bound is slip−, at its lower one slip+.
-            (Mode::Stick, upper_or_lower) => {
+            (Mode::Stick(touch), upper_or_lower) => {
                 self.project_v_t(y);
-                if upper_or_lower == GUARD_UPPER { Mode::SlipMinus } else { Mode::SlipPlus }
+                Mode::slip(if upper_or_lower == GUARD_UPPER { -1.0 } else { 1.0 }, touch)
             }
         })
     }
 
-    /// The mode in which contact begins at `y`: the sign of v_T; where that is zero, the sign of
-    /// the frictionless v̇_T.
+    /// Whether the guard of a slip stands between two pieces of its friction, and not at v_T = 0.
+    fn is_between(&self, touch: Touch, guard: usize) -> bool {
+        guard == GUARD_LOWER || touch.piece > 0
+    }
+
+    /// The mode in which contact begins at `y`, with its speed of impact.
     pub(super) fn entered<S: Real>(&self, y: &State<S>) -> Mode {
+        self.slipping(y, self.normal.touch(self.pose(y).delta_dot.value()))
+    }
+
+    /// The slipping mode at `y`: the sign of v_T; where that is zero, the sign of the frictionless v̇_T.
+    fn slipping<S: Real>(&self, y: &State<S>, touch: Touch) -> Mode {
         let pose = self.pose(y);
         let v_t = self.v_t(&pose, y).value();
+        let touch = self.sliding.begun_at(v_t.abs(), touch);
         if v_t != 0.0 {
-            return Mode::slip(v_t);
+            return Mode::slip(v_t, touch);
         }
-        self.slip_without_friction(y, &pose)
+        Mode::slip(
+            self.frictionless_v_t_dot(y, &self.inertia.at(y[2]), &pose, touch).value(),
+            touch,
+        )
     }
 
     /// The mode that a contact falls back to when its guard is violated at `y`.
-    fn left<S: Real>(&self, y: &State<S>) -> Mode {
+    fn left<S: Real>(&self, y: &State<S>, touch: Touch) -> Mode {
         if self.normal.adhesion || self.pose(y).delta.value() <= 0.0 {
             Mode::Apart
         } else {
-            Mode::Relaxing
+            Mode::Relaxing(touch)
         }
     }
 
     /// What follows when v_T reaches zero at `y` while slipping in `mode`.
     ///
     /// With v̇⁺ and v̇⁻ the accelerations under slip+ and slip−: stick where `v̇⁺ ≤ 0 ≤ v̇⁻`, both
-    /// leading back to zero; else on to the other sign. A. F. Filippov, *Differential Equations
+    /// leading back to zero; else, and where the law does not stick, on to the other sign. A. F. Filippov, *Differential Equations
     /// with Discontinuous Righthand Sides* (1988), §4.
-    fn reversed<S: Real>(&self, mode: Mode, y: &mut State<S>) -> Mode {
+    fn reversed<S: Real>(&self, mode: Mode, touch: Touch, y: &mut State<S>) -> Mode {
         let pose = self.pose(y);
-        let plus = self.v_t_dot_in(Mode::SlipPlus, y, &pose);
-        let minus = self.v_t_dot_in(Mode::SlipMinus, y, &pose);
-        if plus <= 0.0 && 0.0 <= minus {
+        let plus = self.v_t_dot_in(Mode::SlipPlus(touch), y, &pose);
+        let minus = self.v_t_dot_in(Mode::SlipMinus(touch), y, &pose);
+        if self.sliding.sticks() && plus <= 0.0 && 0.0 <= minus {
             self.project_v_t(y);
-            Mode::Stick
-        } else if mode == Mode::SlipPlus {
-            Mode::SlipMinus
-        } else {
-            Mode::SlipPlus
+            return Mode::Stick(touch);
+        }
+        match mode {
+            Mode::SlipPlus(_) => Mode::SlipMinus(touch),
+            _ => Mode::SlipPlus(touch),
         }
     }
 }
 
-/// Rounding error of `π/2 − θ` near 90° [rad].
-pub(super) const ANGLE_BOUND: f64 = 4.0 * f64::EPSILON * FRAC_PI_2;
+/// `touch` in the next piece down or up.
+fn neighbour(touch: Touch, guard: usize) -> Touch {
+    let piece = if guard == GUARD_LOWER { touch.piece + 1 } else { touch.piece - 1 };
+    Touch { piece, ..touch }
+}
+
+/// Rounding error of `π/2 − θ` near 90° [rad]; times `1 − δ/δ_max`, which is at most one and whose own is
+/// a few ε.
+pub(super) const END_BOUND: f64 = 4.0 * f64::EPSILON * FRAC_PI_2;
 
 /// Rounding error of `ρ − c` for ρ near c [m].
 pub(super) fn delta_bound(clearance: f64) -> f64 {

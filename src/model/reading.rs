@@ -58,6 +58,7 @@ mod tests {
 
     use super::*;
     use crate::config::{Config, Strut};
+    use crate::model::contact::Touch;
     use crate::model::inertia::{strut_inertia, strut_mass};
     use crate::model::{Mechanism, Mode};
 
@@ -128,10 +129,11 @@ mod tests {
             let y =
                 block.in_paper_order(&[q[at], q[at + 1], q[at + 2], u[at], u[at + 1], u[at + 2]]);
             let mut dydt = [0.0; 6];
-            block.rhs(Mode::SlipPlus, 0.0, &y, &mut dydt);
+            let slip = Mode::SlipPlus(Touch::PLAIN);
+            block.rhs(slip, 0.0, &y, &mut dydt);
             let [.., a_1, a_2, a_3] = block.in_paper_order(&dydt);
             a[at..at + 3].copy_from_slice(&[a_1, a_2, a_3]);
-            forces[i] = block.forces(Mode::SlipPlus, &y, &block.pose(&y)).normal;
+            forces[i] = block.forces(slip, &y, &block.pose(&y)).normal;
         }
         let mut left = inertia(&config.strut, &q, &u, &a);
         left[2] -= config.drive.m1;

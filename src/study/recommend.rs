@@ -122,7 +122,8 @@ pub fn recommend(
         );
         return Recommendation::none(accuracy, arena.t_end, reason, warnings);
     }
-    let candidates = Candidate::all(&config.contest.methods, &config.contest.events);
+    let candidates =
+        Candidate::all(&config.contest.methods, &config.permitted(&config.contest.events));
     progress(Progress::Runs(candidates.len()));
     let standings = contest.run(&candidates, &|name| progress(Progress::Done(name.to_owned())));
     warnings.extend(grazing(&arena, &standings));

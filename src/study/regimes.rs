@@ -311,7 +311,8 @@ fn cells(config: &Config, site: &Site, stop: &AtomicBool) -> Vec<Cell> {
             return accuracies.iter().map(without).collect();
         }
     };
-    let candidates = Candidate::all(&config.contest.methods, &config.contest.events);
+    let candidates =
+        Candidate::all(&config.contest.methods, &config.permitted(&config.contest.events));
     let cell = |&accuracy: &f64| {
         let cell = Cell {
             t_end_s: Some(arena.t_end),

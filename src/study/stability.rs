@@ -139,7 +139,7 @@ pub fn stability(config: &Config, table: &WorkPrecision, limits: Limits<'_>) -> 
 /// The stiffness over the samples of a run in contact; none if there are none, or no step is unstable.
 fn stiffness(block: &Block, run: &BlockTrajectory) -> Option<StiffnessRow> {
     let mut undamped = block.clone();
-    undamped.normal.damping = 0.0;
+    undamped.normal = block.normal.undamped();
     let (mut n_samples, mut least, mut largest) = (0, f64::INFINITY, 0.0_f64);
     let mut limit_s = f64::INFINITY;
     for sample in run.samples.iter().filter(|sample| sample.mode.is_contact()) {
@@ -162,6 +162,7 @@ fn stiffness(block: &Block, run: &BlockTrajectory) -> Option<StiffnessRow> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::contact::Touch;
 
     #[test]
     fn the_limit_of_an_undamped_oscillator_is_two_root_two_over_omega() {
@@ -186,10 +187,10 @@ mod tests {
         // At θ = 0 below the centre, Y is alone: M_y ÿ = −K δ − D δ̇.
         let block = &Mechanism::new(&Config::table1().unwrap()).blocks[0];
         let y = [0.0, -block.clearance - 1e-9, 0.0, 0.0, 0.0, 0.0];
-        let (k, d, m) = (block.normal.stiffness, block.normal.damping, block.inertia.m_y);
+        let (k, d, m) = (block.normal.elastic.slope(0.0), block.normal.damping, block.inertia.m_y);
         let (decay, omega) = (0.5 * d / m, (k / m).sqrt());
         let exact = Complex::new(-decay, (omega * omega - decay * decay).sqrt());
-        let found = spectrum(block, Mode::SlipPlus, 0.0, &y);
+        let found = spectrum(block, Mode::SlipPlus(Touch::PLAIN), 0.0, &y);
         let distance = found.map(|value| (value - exact).norm() / omega);
         let nearest = distance.into_iter().fold(f64::INFINITY, f64::min);
         // Measured: 3.9e-12.

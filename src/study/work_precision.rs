@@ -145,9 +145,10 @@ pub enum Progress {
     Done(String),
 }
 
-/// The settings that a configuration's `[study]` asks for, in its order; an unknown method none.
+/// The settings that a configuration's `[study]` asks for and its laws permit, in its order; an unknown
+/// method none.
 pub fn settings(config: &Config) -> Vec<Setting> {
-    let study = &config.study;
+    let (study, permitted) = (&config.study, config.permitted(&config.study.events));
     let mut settings = Vec::new();
     for method in study.methods.iter().filter_map(|name| Method::named(name)) {
         let accuracies: Vec<Accuracy> = if method.is_fixed_step() {
@@ -155,7 +156,7 @@ pub fn settings(config: &Config) -> Vec<Setting> {
         } else {
             study.rtol.iter().map(|rtol| Accuracy::Rtol(*rtol, config.solver.atol)).collect()
         };
-        for &events in &study.events {
+        for &events in &permitted {
             let setting = |accuracy: &Accuracy| Setting { method, events, accuracy: *accuracy };
             settings.extend(accuracies.iter().map(setting));
         }

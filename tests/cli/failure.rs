@@ -71,3 +71,20 @@ fn a_study_in_which_no_run_reaches_its_end_fails() {
     assert!(ran.stderr.contains("no run reached its end"), "{}", ran.stderr);
     assert_eq!(scratch.table("out/study.csv").rows.len(), 1);
 }
+
+#[test]
+fn a_contact_pressed_beyond_the_range_of_its_law_says_so_before_or_during_the_run() {
+    let scratch = Scratch::new();
+    let failure = |modulus: &str, out: &str| {
+        let sets = ["contact.law=johnson", modulus, "run.t_end=0.5"];
+        let ran = scratch.run(&with_sets(&["simulate", "--out", out], &sets));
+        assert_eq!(ran.code, Some(1), "{}", ran.stderr);
+        ran.stderr
+    };
+    // The drive alone presses with M1/l = 0.4 N.
+    let before = failure("contact.young_modulus=1e5", "soft");
+    assert!(before.contains("t = 0 ") && before.contains("at most 1."), "{before}");
+    let during = failure("contact.young_modulus=3e5", "firm");
+    assert!(during.contains("penetration δ = ") && during.contains("slip"), "{during}");
+    assert!(scratch.json("firm/run.json")["error"]["t"].as_f64() > Some(0.0));
+}

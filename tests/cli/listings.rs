@@ -21,6 +21,19 @@ fn methods_are_listed_for_readers_and_for_machines() {
 }
 
 #[test]
+fn laws_are_listed_for_machines_with_what_they_deliver() {
+    let scratch = Scratch::new();
+    let json = scratch.succeed(&["laws", "--json"]).stdout;
+    let laws: Value = serde_json::from_str(&json).unwrap();
+    let list = laws["normal"].as_array().unwrap();
+    assert_eq!((list.len(), laws["friction"].as_array().map(Vec::len)), (15, Some(16)));
+    for law in list {
+        let n = law["impacts"].as_array().map_or(0, Vec::len);
+        assert_eq!(n, if law["has_memory"] == true { 19 } else { 0 }, "{law}");
+    }
+}
+
+#[test]
 fn the_schema_is_json_and_knows_every_table() {
     let scratch = Scratch::new();
     let schema: Value =
@@ -37,7 +50,7 @@ fn help_names_every_command_and_version_is_a_number() {
     let scratch = Scratch::new();
     let help = scratch.succeed(&["--help"]).stdout;
     for command in
-        ["study", "report", "simulate", "regimes", "recommend", "audit", "methods", "config"]
+        ["study", "report", "simulate", "regimes", "recommend", "audit", "methods", "laws", "config"]
     {
         assert!(help.contains(command), "{help}");
     }

@@ -62,7 +62,7 @@ fn every_cell_is_a_row_with_its_winner_and_threads_change_nothing_but_times() {
     assert_eq!(one["hash"], two["hash"]);
     let text = scratch.text("one/regimes.md");
     for part in
-        ["**Implicit wins**", "**Locating events**", "**Nothing reaches it**", "figures/cost.png"]
+        ["- Implicit wins", "- Locating events", "- `auto`", "out of reach", "figures/cost.png"]
     {
         assert!(text.contains(part), "no {part:?} in: {text}");
     }

@@ -173,11 +173,13 @@ fn every_method_reading_and_treatment_of_events_writes_sound_files() {
 #[test]
 fn limits_of_the_model_write_sound_files() {
     let scratch = Scratch::new();
-    let cases: [&[&str]; 10] = [
+    let cases: [&[&str]; 12] = [
         &["friction.coefficient=0", SHORT],
         &["contact.damping=0", SHORT],
         &["contact.adhesion=false", SHORT],
         &["contact.exponent=1.5", SHORT],
+        &["contact.law=flores", "contact.adhesion=false", SHORT],
+        &["contact.law=dubowsky_freudenstein", SHORT],
         &["solver.rtol=1e-14", "run.t_end=0.05"],
         &["solver.rtol=0.1", "run.t_end=0.05"],
         &["run.t_end=1e-9"],
@@ -270,4 +272,16 @@ fn the_configuration_in_the_summary_is_the_one_of_the_listing() {
     let [plain, listed] = ["plain", "listed"].map(|dir| scratch.json(&format!("{dir}/run.json")));
     assert_eq!(plain["config"], listed["config"]);
     assert_eq!(plain["hash"], listed["hash"]);
+}
+
+#[test]
+fn contacts_that_begin_below_the_floor_of_the_impact_speed_are_counted() {
+    let scratch = Scratch::new();
+    scratch.simulate("low", &["contact.law=hu_guo", SHORT]);
+    scratch.simulate("high", &["contact.law=hu_guo", "contact.impact_speed_floor=10", SHORT]);
+    scratch.simulate("plain", &[SHORT]);
+    let count = |dir: &str| counts(&scratch.json(&format!("{dir}/run.json")), "n_at_speed_floor");
+    // The 0⁺ start of each joint touches at a speed of nothing.
+    assert_eq!((count("low"), count("plain")), (2, 0));
+    assert!(count("high") > 2);
 }

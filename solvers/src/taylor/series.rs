@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::base::Base;
 use super::recurrence;
 use super::rows::{Row, Table};
-use crate::real::Real;
+use crate::real::{Function, Real};
 
 /// The largest integer power that is taken by products.
 const LARGEST_PRODUCT: f64 = 64.0;
@@ -118,6 +118,13 @@ impl<'a, B: Base> Series<'a, B> {
         };
         c.set(k, c_k);
         c_k
+    }
+
+    /// The coefficient of `f` of the series in `row`, in the row taken last.
+    #[inline(never)]
+    fn function<F: Function>(table: Table<'_, B>, (row, a_k): (&Row<B>, B), f: &F) -> B {
+        let value = f.of(Series { place: Some(Place { table, row }), coefficient: a_k });
+        Series::new(table, value.coefficient(table.k)).coefficient
     }
 
     /// `selfⁿ` by squaring, `n ≥ 1`: it has no singular point where the base is zero.
@@ -350,6 +357,15 @@ impl<B: Base> Real for Series<'_, B> {
             return if p == 0.0 { Self::constant(B::cst(1.0)) } else { self };
         }
         let (c, c_k) = table.apart(|table| Self::power(table, (row, self.coefficient), p));
+        Self { place: Some(Place { table, row: c }), coefficient: c_k }
+    }
+
+    #[inline(always)]
+    fn apart<F: Function>(self, f: &F) -> Self {
+        let Some(Place { table, row }) = self.place else {
+            return Self::constant(f.of(self.coefficient));
+        };
+        let (c, c_k) = table.apart(|table| Self::function(table, (row, self.coefficient), f));
         Self { place: Some(Place { table, row: c }), coefficient: c_k }
     }
 }

@@ -21,8 +21,21 @@ fn table_1_is_the_default() {
             damping: 178.7,
             exponent: 1.0,
             adhesion: true,
+            restitution: 0.9,
+            impact_speed_floor: 1e-6,
+            young_modulus: 2.07e11,
+            poisson_ratio: 0.3,
+            length: 0.02,
+            curvature: Curvature::Internal,
         },
-        friction: Friction { law: FrictionLaw::Coulomb, coefficient: 0.1 },
+        friction: Friction {
+            law: FrictionLaw::Coulomb,
+            coefficient: 0.1,
+            static_coefficient: 0.15,
+            stribeck_speed: 1e-3,
+            regularisation_speed: 1e-4,
+            dead_ratio: 0.1,
+        },
     };
     assert_eq!(config.joints, [joint.clone(), joint]);
     assert_eq!(config.run, Run { t_end: 2.0, sample: 0.01, stop_at_90: true });

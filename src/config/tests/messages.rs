@@ -1,7 +1,7 @@
 //! The messages, word for word.
 
-use super::{refusal, set_refusal};
-use crate::config::Config;
+use super::{load, refusal, set_refusal};
+use crate::config::{Config, Events};
 
 #[test]
 fn an_unknown_key_names_the_nearest() {
@@ -95,7 +95,10 @@ fn an_unknown_word_names_the_words_and_the_nearest() {
     );
     assert_eq!(
         refusal("contact.law = \"hertz\""),
-        "bad.toml:1: contact.law = \"hertz\" is unknown: power"
+        "bad.toml:1: contact.law = \"hertz\" is unknown: power, hunt_crossley, herbert_mcwhannell, \
+         lee_wang, lankarani_nikravesh, gonthier, hu_guo, flores, carvalho_martins, \
+         exact_restitution, dubowsky_freudenstein, johnson, esdu_78035, liu or \
+         lankarani_nikravesh_cylinder"
     );
     assert_eq!(
         refusal("study.methods = [\"rk4\", \"rk455\"]"),
@@ -129,7 +132,8 @@ fn a_wrong_type_names_the_right_one() {
     assert_eq!(
         refusal("contact = 3"),
         "bad.toml:1: contact = 3 is an integer: \
-         expected a table with any of law, stiffness, damping, exponent, adhesion"
+         expected a table with any of law, stiffness, damping, exponent, adhesion, \
+         restitution, impact_speed_floor, young_modulus, poisson_ratio, length, curvature"
     );
     assert_eq!(
         refusal("joint1 = 3"),
@@ -142,7 +146,8 @@ fn a_wrong_type_names_the_right_one() {
     assert_eq!(
         refusal("[[contact]]\nstiffness = 3"),
         "bad.toml:1: contact = […] is a list: \
-         expected a table with any of law, stiffness, damping, exponent, adhesion"
+         expected a table with any of law, stiffness, damping, exponent, adhesion, \
+         restitution, impact_speed_floor, young_modulus, poisson_ratio, length, curvature"
     );
     assert_eq!(
         refusal("reading = 2020-01-01"),
@@ -218,4 +223,25 @@ fn an_assignment_needs_a_key_and_a_value() {
 fn the_first_line_with_a_mistake_is_the_one_named() {
     let text = "[study]\nrepeats = 0\n[contact]\ndamping = -1\n[strut]\nlength = 0";
     assert!(refusal(text).starts_with("bad.toml:2: study.repeats = 0 "));
+}
+
+#[test]
+fn a_blind_run_of_a_law_that_remembers_is_refused() {
+    assert_eq!(
+        refusal("joint2.contact.law = \"flores\"\nsolver.events = \"blind\""),
+        "bad.toml:2: solver.events asks for blind runs, but contact.law = flores depends on the speed of \
+         each impact, which is read off no state; use events = \"located\""
+    );
+    let both = "contact.law = \"flores\"\nstudy.events = [\"blind\", \"located\"]";
+    let config = load(both, &[]).unwrap();
+    assert_eq!(config.permitted(&config.study.events), [Events::Located]);
+}
+
+#[test]
+fn bristles_are_refused_with_the_reason() {
+    let message = refusal("[joint2]\nfriction.law = \"lugre\"");
+    assert!(
+        message.starts_with("bad.toml:2: friction.law = lugre needs the deflection"),
+        "{message}"
+    );
 }

@@ -58,9 +58,15 @@ fn contact(config: &Config) -> Vec<(String, String)> {
 
 fn joint(JointConfig { joint, contact, friction }: &JointConfig) -> String {
     format!(
-        "clearance c = {:e} m, stiffness K = {:e} N/mⁿ, damping D = {} N s/m, exponent n = {}, \
-         friction coefficient μ = {}",
-        joint.clearance, contact.stiffness, contact.damping, contact.exponent, friction.coefficient
+        "clearance c = {:e} m, contact law {}, stiffness K = {:e} N/mⁿ, damping D = {} N s/m, \
+         exponent n = {}, friction law {}, coefficient μ = {}",
+        joint.clearance,
+        contact.law,
+        contact.stiffness,
+        contact.damping,
+        contact.exponent,
+        friction.law,
+        friction.coefficient
     )
 }
 

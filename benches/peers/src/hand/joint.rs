@@ -55,7 +55,7 @@ impl Joint {
             j_c: inertia.j_c,
             torque: block.torque,
             c: block.clearance,
-            stiffness: block.normal.stiffness,
+            stiffness: block.normal.elastic.slope(0.0),
             damping: block.normal.damping,
             mu_r: block.mu * block.pin_radius,
             r: block.pin_radius,

@@ -10,6 +10,7 @@
 use std::cell::Cell;
 use std::error::Error;
 
+use deltazero::model::contact::Touch;
 use deltazero::model::{Block, Mode, State};
 use deltazero::run::ModeChange;
 use deltazero_solvers::{ModeOfState, Next, System};
@@ -273,9 +274,9 @@ const MAX_SWITCHES: usize = 16;
 /// The mode with that code.
 fn mode_of(code: f64) -> Mode {
     match code as i8 {
-        1 => Mode::SlipPlus,
-        -1 => Mode::SlipMinus,
-        2 => Mode::Stick,
+        1 => Mode::SlipPlus(Touch::PLAIN),
+        -1 => Mode::SlipMinus(Touch::PLAIN),
+        2 => Mode::Stick(Touch::PLAIN),
         _ => Mode::Apart,
     }
 }
