@@ -2,10 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use deltazero_solvers::{Accepted, Event, Next, Record, System as _};
+use deltazero_solvers::{Accepted, Event, Next, Record, System};
 use serde::{Deserialize, Serialize};
 
 use crate::config::Events;
+use crate::model::chain::{Chain, Modes};
+use crate::model::energy::{Energy, Power};
 use crate::model::{Block, Mode, State};
 use crate::quadrature::GAUSS;
 use crate::run::mode_within;
@@ -36,56 +38,126 @@ impl std::ops::AddAssign for Balance {
     }
 }
 
-/// Integrates the powers of one block along its run: five-point Gauss quadrature on the dense
+/// What has an energy: a block, or a chain.
+pub trait Energetic: System {
+    /// Energies at `y` in `mode`.
+    fn energies(&self, mode: &Self::Mode, y: &Self::State<f64>) -> Energy;
+
+    /// Powers there.
+    fn powers(&self, mode: &Self::Mode, y: &Self::State<f64>) -> Power;
+
+    /// Work of the drive from `y0` to `y1` [J]: a constant torque needs no quadrature.
+    fn drive_work(&self, y0: &Self::State<f64>, y1: &Self::State<f64>) -> f64;
+
+    /// The mode that it is computed in at `(t, y)`, inside a step begun in `mode`.
+    fn mode_inside(
+        &self,
+        events: Events,
+        mode: &Self::Mode,
+        t: f64,
+        y: &Self::State<f64>,
+    ) -> Self::Mode;
+
+    /// Whether an event between these modes may leave a dent in a bush, or take it up again.
+    fn may_relax(before: &Self::Mode, after: &Self::Mode) -> bool;
+}
+
+impl Energetic for Block {
+    fn energies(&self, mode: &Mode, y: &State<f64>) -> Energy {
+        self.energy(*mode, y)
+    }
+
+    fn powers(&self, mode: &Mode, y: &State<f64>) -> Power {
+        self.power(*mode, y)
+    }
+
+    fn drive_work(&self, y0: &State<f64>, y1: &State<f64>) -> f64 {
+        self.torque * (y1[2] - y0[2])
+    }
+
+    fn mode_inside(&self, events: Events, mode: &Mode, t: f64, y: &State<f64>) -> Mode {
+        mode_within(self, events, *mode, t, y)
+    }
+
+    fn may_relax(before: &Mode, after: &Mode) -> bool {
+        [before, after].iter().any(|mode| matches!(mode, Mode::Relaxing(_)))
+    }
+}
+
+impl Energetic for Chain {
+    fn energies(&self, modes: &Modes, y: &Vec<f64>) -> Energy {
+        self.energy(modes, y)
+    }
+
+    fn powers(&self, modes: &Modes, y: &Vec<f64>) -> Power {
+        self.power(modes, y)
+    }
+
+    fn drive_work(&self, y0: &Vec<f64>, y1: &Vec<f64>) -> f64 {
+        let bays = (0..self.bays).map(|k| (Self::state_of(y0, k), Self::state_of(y1, k)));
+        bays.map(|(y0, y1)| self.bay.drive_work(&y0, &y1)).sum()
+    }
+
+    /// The same: its events are always located.
+    fn mode_inside(&self, _: Events, modes: &Modes, _t: f64, _y: &Vec<f64>) -> Modes {
+        modes.clone()
+    }
+
+    fn may_relax(before: &Modes, after: &Modes) -> bool {
+        before.iter().zip(after.iter()).any(|(a, b)| a != b && Block::may_relax(a, b))
+    }
+}
+
+/// Integrates the powers of one block or chain along its run: five-point Gauss quadrature on the dense
 /// output of every step.
 #[derive(Clone, Debug)]
-pub struct EnergyBalance<'a> {
-    block: &'a Block,
+pub struct EnergyBalance<'a, P = Block> {
+    problem: &'a P,
     events: Events,
     start: f64,
     work: f64,
     dissipated: f64,
 }
 
-impl<'a> EnergyBalance<'a> {
-    /// The balance of a run of `block` from `y0` that treats events in this way.
-    pub fn new(block: &'a Block, events: Events, y0: &State<f64>) -> Self {
-        let energy = block.energy(block.initial_mode(0.0, y0), y0);
+impl<'a, P: Energetic> EnergyBalance<'a, P> {
+    /// The balance of a run of `problem` from `y0` that treats events in this way.
+    pub fn new(problem: &'a P, events: Events, y0: &P::State<f64>) -> Self {
+        let energy = problem.energies(&problem.initial_mode(0.0, y0), y0);
         let start = energy.kinetic + energy.elastic;
-        Self { block, events, start, work: 0.0, dissipated: 0.0 }
+        Self { problem, events, start, work: 0.0, dissipated: 0.0 }
     }
 
     /// The balance at the end of the run, at `y` in `mode`.
-    pub fn at(&self, mode: Mode, y: &State<f64>) -> Balance {
-        let energy = self.block.energy(mode, y);
+    pub fn at(&self, mode: P::Mode, y: &P::State<f64>) -> Balance {
+        let energy = self.problem.energies(&mode, y);
         let Self { work, dissipated, .. } = *self;
         let residual = work + self.start - energy.kinetic - energy.elastic - dissipated;
         Balance { work, kinetic: energy.kinetic, elastic: energy.elastic, dissipated, residual }
     }
 }
 
-impl Record<Block> for EnergyBalance<'_> {
-    fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
+impl<P: Energetic> Record<P> for EnergyBalance<'_, P> {
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let step = accepted.step;
         let h = step.t1() - step.t0();
-        self.work += self.block.torque * (step.y1()[2] - step.y0()[2]);
-        let mut y = *step.y0();
+        self.work += self.problem.drive_work(step.y0(), step.y1());
+        let mut y = step.y0().clone();
         for (node, weight) in GAUSS {
             let t = step.t0() + node * h;
             step.interpolate(t, &mut y);
-            let mode = mode_within(self.block, self.events, accepted.mode, t, &y);
-            self.dissipated += weight * h * self.block.power(mode, &y).dissipated;
+            let mode = self.problem.mode_inside(self.events, &accepted.mode, t, &y);
+            self.dissipated += weight * h * self.problem.powers(&mode, &y).dissipated;
         }
         ControlFlow::Continue(())
     }
 
-    fn event(&mut self, event: &Event<'_, Block>) -> ControlFlow<()> {
+    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
         // A contact that ends or begins at δ = 0 holds no energy there; a blind run sees it later.
-        if let Next::Mode(after) = event.after
-            && [event.before, after].iter().any(|mode| matches!(mode, Mode::Relaxing(_)))
+        if let Next::Mode(after) = &event.after
+            && P::may_relax(&event.before, after)
         {
-            let elastic = |mode| self.block.energy(mode, event.y).elastic;
-            self.dissipated += elastic(event.before) - elastic(after);
+            let elastic = |mode| self.problem.energies(mode, event.y).elastic;
+            self.dissipated += elastic(&event.before) - elastic(after);
         }
         ControlFlow::Continue(())
     }

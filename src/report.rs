@@ -13,8 +13,7 @@ pub use runs::study_csv;
 use std::fmt::Write as _;
 
 use crate::figures::Drawing;
-use crate::model::Block;
-use crate::run::{BlockTrajectory, mode_changes};
+use crate::run::JointHistory;
 use crate::study::work_precision::{ACCURACIES, WorkPrecision, cheapest};
 
 /// A number as it reads back to the same bits; empty for none.
@@ -118,40 +117,38 @@ pub fn study_markdown(reading: &str, table: &WorkPrecision, drawings: &[Drawing]
     text
 }
 
-/// `trajectory.csv`.
-pub fn trajectory_csv<'a>(
-    blocks: impl Iterator<Item = (&'a Block, &'a BlockTrajectory)>,
-) -> String {
+/// `trajectory.csv`, sorted by joint, bay and time.
+pub fn trajectory_csv(joints: &[JointHistory<'_>]) -> String {
     let mut csv = String::from(
         "bay,joint,t_s,mode,d1_m,d2_m,theta_rad,v1_m_s,v2_m_s,omega_rad_s,f_n_n,f_t_n\n",
     );
-    for (block, trajectory) in blocks {
-        for sample in &trajectory.samples {
-            let [d1, d2, theta, v1, v2, omega] = block.in_paper_order(&sample.y);
-            let forces = block.forces(sample.mode, &sample.y, &block.pose(&sample.y));
+    for JointHistory { bay, block, samples, .. } in joints {
+        for sample in samples {
+            let [d1, d2, theta, v1, v2, omega] = sample.y;
             let (joint, t, mode) = (block.joint, sample.t, sample.mode.code());
             // A diverging state may be finite where its forces are not.
-            let [f_n, f_t] =
-                [forces.normal, forces.tangential].map(|f| exact(f.is_finite().then_some(f)));
+            let [f_n, f_t] = [sample.forces.normal, sample.forces.tangential]
+                .map(|f| exact(f.is_finite().then_some(f)));
             let _ = writeln!(
                 csv,
-                "1,{joint},{t:e},{mode},{d1:e},{d2:e},{theta:e},{v1:e},{v2:e},{omega:e},{f_n},{f_t}"
+                "{bay},{joint},{t:e},{mode},{d1:e},{d2:e},{theta:e},{v1:e},{v2:e},{omega:e},{f_n},{f_t}"
             );
         }
     }
     csv
 }
 
-/// `events.csv`: the mode changes, sorted by time, then joint.
-pub fn events_csv<'a>(blocks: impl Iterator<Item = (&'a Block, &'a BlockTrajectory)>) -> String {
-    let mut rows = Vec::new();
-    for (block, trajectory) in blocks {
-        rows.extend(mode_changes(trajectory).into_iter().map(|change| (block.joint, change)));
-    }
+/// `events.csv`: the mode changes, sorted by time, then bay, then joint.
+pub fn events_csv(joints: &[JointHistory<'_>]) -> String {
+    let changes_of = |joint: &JointHistory<'_>| {
+        let place = (joint.bay, joint.block.joint);
+        joint.changes.iter().map(|change| (place, *change)).collect::<Vec<_>>()
+    };
+    let mut rows: Vec<_> = joints.iter().flat_map(changes_of).collect();
     rows.sort_by(|a, b| a.1.t.total_cmp(&b.1.t).then(a.0.cmp(&b.0)));
     let mut csv = String::from("bay,joint,t_s,mode_before,mode_after\n");
-    for (joint, change) in rows {
-        let _ = writeln!(csv, "1,{joint},{:e},{},{}", change.t, change.before, change.after);
+    for ((bay, joint), change) in rows {
+        let _ = writeln!(csv, "{bay},{joint},{:e},{},{}", change.t, change.before, change.after);
     }
     csv
 }

@@ -1,5 +1,8 @@
 //! One run: a mechanism, block by block, by one method at one setting.
 
+mod chain;
+mod part;
+
 use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,6 +20,9 @@ use deltazero_solvers::taylor::ExtendedIntegration;
 
 use crate::config::{Atol, Config, Events};
 use crate::model::{Block, Mechanism, Mode, State};
+
+pub use chain::{ChainRun, ChainTrajectory, chain_mode_changes, integrate_chain};
+pub use part::{JointHistory, JointSample, Part};
 
 /// How accurate a method is asked to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -245,8 +251,8 @@ impl Limits<'_> {
     }
 }
 
-impl Record<Block> for Limits<'_> {
-    fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
+impl<P: System> Record<P> for Limits<'_> {
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         if accepted.stats.work.n_rhs > self.max_rhs || self.is_stopped() {
             ControlFlow::Break(())
         } else {
@@ -254,7 +260,7 @@ impl Record<Block> for Limits<'_> {
         }
     }
 
-    fn event(&mut self, _: &Event<'_, Block>) -> ControlFlow<()> {
+    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 
@@ -331,13 +337,11 @@ pub struct ModeChange {
 
 /// Contacts that began at the floor of the impact speed or below it, of a law that asks for that speed.
 pub fn contacts_at_floor(block: &Block, trajectory: &BlockTrajectory) -> usize {
-    let begins_at_floor = |switch: &&Switch<Mode>| match switch.after {
-        Next::Mode(after) if switch.before == Mode::Apart => {
-            after.touch().is_some_and(|touch| touch.impact_speed <= block.normal.impact_speed_floor)
-        }
-        _ => false,
+    let is_at_floor = |switch: &&Switch<Mode>| match switch.after {
+        Next::Mode(after) => block.begins_at_floor(switch.before, after),
+        Next::Stop => false,
     };
-    trajectory.events.iter().filter(begins_at_floor).count()
+    trajectory.events.iter().filter(is_at_floor).count()
 }
 
 /// The mode changes among the events of a block; free apart and free relaxing are one mode.

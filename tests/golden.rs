@@ -5,7 +5,7 @@ mod common;
 
 use std::sync::atomic::AtomicBool;
 
-use common::{Golden, config, located, run, setting};
+use common::{Golden, GoldenChain, config, located, run, run_chain, setting};
 use deltazero::config::Events;
 use deltazero::metrics::{ErrorScale, match_events, sample_error};
 use deltazero::model::Mechanism;
@@ -234,4 +234,29 @@ fn work_does_not_depend_on_what_is_recorded() {
     };
     assert_eq!(work("0.01"), work("0.0007"));
     assert_eq!(work("0.01"), work("0"));
+}
+
+#[test]
+fn a_chain_of_three_bays_is_reproduced() {
+    let golden = GoldenChain::read("pin_3bays", 3);
+    let config = config(&["bays=3", "run.t_end=0.5"]);
+    // Measured: e = 2.8e-8, 5.8e-11, 2.9e-11, 4.5e-7, 2.7e-8 and 1.4e-6.
+    let bounds = [
+        ("rk45", 1e-9, 1e-7, 1e-7),
+        ("dop853", 1e-11, 5e-10, 3e-10),
+        ("taylor", 1e-11, 2e-10, 1e-10),
+        ("radau5", 1e-10, 4e-6, 2e-6),
+        ("rodas5p", 1e-9, 2e-7, 1e-7),
+        ("bdf", 1e-9, 1e-5, 7e-6),
+    ];
+    for (method, rtol, most, latest) in bounds {
+        let (chain, run) = run_chain(&config, method, rtol);
+        let (e, events) = golden.compare(&chain, &run);
+        assert!(e <= most, "{method}: {e:e}");
+        assert_eq!(events.iter().map(|bay| bay.paired).collect::<Vec<_>>(), [42, 19, 36]);
+        for bay in events {
+            assert_eq!((bay.missed, bay.spurious), (0, 0), "{method}");
+            assert!(bay.time_error <= latest, "{method}: {:e}", bay.time_error);
+        }
+    }
 }

@@ -3,15 +3,15 @@
 
 mod common;
 
-use common::{config, located, run, setting};
+use common::{config, located, run, run_chain, setting};
 use deltazero::config::{Config, ContactLaw, Events, ReadingName};
 use deltazero::energy_balance::{Balance, EnergyBalance};
-use deltazero::metrics::log_log_slope;
+use deltazero::metrics::{ErrorScale, log_log_slope, sample_error};
 use deltazero::model::contact::Touch;
-use deltazero::model::{Mechanism, Mode};
-use deltazero::run::{Accuracy, Setting, integrate};
+use deltazero::model::{Chain, Mechanism, Mode};
+use deltazero::run::{Accuracy, Setting, integrate, integrate_chain};
 use deltazero::study::ideal::ideal;
-use deltazero_solvers::{Next, Outcome};
+use deltazero_solvers::{Method, Next, Outcome};
 
 fn balance(config: &Config, setting: &Setting) -> Balance {
     let mut sum = Balance::default();
@@ -196,4 +196,63 @@ fn one_joint_does_not_feel_the_other() {
     let (soft, table1) = (end(&soft), end(&table1));
     assert_eq!(soft[0], table1[0]);
     assert_ne!(soft[1], table1[1]);
+}
+
+#[test]
+fn the_energy_of_a_chain_balances() {
+    // Measured: 7.6e-11, 7.6e-11 and 1.4e-12.
+    for (set, bound) in [
+        ("contact.adhesion=true", 7e-10),
+        ("contact.adhesion=false", 7e-10),
+        ("contact.exponent=1.5", 1e-11),
+    ] {
+        let config = config(&["bays=4", "run.t_end=0.2", set]);
+        let chain = Chain::new(&config);
+        let y0 = chain.initial_state();
+        let mut record = EnergyBalance::new(&chain, Events::Located, &y0);
+        let (rk45, accuracy) = (Method::named("rk45").unwrap(), Accuracy::Rtol(1e-10, None));
+        let run = integrate_chain(&chain, rk45, accuracy, y0, config.run.t_end, &mut record);
+        assert_eq!(run.outcome, Ok(Outcome::Finished), "{set}");
+        let balance = record.at(run.modes, &run.y);
+        let relative = (balance.residual / balance.work).abs();
+        assert!(relative < bound, "{set}: {relative:e}");
+    }
+}
+
+#[test]
+fn a_chain_of_one_bay_is_joint_1() {
+    let config = config(&["run.t_end=0.5"]);
+    let (chain, of_chain) = run_chain(&config, "rk45", 1e-9);
+    let (_, of_block) = run(&config, &located("rk45", 1e-9));
+    let of_block = &of_block.trajectories[0];
+    let scale = ErrorScale { clearance: chain.bay.clearance, theta: 1e-3 };
+    assert_eq!(of_chain.events.len(), of_block.events.len());
+    for (one, other) in of_chain.samples.iter().zip(&of_block.samples) {
+        assert_eq!(one.mode[0], other.mode);
+        let e = sample_error(&Chain::state_of(&one.y, 0), &other.y, scale);
+        // Measured: the same bits, though by other operations.
+        assert!(e < 1e-12, "{e:e} at {} s", one.t);
+    }
+}
+
+#[test]
+fn an_event_at_one_bay_leaves_the_modes_of_the_others() {
+    let (chain, run) = run_chain(&config(&["bays=5", "run.t_end=0.1"]), "rk45", 1e-8);
+    let mut seen = vec![false; chain.bays];
+    for event in &run.events {
+        let Next::Mode(after) = &event.after else { panic!("no bay reaches 90 degrees") };
+        for k in 0..chain.bays {
+            let is_own = k == Chain::bay_of(event.guard);
+            assert_eq!(event.before[k] != after[k], is_own, "bay {} at {} s", k + 1, event.t);
+            seen[k] |= is_own;
+        }
+    }
+    assert!(seen.iter().all(|seen| *seen), "{seen:?}");
+}
+
+#[test]
+fn many_bays_that_leave_the_surface_at_once_are_no_storm() {
+    let config = config(&["bays=150", "run.t_end=1e-4"]);
+    let (chain, run) = run_chain(&config, "rk45", 1e-6);
+    assert!(run.events.len() >= chain.bays, "{}", run.events.len());
 }

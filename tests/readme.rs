@@ -3,8 +3,8 @@
 
 use deltazero::config::Config;
 use deltazero::report;
-use deltazero::study::audit::Audit;
 use deltazero::report::laws::markdown;
+use deltazero::study::audit::Audit;
 use deltazero::study::friction::costs;
 use deltazero::study::restitution::deliveries;
 use deltazero::study::work_precision::WorkPrecision;

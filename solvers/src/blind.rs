@@ -102,21 +102,21 @@ impl<'a, P: ModeOfState, R: Record<P>> Unblind<'a, P, R> {
 
 impl<'a, P: ModeOfState, R: Record<P>> Record<Blind<'a, P>> for Unblind<'a, P, R> {
     fn step(&mut self, accepted: &Accepted<'_, Blind<'a, P>>) -> ControlFlow<()> {
-        let (step, before) = (accepted.step, self.mode);
-        let seen = Accepted { mode: before, step, landed_on: None, stats: accepted.stats };
+        let (step, before) = (accepted.step, self.mode.clone());
+        let seen = Accepted { mode: before.clone(), step, landed_on: None, stats: accepted.stats };
         let go_on = self.record.step(&seen);
         let after = self.problem.mode_of_state(step.t1(), step.y1());
         if after == before || go_on.is_break() {
             return go_on;
         }
-        self.mode = after;
+        self.mode = after.clone();
         let (t, y) = (step.t1(), step.y1());
         self.record.event(&Event { t, guard: 0, before, after: Next::Mode(after), y })
     }
 
     fn event(&mut self, event: &Event<'_, Blind<'a, P>>) -> ControlFlow<()> {
         let (t, guard, y) = (event.t, event.guard, event.y);
-        self.record.event(&Event { t, guard, before: self.mode, after: Next::Stop, y })
+        self.record.event(&Event { t, guard, before: self.mode.clone(), after: Next::Stop, y })
     }
 
     fn interpolates(&self, t0: f64, t1: f64) -> bool {

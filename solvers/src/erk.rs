@@ -73,7 +73,7 @@ impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
         self.is_dense = false;
         for i in 1..S {
             combine(&step.y0, h, tableau.a[i], &step.k, &mut self.y_stage);
-            problem.rhs(mode, step.t0 + tableau.c[i] * h, &self.y_stage, &mut step.k[i]);
+            problem.rhs(mode.clone(), step.t0 + tableau.c[i] * h, &self.y_stage, &mut step.k[i]);
         }
         stats.work.n_rhs += (S - 1) as u64;
         if self.first_same_as_last {
@@ -109,7 +109,7 @@ impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
             for (a, slope) in a.iter().zip(step.slopes()) {
                 add(&mut self.y_stage, step.h * a, slope);
             }
-            problem.rhs(mode, step.t0 + c * step.h, &self.y_stage, &mut step.extra[i]);
+            problem.rhs(mode.clone(), step.t0 + c * step.h, &self.y_stage, &mut step.extra[i]);
             stats.work.n_rhs += 1;
         }
     }

@@ -73,6 +73,8 @@ pub struct GuardWatch<P: System> {
     y: P::State<f64>,
     /// Values at the quarters of a step on its dense output.
     quarters: [P::Guards<f64>; 3],
+    /// Values at the first fall found so far.
+    at_first: P::Guards<f64>,
     /// Fraction of the present step at which each guard's first dip is deepest.
     deepest: Vec<f64>,
     /// Fraction up to which the dips of each guard were the interpolant's alone.
@@ -94,6 +96,7 @@ impl<P: System> GuardWatch<P> {
             doubts: zeros(),
             y: Vector::from_fn(problem.dim(), |_| 0.0),
             quarters: std::array::from_fn(|_| zeros()),
+            at_first: zeros(),
             deepest: vec![0.0; n],
             disproved: vec![0.0; n],
             has_disproved: false,
@@ -111,8 +114,8 @@ impl<P: System> GuardWatch<P> {
         t: f64,
         y: &P::State<f64>,
     ) -> Result<Option<usize>, Error> {
-        problem.guards(mode, t, y, &mut self.values);
-        problem.guard_bounds(mode, t, y, &mut self.bounds);
+        problem.guards(mode.clone(), t, y, &mut self.values);
+        problem.guard_bounds(mode.clone(), t, y, &mut self.bounds);
         let mut first = None;
         for (i, (g, bound)) in self.values.as_ref().iter().zip(self.bounds.as_ref()).enumerate() {
             let margin = g + bound;
@@ -245,30 +248,43 @@ impl<P: System> GuardWatch<P> {
         let h = t1 - t0;
         self.doubts.as_mut().fill(0.0);
         if let Some(tolerance) = doubt {
-            self.doubt(problem, mode, step, tolerance);
+            self.doubt(problem, mode.clone(), step, tolerance);
         }
         for (quarter, values) in (1..).zip(&mut self.quarters) {
             step.interpolate(t0 + 0.25 * f64::from(quarter) * h, &mut self.y);
-            problem.guards(mode, t0 + 0.25 * f64::from(quarter) * h, &self.y, values);
+            problem.guards(mode.clone(), t0 + 0.25 * f64::from(quarter) * h, &self.y, values);
         }
-        self.violated(problem, mode, t1, step.y1())?;
+        self.violated(problem, mode.clone(), t1, step.y1())?;
         let mut first: Option<Fall> = None;
+        let mut knows_first = false;
         for guard in 0..self.end.as_ref().len() {
             let is_violated = self.end.as_ref()[guard].re < -self.bounds.as_ref()[guard];
             if !is_violated && self.holds(guard, h) {
                 continue;
             }
-            let (top, dip) = self.dip(problem, mode, step, guard);
+            let (top, dip) = self.dip(problem, mode.clone(), step, guard);
             let violated_at = match dip {
                 Some(theta) => t0 + theta * h,
                 None if is_violated => t1,
                 None => continue,
             };
-            let clearance = |t| self.clearance_on(problem, mode, step, guard, t);
+            if let (Some(first), None) = (first, dip) {
+                if !knows_first {
+                    step.interpolate(first.t, &mut self.y);
+                    problem.guards(mode.clone(), first.t, &self.y, &mut self.at_first);
+                    knows_first = true;
+                }
+                // It falls later, or with the first: no search, of which many alike would take many.
+                if self.at_first.as_ref()[guard] >= -self.bounds.as_ref()[guard] {
+                    continue;
+                }
+            }
+            let clearance = |t| self.clearance_on(problem, mode.clone(), step, guard, t);
             let bracket = Bracket { above: t0 + top * h, below: violated_at };
             let t = find_root(clearance, bracket, precision * h.abs());
             if first.is_none_or(|other| (t - t0).abs() < (other.t - t0).abs()) {
                 first = Some(Fall { guard, t, violated_at });
+                knows_first = false;
             }
         }
         if first.is_none() {
@@ -288,12 +304,13 @@ impl<P: System> GuardWatch<P> {
     ) {
         let y = step.y1().as_ref();
         let mut g = self.end.clone();
-        for (j, atol) in tolerance.atol.iter().enumerate() {
-            let error = atol + tolerance.rtol * y[j].abs();
+        let span = problem.guard_span();
+        let error = |i: usize| tolerance.atol[i] + tolerance.rtol * y[i].abs();
+        for j in 0..span.min(y.len()) {
             let seeded = P::State::<Dual64>::from_fn(y.len(), |i| {
-                Dual64::new(y[i], if i == j { error } else { 0.0 })
+                Dual64::new(y[i], if i % span == j { error(i) } else { 0.0 })
             });
-            problem.guards(mode, Dual64::from_re(step.t1()), &seeded, &mut g);
+            problem.guards(mode.clone(), Dual64::from_re(step.t1()), &seeded, &mut g);
             for (doubt, g) in self.doubts.as_mut().iter_mut().zip(g.as_ref()) {
                 *doubt += g.eps.abs();
             }
@@ -371,8 +388,9 @@ impl<P: System> GuardWatch<P> {
             }
             if nodes[k] < MISFIT * range {
                 let (a, b) = (at(k.max(1) - 1), at((k + 1).min(N_NODES)));
-                let above =
-                    |theta: f64| self.clearance_on(problem, mode, step, i, t0 + theta * h) + margin;
+                let above = |theta: f64| {
+                    self.clearance_on(problem, mode.clone(), step, i, t0 + theta * h) + margin
+                };
                 let (theta, least) = minimum(above, [a, 0.5 * (a + b), b]);
                 if least < 0.0 && theta > self.disproved[i] {
                     self.deepest[i] = theta;

@@ -13,7 +13,7 @@ use crate::system::{Next, System, Vector};
 /// Transitions at one instant beyond which two modes are held to chatter, or twice as many as there are
 /// guards.
 const CHATTER: usize = 16;
-/// That many events in a row …
+/// That many events in a row, or twice as many as there are guards, …
 const STORM: usize = 100;
 /// … within this fraction of the time since the integration's start are held to accumulate, …
 const STORM_SPAN: f64 = 1e-9;
@@ -87,7 +87,7 @@ pub(crate) struct Instant<'a, P: System, B: Real> {
 
 impl<P: System, B: Real> Instant<'_, P, B> {
     fn point(&self) -> Point<P> {
-        Point { t: self.t.value(), y: rounded::<P, B>(self.y), mode: *self.mode }
+        Point { t: self.t.value(), y: rounded::<P, B>(self.y), mode: self.mode.clone() }
     }
 }
 
@@ -100,7 +100,9 @@ pub(crate) fn rounded<P: System, B: Real>(y: &P::State<B>) -> P::State<f64> {
 /// What happens between phases: transitions, until no guard is violated.
 pub(crate) struct Switchboard<P: System> {
     watch: GuardWatch<P>,
+    /// Times of the last events, one fewer than are held to accumulate.
     last_events: VecDeque<f64>,
+    n_storm: usize,
     t_start: f64,
     t_end: f64,
 }
@@ -108,8 +110,9 @@ pub(crate) struct Switchboard<P: System> {
 impl<P: System> Switchboard<P> {
     /// For an integration that starts at `t`.
     pub(crate) fn new(problem: &P, t: f64) -> Self {
-        let watch = GuardWatch::new(problem);
-        Self { watch, last_events: VecDeque::with_capacity(STORM), t_start: t, t_end: t }
+        let n_storm = STORM.max(2 * problem.n_guards());
+        let last_events = VecDeque::with_capacity(n_storm);
+        Self { watch: GuardWatch::new(problem), last_events, n_storm, t_start: t, t_end: t }
     }
 
     /// Begins a run from `point` to `t_end`; the first guard violated there.
@@ -129,7 +132,7 @@ impl<P: System> Switchboard<P> {
     }
 
     fn violated(&mut self, problem: &P, point: &Point<P>) -> Result<Option<usize>, Error> {
-        self.watch.violated(problem, point.mode, point.t, &point.y)
+        self.watch.violated(problem, point.mode.clone(), point.t, &point.y)
     }
 
     /// Makes the transition of `guard`, and those of all guards that are then violated at the
@@ -142,19 +145,19 @@ impl<P: System> Switchboard<P> {
         stats: &mut Stats,
         record: &mut dyn Record<P>,
     ) -> Result<Option<Outcome>, Error> {
-        let mut last = (*at.mode, guard);
+        let mut last = (at.mode.clone(), guard);
         let most = CHATTER.max(2 * problem.n_guards());
         for _ in 0..most {
-            last = (*at.mode, guard);
-            let after = problem.transition(*at.mode, guard, at.t, at.y);
+            last = (at.mode.clone(), guard);
+            let after = problem.transition(at.mode.clone(), guard, at.t, at.y);
             let mut outcome = enter(&mut at, guard, after, stats, record)?;
             if outcome.is_none()
                 && let Some(span) = self.storm(at.t.value())
             {
                 let Point { t, mut y, mode } = at.point();
-                let Some(limit) = problem.accumulation(mode, guard, t, &mut y) else {
+                let Some(limit) = problem.accumulation(mode.clone(), guard, t, &mut y) else {
                     let mode = format!("{mode:?}");
-                    return Err(Error::EventStorm { t, n: STORM, span, mode });
+                    return Err(Error::EventStorm { t, n: self.n_storm, span, mode });
                 };
                 *at.y = Vector::from_fn(y.as_ref().len(), |i| B::cst(y.as_ref()[i]));
                 outcome = enter(&mut at, guard, Next::Mode(limit), stats, record)?;
@@ -174,7 +177,7 @@ impl<P: System> Switchboard<P> {
     /// Takes note of an event at `t`; the time over which the last ones accumulated, if they did.
     fn storm(&mut self, t: f64) -> Option<f64> {
         self.last_events.push_back(t);
-        if self.last_events.len() < STORM {
+        if self.last_events.len() < self.n_storm {
             return None;
         }
         let span = self.last_events.pop_front().map_or(f64::INFINITY, |first| (t - first).abs());
@@ -197,13 +200,14 @@ fn enter<P: System, B: Real>(
     stats: &mut Stats,
     record: &mut dyn Record<P>,
 ) -> Result<Option<Outcome>, Error> {
-    let before = *at.mode;
-    if let Next::Mode(next) = after {
-        *at.mode = next;
+    let before = at.mode.clone();
+    if let Next::Mode(next) = &after {
+        at.mode.clone_from(next);
     }
     stats.n_events += 1;
     let point = at.point();
-    let go_on = record.event(&Event { t: point.t, guard, before, after, y: &point.y });
+    let go_on =
+        record.event(&Event { t: point.t, guard, before, after: after.clone(), y: &point.y });
     check_finite(&point, &point.y)?;
     Ok(match after {
         Next::Stop => Some(Outcome::Stopped),

@@ -81,10 +81,10 @@ pub trait OneStep<P: System> {
         watch: &mut GuardWatch<P>,
         stats: &mut Stats,
     ) -> Result<Option<Fall>, Error> {
-        if watch.is_clear(problem, mode, self.step()) {
+        if watch.is_clear(problem, mode.clone(), self.step()) {
             return Ok(None);
         }
-        self.densify(problem, mode, stats);
+        self.densify(problem, mode.clone(), stats);
         watch.first_to_fall(problem, mode, self.step(), PREDICTION, None)
     }
 
@@ -153,7 +153,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         let h0 = h0.min(span.abs()).copysign(span);
         let ahead = P::State::from_fn(y.len(), |i| y[i] + h0 * slope[i]);
         let mut slope_ahead = ahead.clone();
-        problem.rhs(point.mode, point.t + h0, &ahead, &mut slope_ahead);
+        problem.rhs(point.mode.clone(), point.t + h0, &ahead, &mut slope_ahead);
         stats.work.n_rhs += 1;
         let change: P::State<f64> =
             Vector::from_fn(y.len(), |i| (slope_ahead.as_ref()[i] - slope[i]) / h0);
@@ -220,7 +220,9 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         let (t0, t1) = (self.method.step().t0(), self.method.step().t1());
         let mut bracket = Bracket { above: 0.0, below: fall.violated_at - t0 };
         if (fall.violated_at != t1 || !self.method.repeats())
-            && self.retake(problem, mode, t0 + bracket.below, bracket.below, stats)?.is_none()
+            && self
+                .retake(problem, mode.clone(), t0 + bracket.below, bracket.below, stats)?
+                .is_none()
         {
             self.retake(problem, mode, t1, t1 - t0, stats)?;
             return Ok(None);
@@ -233,12 +235,12 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             if closed {
                 h = bracket.below;
             }
-            let violated = self.retake(problem, mode, t0 + h, h, stats)?;
+            let violated = self.retake(problem, mode.clone(), t0 + h, h, stats)?;
             if closed || (violated.is_none() && self.watch.is_past(guard)) {
                 return Ok(violated.or(Some(guard)));
             }
             bracket.narrow(h, if violated.is_some() { -1.0 } else { 1.0 });
-            (guard, h) = self.newton(problem, mode, guard, h);
+            (guard, h) = self.newton(problem, mode.clone(), guard, h);
             n += 1;
             if n > NEWTON_RETAKES && n % 2 == 0 {
                 h = bracket.middle();
@@ -254,9 +256,9 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         stats: &mut Stats,
     ) -> Result<Option<usize>, Error> {
         loop {
-            let falls = self.method.first_to_fall(problem, mode, &mut self.watch, stats)?;
+            let falls = self.method.first_to_fall(problem, mode.clone(), &mut self.watch, stats)?;
             let Some(fall) = falls else { return Ok(None) };
-            if let Some(guard) = self.land(problem, mode, fall, stats)? {
+            if let Some(guard) = self.land(problem, mode.clone(), fall, stats)? {
                 return Ok(Some(guard));
             }
             self.watch.disprove_dip(fall.guard);
@@ -273,12 +275,12 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         h: f64,
         stats: &mut Stats,
     ) -> Result<Option<usize>, Error> {
-        self.method.attempt(problem, mode, t1, h, stats);
+        self.method.attempt(problem, mode.clone(), t1, h, stats);
         if !self.method.has_converged() {
             let (t, mode) = (self.method.step().t0(), format!("{mode:?}"));
             return Err(Error::NoConvergence { t, h, mode });
         }
-        self.method.complete(problem, mode, stats);
+        self.method.complete(problem, mode.clone(), stats);
         stats.n_retaken += 1;
         self.watch.violated(problem, mode, t1, self.method.step().y1())
     }
@@ -310,16 +312,16 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
         if point.t == t_end {
             return Ok(PhaseEnd::EndOfTime);
         }
-        let mode = point.mode;
+        let mode = point.mode.clone();
         let before = stats.work;
         let (stretch, least) = match self.controller.control() {
             Control::Fixed(_) => (STRETCH_FIXED, 0.0),
             Control::Adaptive(_) => (STRETCH_ADAPTIVE, LEAST_START * point.t.abs()),
         };
-        self.method.restart(problem, mode, point.t, &point.y, stats);
+        self.method.restart(problem, mode.clone(), point.t, &point.y, stats);
         check_finite(point, self.method.step().slope0())?;
-        self.watch.begin(problem, mode, point.t, &point.y, self.method.step().slope0());
-        let at_start = self.proposed(problem, mode, t_end - point.t, stats);
+        self.watch.begin(problem, mode.clone(), point.t, &point.y, self.method.step().slope0());
+        let at_start = self.proposed(problem, mode.clone(), t_end - point.t, stats);
         let h = match (at_start.or(self.h), self.controller.control()) {
             (Some(h), _) | (None, &Control::Fixed(h)) => h,
             (None, Control::Adaptive(tolerance)) => {
@@ -336,7 +338,7 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             }
             // The step that time really takes, so that t and y do not drift apart.
             let h_taken = t1 - point.t;
-            self.method.attempt(problem, mode, t1, h_taken, stats);
+            self.method.attempt(problem, mode.clone(), t1, h_taken, stats);
             if !self.method.has_converged() {
                 h = self.unconverged(point, h_taken, stats)?;
                 continue;
@@ -349,10 +351,10 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
                 Verdict::Accept(next) => h = next,
             }
             check_finite(point, self.method.step().y1())?;
-            self.method.complete(problem, mode, stats);
+            self.method.complete(problem, mode.clone(), stats);
             check_finite(point, self.method.step().slope1())?;
             let before = stats.work;
-            let landed_on = self.locate(problem, mode, stats);
+            let landed_on = self.locate(problem, mode.clone(), stats);
             if stats.work != before {
                 stats.location += stats.work - before;
             }
@@ -373,13 +375,13 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             }
             if record.interpolates(point.t, self.method.step().t1()) {
                 // What sampling costs is no part of the work.
-                self.method.densify(problem, mode, &mut Stats::default());
+                self.method.densify(problem, mode.clone(), &mut Stats::default());
             }
             stats.n_accepted += 1;
             point.t = self.method.step().t1();
             point.y.clone_from(self.method.step().y1());
             let step = self.method.step();
-            let go_on = record.step(&Accepted { mode, step, landed_on, stats });
+            let go_on = record.step(&Accepted { mode: mode.clone(), step, landed_on, stats });
             self.h = Some(h);
             match landed_on {
                 _ if go_on.is_break() => return Ok(PhaseEnd::Interrupted),
@@ -387,7 +389,7 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
                 None => self.method.advance(),
             }
             if point.t != t_end
-                && let Some(proposed) = self.proposed(problem, mode, t_end - point.t, stats)
+                && let Some(proposed) = self.proposed(problem, mode.clone(), t_end - point.t, stats)
             {
                 h = proposed;
             }

@@ -190,8 +190,8 @@ impl<P: System, const S: usize> OneStep<P> for RosenbrockMethod<P::State<f64>, S
         let (tableau, step) = (self.tableau, &mut self.step);
         (step.t1, step.h) = (t1, h);
         if !std::mem::replace(&mut self.is_linearised, true) {
-            let non_finite = self.jacobian.evaluate(problem, mode, step.t0, &step.y0);
-            problem.time_derivative(mode, step.t0, &step.y0, &mut self.curvature);
+            let non_finite = self.jacobian.evaluate(problem, mode.clone(), step.t0, &step.y0);
+            problem.time_derivative(mode.clone(), step.t0, &step.y0, &mut self.curvature);
             self.jacobian.add_product(step.slope0.as_ref(), self.curvature.as_mut());
             stats.work.n_jac += 1;
             let of_time = || self.curvature.as_ref().iter().position(|d| !d.is_finite());
@@ -210,7 +210,12 @@ impl<P: System, const S: usize> OneStep<P> for RosenbrockMethod<P::State<f64>, S
             add(&mut self.y_stage, tableau.c[i] * h, &step.slope0);
             combine(&self.zero, 1.0, tableau.coupling[i], before, w);
             if i > 0 {
-                problem.rhs(mode, step.t0 + tableau.c[i] * h, &self.y_stage, &mut step.slope1);
+                problem.rhs(
+                    mode.clone(),
+                    step.t0 + tableau.c[i] * h,
+                    &self.y_stage,
+                    &mut step.slope1,
+                );
                 stats.work.n_rhs += 1;
                 if let Some(component) = step.slope1.as_ref().iter().position(|d| !d.is_finite()) {
                     step.spoil(component);

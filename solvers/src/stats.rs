@@ -145,13 +145,13 @@ impl<P: System, K: PartialEq, F: Fn(P::Mode) -> K> Record<P> for WorkByKind<K, F
         if now.work.n_rhs < self.seen.work.n_rhs || now.n_accepted < self.seen.n_accepted {
             self.seen = Stats::default();
         }
-        self.add((self.kind)(accepted.mode), now - self.seen);
+        self.add((self.kind)(accepted.mode.clone()), now - self.seen);
         self.seen = now;
         ControlFlow::Continue(())
     }
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
-        self.add((self.kind)(event.before), Stats { n_events: 1, ..Stats::default() });
+        self.add((self.kind)(event.before.clone()), Stats { n_events: 1, ..Stats::default() });
         ControlFlow::Continue(())
     }
 

@@ -8,6 +8,9 @@ use crate::real::Real;
 
 /// A vector of scalars of one length: `[S; N]` where it is small and known, `Vec<S>` otherwise.
 pub trait Vector<S>: Clone + Debug + AsRef<[S]> + AsMut<[S]> {
+    /// Whether its length is part of its type, and small: what is worth code of its own, and dense matrices.
+    const IS_SHORT: bool = false;
+
     /// The vector of length `n` with the entries `entry(0) … entry(n − 1)`.
     ///
     /// # Panics
@@ -16,6 +19,8 @@ pub trait Vector<S>: Clone + Debug + AsRef<[S]> + AsMut<[S]> {
 }
 
 impl<S: Copy + Debug, const N: usize> Vector<S> for [S; N] {
+    const IS_SHORT: bool = true;
+
     // Up to eight entries without a loop or a call: those of a series are then registers.
     #[inline(always)]
     fn from_fn(n: usize, mut entry: impl FnMut(usize) -> S) -> Self {
@@ -59,8 +64,9 @@ pub enum Next<M> {
 /// the driver's. `rhs` and `guards` must be smooth functions *of their mode*, defined a little
 /// past its surfaces too: a step is taken whole in one mode and then cut.
 pub trait System {
-    /// The discrete state. It may carry data, such as the speed of the last impact.
-    type Mode: Copy + PartialEq + Debug;
+    /// The discrete state. It may carry data, such as the speed of the last impact. It is handed on by
+    /// value, often: a long one is a handle to its parts, as an `Arc<[T]>` is.
+    type Mode: Clone + PartialEq + Debug;
     /// The continuous state, [`dim`](Self::dim) long.
     type State<S: Real>: Vector<S>;
     /// The values of the guards, [`n_guards`](Self::n_guards) long.
@@ -91,6 +97,12 @@ pub trait System {
         y: &Self::State<f64>,
         bounds: &mut Self::Guards<f64>,
     );
+
+    /// A distance of states at whose multiples no two of them, by index, are in one guard: what a system of
+    /// many like parts tells for the sake of its cost. The default tells nothing.
+    fn guard_span(&self) -> usize {
+        self.dim()
+    }
 
     /// What happens when guard number `guard` of `mode` fell below zero at `(t, y)`: the next
     /// mode, with `y` changed where the event resets it.
@@ -124,7 +136,8 @@ pub trait System {
     }
 
     /// Calls `entry(i, j, ∂f_i/∂y_j)` for every entry of the Jacobian that is not zero in all
-    /// modes; entries that vanish in this mode alone are given as zero.
+    /// modes; entries that vanish in this mode alone are given as zero. A mode that couples more states
+    /// than the usual ones may give more: each new pattern is analysed anew.
     ///
     /// The default differentiates [`rhs`](Self::rhs) with dual numbers, one column a call: exact
     /// to rounding, and `dim` evaluations in cost.
@@ -144,7 +157,7 @@ pub trait System {
             let seeded = Self::State::<Dual64>::from_fn(n, |i| {
                 Dual64::new(y[i], if i == j { 1.0 } else { 0.0 })
             });
-            self.rhs(mode, Dual64::from_re(t), &seeded, &mut dydt);
+            self.rhs(mode.clone(), Dual64::from_re(t), &seeded, &mut dydt);
             for (i, d) in dydt.as_ref().iter().enumerate() {
                 entry(i, j, d.eps);
             }

@@ -74,7 +74,7 @@ impl<Y, M> Trajectory<Y, M> {
 
 impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
-        let (step, mode) = (accepted.step, accepted.mode);
+        let (step, mode) = (accepted.step, accepted.mode.clone());
         match &self.grid {
             Grid::Steps => self.samples.push(Sample { t: step.t1(), mode, y: step.y1().clone() }),
             Grid::Times(times) => {
@@ -85,7 +85,7 @@ impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
                 while let Some(&t) = times.get(self.next).filter(|&&t| passed(t)) {
                     let mut y = P::State::from_fn(step.y1().as_ref().len(), |_| 0.0);
                     step.interpolate(t, &mut y);
-                    self.samples.push(Sample { t, mode, y });
+                    self.samples.push(Sample { t, mode: mode.clone(), y });
                     self.next += 1;
                 }
             }
@@ -94,15 +94,16 @@ impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
     }
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
-        let Event { t, guard, before, after, .. } = *event;
-        self.events.push(Switch { t, guard, before, after });
+        let Event { t, guard, y, .. } = *event;
+        let (before, after) = (event.before.clone(), event.after.clone());
+        self.events.push(Switch { t, guard, before, after: after.clone() });
         if let Some(last) = self.samples.last_mut()
             && last.t == t
         {
             if let Next::Mode(mode) = after {
                 last.mode = mode;
             }
-            last.y.clone_from(event.y);
+            last.y.clone_from(y);
         }
         ControlFlow::Continue(())
     }

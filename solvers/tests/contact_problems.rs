@@ -83,7 +83,8 @@ impl<P: System> Record<P> for Landings<P> {
     }
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
-        let Event { t, guard, before, after, .. } = *event;
+        let Event { t, guard, .. } = *event;
+        let (before, after) = (event.before.clone(), event.after.clone());
         self.events.push(Landing { t, guard, before, after, y: self.reached.clone() });
         ControlFlow::Continue(())
     }
@@ -269,11 +270,11 @@ fn nearly_equal_balls_land_as_far_apart_as_in_closed_form() {
 /// The guard of `landing` and its rate along the flow, for a state `y` then.
 fn guard_and_rate<P: System>(problem: &P, landing: &Landing<P>, y: &P::State<f64>) -> Dual64 {
     let mut slope = y.clone();
-    problem.rhs(landing.before, landing.t, y, &mut slope);
+    problem.rhs(landing.before.clone(), landing.t, y, &mut slope);
     let (y, slope) = (y.as_ref(), slope.as_ref());
     let along = Vector::from_fn(y.len(), |i| Dual64::new(y[i], slope[i]));
     let mut g = P::Guards::from_fn(problem.n_guards(), |_| Dual64::from_re(0.0));
-    problem.guards(landing.before, Dual64::new(landing.t, 1.0), &along, &mut g);
+    problem.guards(landing.before.clone(), Dual64::new(landing.t, 1.0), &along, &mut g);
     g.as_ref()[landing.guard]
 }
 

@@ -150,8 +150,9 @@ impl<P: System> Record<P> for Log<P> {
     }
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
-        let Next::Mode(after) = event.after else { panic!("none of them ends") };
-        let (t, guard, before, y_after) = (event.t, event.guard, event.before, event.y.clone());
+        let Next::Mode(after) = event.after.clone() else { panic!("none of them ends") };
+        let (t, guard, before, y_after) =
+            (event.t, event.guard, event.before.clone(), event.y.clone());
         let y_before = std::mem::replace(&mut self.y, y_after.clone());
         self.events.push(Located { t, guard, before, after, y_before, y_after });
         ControlFlow::Continue(())
@@ -168,8 +169,9 @@ fn run<P: System>(
     let y = end_state(&case.problem, method, control, start, case.t_end, &mut log);
     let pieces = (case.pieces)(&case.problem, case.t_end);
     assert!(pieces.len() > 10, "{}: {} events", method.name, pieces.len() - 1);
-    let modes = |events: &[Located<P>]| events.iter().map(|event| event.after).collect::<Vec<_>>();
-    let expected: Vec<_> = pieces[1..].iter().map(|piece| piece.mode).collect();
+    let modes =
+        |events: &[Located<P>]| events.iter().map(|event| event.after.clone()).collect::<Vec<_>>();
+    let expected: Vec<_> = pieces[1..].iter().map(|piece| piece.mode.clone()).collect();
     assert_eq!(modes(&log.events), expected, "{}", method.name);
     for (event, piece) in log.events.iter().zip(&pieces) {
         assert_eq!(event.before, piece.mode, "{}", method.name);
@@ -192,25 +194,26 @@ fn error<P: System>(case: &Case<P>, setting: (&Method, Control)) -> f64 {
     for (event, piece) in events.iter().zip(&pieces[1..]) {
         let late = (event.t - piece.t).abs() / case.period;
         // At the same time after the event, lest a late event counts as an error of a state that falls.
-        let exact = (case.flow)(&case.problem, piece.mode, piece.y.clone(), event.t - piece.t);
+        let exact =
+            (case.flow)(&case.problem, piece.mode.clone(), piece.y.clone(), event.t - piece.t);
         let off = relative(event.y_after.as_ref(), exact.as_ref(), &case.sizes);
         worst = worst.max(late).max(off);
     }
     let last = &pieces[pieces.len() - 1];
-    let exact = (case.flow)(&case.problem, last.mode, last.y.clone(), case.t_end - last.t);
+    let exact = (case.flow)(&case.problem, last.mode.clone(), last.y.clone(), case.t_end - last.t);
     worst.max(relative(y.as_ref(), exact.as_ref(), &case.sizes))
 }
 
 /// Value, rounding bound and rate along the flow of a guard of the mode before `event`, at `(t, y)`.
 fn guard<P: System>(problem: &P, event: &Located<P>, y: &State<P>) -> [f64; 3] {
-    let (mode, n) = (event.before, problem.n_guards());
+    let (mode, n) = (event.before.clone(), problem.n_guards());
     let mut dydt = y.clone();
-    problem.rhs(mode, event.t, y, &mut dydt);
+    problem.rhs(mode.clone(), event.t, y, &mut dydt);
     let along = P::State::<Dual64>::from_fn(problem.dim(), |i| {
         Dual64::new(y.as_ref()[i], dydt.as_ref()[i])
     });
     let mut g = P::Guards::<Dual64>::from_fn(n, |_| Dual64::from_re(0.0));
-    problem.guards(mode, Dual64::new(event.t, 1.0), &along, &mut g);
+    problem.guards(mode.clone(), Dual64::new(event.t, 1.0), &along, &mut g);
     let mut bounds = P::Guards::<f64>::from_fn(n, |_| 0.0);
     problem.guard_bounds(mode, event.t, y, &mut bounds);
     let g = g.as_ref()[event.guard];
@@ -230,7 +233,7 @@ fn check_located<P: System>(case: &Case<P>) {
         for (event, pair) in events.iter().zip(pieces.windows(2)) {
             let (before, exact_t) = (&pair[0], pair[1].t);
             let since = event.t - before.t;
-            let exact = (case.flow)(&case.problem, before.mode, before.y.clone(), since);
+            let exact = (case.flow)(&case.problem, before.mode.clone(), before.y.clone(), since);
             let [g_exact, bound, rate] = guard(&case.problem, event, &exact);
             let [g, ..] = guard(&case.problem, event, &event.y_before);
             let late = (event.t - exact_t).abs();

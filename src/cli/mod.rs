@@ -80,9 +80,25 @@ struct RunArgs {
 }
 
 impl RunArgs {
+    /// The configuration of a command that takes one bay.
     fn load(&self) -> Result<Config, Failure> {
+        one_bay(self.load_chain()?)
+    }
+
+    /// That of a command that takes a chain of several bays too.
+    fn load_chain(&self) -> Result<Config, Failure> {
         Ok(Config::load(self.config.as_deref(), &self.set)?)
     }
+}
+
+/// Refuses a chain, for which there is no reference yet.
+fn one_bay(config: Config) -> Result<Config, Failure> {
+    if config.bays == 1 {
+        return Ok(config);
+    }
+    let bays = config.bays;
+    let way_out = "this command takes one bay, a chain has no reference yet; `simulate` takes it";
+    Err(Failure::Usage(format!("bays = {bays}: {way_out}")))
 }
 
 /// Why a command did not succeed, and with it the exit code.

@@ -4,9 +4,8 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-use deltazero::model::Block;
 use deltazero::study::work_precision::Progress;
-use deltazero_solvers::{Accepted, Event, Record};
+use deltazero_solvers::{Accepted, Event, Record, System};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Work that is done before this shows no bar.
@@ -73,9 +72,10 @@ impl TimeBar {
         Self { bar, shown, quiet }
     }
 
-    /// A recorder that shows how far `block`, one of `blocks`, has come to `t_end` [s].
-    pub(super) fn of<'a>(&'a self, block: &Block, blocks: usize, t_end: f64) -> TimeOf<'a> {
-        TimeOf { bar: self, joint: block.joint, blocks, t_end, steps: 0 }
+    /// A recorder that shows how far the part with the joint `joint`, one of `parts`, has come to
+    /// `t_end` [s].
+    pub(super) fn of(&self, joint: usize, parts: usize, t_end: f64) -> TimeOf<'_> {
+        TimeOf { bar: self, joint, parts, t_end, steps: 0 }
     }
 
     fn show(&self, part: f64, message: String) {
@@ -100,24 +100,24 @@ impl Drop for TimeBar {
 pub(super) struct TimeOf<'a> {
     bar: &'a TimeBar,
     joint: usize,
-    blocks: usize,
+    parts: usize,
     t_end: f64,
     steps: u32,
 }
 
-impl Record<Block> for TimeOf<'_> {
-    fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
+impl<P: System> Record<P> for TimeOf<'_> {
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         self.steps = self.steps.wrapping_add(1);
         if self.steps.is_multiple_of(STEPS_A_LOOK) {
             let t = accepted.step.t1();
             let done = (self.joint - 1) as f64 + (t / self.t_end).clamp(0.0, 1.0);
             let message = format!("joint {}, t = {t:.3e} s", self.joint);
-            self.bar.show(done / self.blocks as f64, message);
+            self.bar.show(done / self.parts as f64, message);
         }
         ControlFlow::Continue(())
     }
 
-    fn event(&mut self, _: &Event<'_, Block>) -> ControlFlow<()> {
+    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 

@@ -154,13 +154,17 @@ pub enum ConfigError {
         /// Where.
         place: Place,
     },
-    /// A chain of several bays.
-    #[error("{place}: bays = {bays}: more than one bay is not built yet; use bays = 1")]
-    SeveralBays {
-        /// Where.
+    /// A chain of several bays with what only one bay can have.
+    #[error("{place}: {found} does not go with bays = {bays}: {reason}")]
+    NotInAChain {
+        /// Where the offending one of the two was given.
         place: Place,
-        /// The number asked for.
+        /// Number of bays.
         bays: u32,
+        /// The other key with its value.
+        found: Box<str>,
+        /// Why not, and the way out.
+        reason: &'static str,
     },
     /// An output grid that no disk would hold.
     #[error(

@@ -82,7 +82,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Integer(1, 1_000_000),
         default: Toml("1"),
         unit: "",
-        doc: "Side frames in the chain; more than one is not built yet",
+        doc: "Side frames in the chain; more than one: `simulate`, reading \"pin\" and located events only",
         source: "the paper's case",
     },
     Key {
@@ -497,7 +497,7 @@ pub const KEYS: &[Key] = &[
     },
     Key {
         path: "regimes.max_events",
-        kind: Kind::Integer(10, 1_000_000),
+        kind: Kind::Integer(1, 1_000_000),
         default: Toml("100"),
         unit: "",
         doc: "Events after which a contest ends: what a stiffer contact does later repeats it",

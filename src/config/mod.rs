@@ -68,7 +68,7 @@ use settings::Settings;
 pub struct Config {
     /// Reading of the paper.
     pub reading: ReadingName,
-    /// Side frames in the chain; 1 today.
+    /// Side frames in the chain.
     pub bays: u32,
     /// The struts.
     pub strut: Strut,

@@ -11,7 +11,8 @@ use super::given::{Datum, Given, excerpt};
 use super::keys::{DefaultValue, JOINT_TABLES, JOINTS, KEYS, Key, find, names_in, one_joint};
 use super::nearest::nearest_key;
 use super::toml_source;
-use super::{Config, Events, FrictionLaw, JointConfig};
+use super::words::{Events, ReadingName};
+use super::{Config, FrictionLaw, JointConfig};
 
 /// Largest number of samples of a run: at some 150 bytes a row and two joints, 30 GB of output.
 const MOST_SAMPLES: f64 = 1e8;
@@ -97,11 +98,40 @@ impl Settings {
         Ok(config)
     }
 
+    /// What a chain of several bays cannot have.
+    fn check_chain(&self, config: &Config) -> Result<(), ConfigError> {
+        let bays = config.bays;
+        let refused = |key: &str, found: String, reason| {
+            let place = match self.place(key) {
+                Place::Default => self.place("bays"),
+                place => place,
+            };
+            let found = format!("{key} = {found}").into();
+            Err(ConfigError::NotInAChain { place, bays, found, reason })
+        };
+        if bays == 1 {
+            return Ok(());
+        }
+        if config.reading != ReadingName::Pin {
+            let reason = "friction as a force couples the sticks of neighbours, and a force at the \
+                          centroid has no reaction at the bush; use reading = \"pin\"";
+            return refused("reading", config.reading.to_string(), reason);
+        }
+        if config.joints[0].joint.clearance == 0.0 {
+            let reason = "pins that are held couple the accelerations of all bays; use a clearance \
+                          above zero";
+            return refused("joint.clearance", "0".to_owned(), reason);
+        }
+        if config.solver.events == Events::Blind {
+            let reason = "the blind baseline is built for one bay; use \"located\"";
+            return refused("solver.events", config.solver.events.to_string(), reason);
+        }
+        Ok(())
+    }
+
     /// What no key alone can tell.
     fn cross_check(&self, config: &Config) -> Result<(), ConfigError> {
-        if config.bays > 1 {
-            return Err(ConfigError::SeveralBays { place: self.place("bays"), bays: config.bays });
-        }
+        self.check_chain(config)?;
         self.check_laws(config)?;
         let (t_end, sample) = (config.run.t_end, config.run.sample);
         if sample > 0.0 && t_end / sample > MOST_SAMPLES {

@@ -84,8 +84,8 @@ impl Block {
     fn plain_stiffness(&self) -> Option<f64> {
         match self.normal.elastic {
             Elastic::Linear { stiffness }
-                if self.normal.hysteresis == 0.0
-                    && self.sliding == Shape::Constant
+                if matches!(self.sliding, Shape::Constant)
+                    && self.normal.hysteresis == 0.0
                     && self.reading == Reading::AT_PIN =>
             {
                 Some(stiffness)
@@ -188,6 +188,12 @@ impl Block {
         }
     }
 
+    /// Whether a contact begins between these modes at the floor of the impact speed or below it.
+    pub fn begins_at_floor(&self, before: Mode, after: Mode) -> bool {
+        let floor = self.normal.impact_speed_floor;
+        before == Mode::Apart && after.touch().is_some_and(|touch| touch.impact_speed <= floor)
+    }
+
     /// The start of the paper: X = 0, Y = −c, θ = 0, at rest.
     pub fn initial_state(&self) -> State<f64> {
         [0.0, -self.clearance, 0.0, 0.0, 0.0, 0.0]
@@ -205,7 +211,7 @@ impl ModeOfState for Block {
             let touch = self.normal.touch(pose.delta_dot.value());
             let force = || self.normal.force(pose.delta, pose.delta_dot, touch).value();
             if self.normal.adhesion || force() > 0.0 {
-                self.entered(y)
+                self.entered(y, None)
             } else {
                 Mode::Relaxing(touch)
             }
@@ -281,7 +287,7 @@ impl System for Block {
 
     #[inline(always)]
     fn guards<S: Real>(&self, mode: Mode, _t: S, y: &State<S>, g: &mut [S; 4]) {
-        *g = self.guards_of(mode, y);
+        *g = self.guards_of(mode, y, None);
     }
 
     fn guard_bounds(&self, mode: Mode, _t: f64, y: &State<f64>, bounds: &mut [f64; 4]) {
@@ -289,7 +295,7 @@ impl System for Block {
     }
 
     fn transition<S: Real>(&self, mode: Mode, guard: usize, _t: S, y: &mut State<S>) -> Next<Mode> {
-        self.after(mode, guard, y)
+        self.after(mode, guard, y, None)
     }
 
     fn jacobian(

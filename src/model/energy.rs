@@ -1,6 +1,7 @@
 //! Energies and powers of one state of a block.
 
-use super::block::{Block, State};
+use super::block::{Block, ContactForces, State};
+use super::contact::{PinPose, Touch};
 use super::mode::Mode;
 
 /// Energies of a state [J].
@@ -45,15 +46,27 @@ impl Block {
     /// Powers at `y` in `mode`: that of the normal law's losses, and by friction `−F_T v_T` where it acts as a
     /// force and a torque, `−F_T r θ̇` where as a torque alone.
     pub fn power(&self, mode: Mode, y: &State<f64>) -> Power {
-        let drive = self.torque * y[5];
         let (Some(touch), true) = (mode.touch(), mode.is_contact()) else {
-            return Power { drive, dissipated: 0.0 };
+            return self.power_of(y, None);
         };
         let pose = self.pose(y);
+        self.power_of(y, Some((&pose, self.forces(mode, y, &pose), touch)))
+    }
+
+    /// The same with the forces of the contact given, and how it began.
+    pub(super) fn power_of(
+        &self,
+        y: &State<f64>,
+        contact: Option<(&PinPose<f64>, ContactForces<f64>, Touch)>,
+    ) -> Power {
+        let drive = self.torque * y[5];
+        let Some((pose, forces, touch)) = contact else {
+            return Power { drive, dissipated: 0.0 };
+        };
         let damping = self.normal.loss(pose.delta, pose.delta_dot, touch);
         let turning = self.pin_radius * y[5];
         let speed = turning + self.reading.tangential_force * pose.w([y[3], y[4]]);
-        let friction = self.forces(mode, y, &pose).tangential * speed;
+        let friction = forces.tangential * speed;
         Power { drive, dissipated: damping - friction }
     }
 }

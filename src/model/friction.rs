@@ -8,6 +8,17 @@ use super::inertia::Arrow;
 use super::mode::Mode;
 use super::sliding::Shape;
 
+/// Accelerations (Ẍ, Ÿ, θ̈) that neighbours in a chain add to a block's own; none where it has none.
+pub(super) type Extra<S> = Option<[S; 3]>;
+
+#[inline(always)]
+fn with<S: Real>(extra: Extra<S>, [x, y, theta]: [S; 3]) -> [S; 3] {
+    match extra {
+        Some(extra) => [x + extra[0], y + extra[1], theta + extra[2]],
+        None => [x, y, theta],
+    }
+}
+
 impl Block {
     /// `v_T = t·v + θ̇ r` [m/s]: tangential velocity of the pin's surface at the contact point.
     #[inline(always)]
@@ -19,12 +30,24 @@ impl Block {
     /// `F_T` of `v̇_T = 0` sticking; none where the mode is no contact.
     #[inline(always)]
     pub fn forces<S: Real>(&self, mode: Mode, y: &State<S>, pose: &PinPose<S>) -> ContactForces<S> {
+        self.forces_among(mode, y, pose, None)
+    }
+
+    /// As [`forces`](Self::forces) where neighbours add the accelerations `extra`.
+    #[inline(always)]
+    pub(super) fn forces_among<S: Real>(
+        &self,
+        mode: Mode,
+        y: &State<S>,
+        pose: &PinPose<S>,
+        extra: Extra<S>,
+    ) -> ContactForces<S> {
         let (Some(touch), true) = (mode.touch(), mode.is_contact()) else {
             return ContactForces::frictionless(S::cst(0.0));
         };
         let normal = self.normal.force(pose.delta, pose.delta_dot, touch);
         let tangential = match mode.sigma() {
-            Some(sigma) if self.sliding == Shape::Constant => normal * (-sigma * self.mu),
+            Some(sigma) if matches!(self.sliding, Shape::Constant) => normal * (-sigma * self.mu),
             Some(sigma) => {
                 let s = self.v_t(pose, y) * sigma;
                 normal * self.sliding.ratio(self.mu, touch.piece, s) * -sigma
@@ -32,7 +55,7 @@ impl Block {
             None => {
                 let arrow = self.inertia.at(y[2]);
                 let (per_force, _) = self.friction_response(&arrow, pose);
-                -(self.frictionless_v_t_dot(y, &arrow, pose, touch) / per_force)
+                -(self.frictionless_v_t_dot(y, &arrow, pose, touch, extra) / per_force)
             }
         };
         ContactForces { normal, tangential }
@@ -57,10 +80,11 @@ impl Block {
         arrow: &Arrow<S>,
         pose: &PinPose<S>,
         touch: Touch,
+        extra: Extra<S>,
     ) -> S {
         let normal = self.normal.force(pose.delta, pose.delta_dot, touch);
         let forces = ContactForces::frictionless(normal);
-        self.v_t_dot(y, pose, self.accelerations(y, arrow, pose, forces))
+        self.v_t_dot(y, pose, with(extra, self.accelerations(y, arrow, pose, forces)))
     }
 
     /// `∂v̇_T/∂F_T` [1/kg], and the accelerations that a unit of `F_T` adds.
@@ -77,10 +101,16 @@ impl Block {
     }
 
     /// `v̇_T` in the contact mode `mode`.
-    pub(super) fn v_t_dot_in<S: Real>(&self, mode: Mode, y: &State<S>, pose: &PinPose<S>) -> f64 {
-        let forces = self.forces(mode, y, pose);
+    pub(super) fn v_t_dot_in<S: Real>(
+        &self,
+        mode: Mode,
+        y: &State<S>,
+        pose: &PinPose<S>,
+        extra: Extra<S>,
+    ) -> f64 {
+        let forces = self.forces_among(mode, y, pose, extra);
         let a = self.accelerations(y, &self.inertia.at(y[2]), pose, forces);
-        self.v_t_dot(y, pose, a).value()
+        self.v_t_dot(y, pose, with(extra, a)).value()
     }
 
     /// Makes v_T zero, to rounding, by changing the velocity of the pin's centre along t.

@@ -2,21 +2,33 @@
 
 use super::block::{Block, ContactForces, State};
 use super::contact::{PinPose, Touch};
+use super::inertia::Arrow;
 use super::mode::Mode;
 
 /// A gradient with respect to the six states.
-type Gradient = [f64; 6];
+pub(super) type Gradient = [f64; 6];
 
-fn gradient(entry: impl FnMut(usize) -> f64) -> Gradient {
+pub(super) fn gradient(entry: impl FnMut(usize) -> f64) -> Gradient {
     std::array::from_fn(entry)
 }
 
 /// Gradients of a pin's polar form; see [`PinPose`].
-struct PoseGradient {
-    n: [Gradient; 2],
+pub(super) struct PoseGradient {
+    pub(super) n: [Gradient; 2],
     delta: Gradient,
     delta_dot: Gradient,
     w: Gradient,
+}
+
+/// Gradients of a contact whose F_T, where it sticks, is held.
+pub(super) struct FrozenContact {
+    /// `t·v` [m/s].
+    w: f64,
+    pub(super) pose: PoseGradient,
+    /// `∇F_N`.
+    pub(super) normal: Gradient,
+    /// `∇(Ẍ, Ÿ, θ̈)`.
+    pub(super) accelerations: [Gradient; 3],
 }
 
 impl PoseGradient {
@@ -76,36 +88,73 @@ impl Block {
 
     fn contact_gradients(&self, mode: Mode, touch: Touch, y: &State<f64>) -> [Gradient; 3] {
         let pose = self.pose(y);
-        let w = pose.w([y[3], y[4]]);
-        let d = PoseGradient::new(&pose, w);
         let forces = self.forces(mode, y, &pose);
+        let contact = self.frozen_contact((mode, touch), y, &pose, forces);
+        if mode.sigma().is_some() {
+            return contact.accelerations;
+        }
+        let arrow = self.inertia.at(y[2]);
+        let a = self.accelerations(y, &arrow, &pose, forces);
+        let v_t_dot = self.v_t_dot_gradient(&pose, &contact, a, &contact.accelerations);
+        let by = self.stuck_response(&arrow, &pose, v_t_dot);
+        std::array::from_fn(|i| gradient(|j| contact.accelerations[i][j] - by[i][j]))
+    }
+
+    /// The gradients of a contact, F_T held where it sticks.
+    pub(super) fn frozen_contact(
+        &self,
+        (mode, touch): (Mode, Touch),
+        y: &State<f64>,
+        pose: &PinPose<f64>,
+        forces: ContactForces<f64>,
+    ) -> FrozenContact {
+        let w = pose.w([y[3], y[4]]);
+        let d = PoseGradient::new(pose, w);
         let [slope, damping] = self.normal.gradient(pose.delta, pose.delta_dot, touch);
         let normal = gradient(|j| slope * d.delta[j] + damping * d.delta_dot[j]);
-        if let Some(sigma) = mode.sigma() {
-            let s = sigma * self.v_t(&pose, y);
+        let tangential = mode.sigma().map_or([0.0; 6], |sigma| {
+            let s = sigma * self.v_t(pose, y);
             let ratio = self.sliding.ratio(self.mu, touch.piece, s);
             let slope = self.sliding.slope(self.mu, touch.piece, s);
             // s = σ v_T and F_T = −σ m(s) F_N: ∇F_T = −σ m ∇F_N − m' F_N ∇v_T.
-            let tangential = gradient(|j| {
+            gradient(|j| {
                 let v_t = d.w[j] + if j == 5 { self.pin_radius } else { 0.0 };
                 -sigma * ratio * normal[j] - slope * forces.normal * v_t
-            });
-            return self.gradients(y, &pose, &d, forces, [normal, tangential]);
-        }
-        // Stick: F_T follows from v̇_T = 0, so ∇F_T = −∇v̇_T|F_T / (∂v̇_T/∂F_T).
-        let frozen = self.gradients(y, &pose, &d, forces, [normal, [0.0; 6]]);
-        let arrow = self.inertia.at(y[2]);
-        let a = self.accelerations(y, &arrow, &pose, forces);
-        let (by_force, response) = self.friction_response(&arrow, &pose);
-        let v_t_dot = gradient(|j| {
-            let along_t = pose.n[1] * frozen[0][j] - pose.n[0] * frozen[1][j];
+            })
+        });
+        let accelerations = self.gradients(y, pose, &d, forces, [normal, tangential]);
+        FrozenContact { w, pose: d, normal, accelerations }
+    }
+
+    /// `∇v̇_T` at the accelerations `a` with the gradients `by`.
+    pub(super) fn v_t_dot_gradient(
+        &self,
+        pose: &PinPose<f64>,
+        contact: &FrozenContact,
+        a: [f64; 3],
+        by: &[Gradient; 3],
+    ) -> Gradient {
+        let (w, d) = (contact.w, &contact.pose);
+        gradient(|j| {
+            let along_t = pose.n[1] * by[0][j] - pose.n[0] * by[1][j];
             let turning = d.n[1][j] * a[0] - d.n[0][j] * a[1];
             let curving = (d.w[j] * pose.delta_dot + w * d.delta_dot[j]
                 - w * pose.delta_dot / pose.rho * d.delta[j])
                 / pose.rho;
-            along_t + turning - curving + self.pin_radius * frozen[2][j]
-        });
-        std::array::from_fn(|i| gradient(|j| frozen[i][j] - response[i] * v_t_dot[j] / by_force))
+            along_t + turning - curving + self.pin_radius * by[2][j]
+        })
+    }
+
+    /// What sticking takes from the gradients of the accelerations: F_T follows from v̇_T = 0, so
+    /// `∇F_T = −∇v̇_T|F_T / (∂v̇_T/∂F_T)`.
+    pub(super) fn stuck_response(
+        &self,
+        arrow: &Arrow<f64>,
+        pose: &PinPose<f64>,
+        v_t_dot: Gradient,
+    ) -> [Gradient; 3] {
+        let (by_force, response) = self.friction_response(arrow, pose);
+        std::array::from_fn(|i| gradient(|j| response[i] * v_t_dot[j] / by_force))
     }
 
     /// `∇(Ẍ, Ÿ, θ̈)` given those of pose, F_N and F_T: the closed-form solution of

@@ -2,8 +2,12 @@
 //!
 //! The two joints share no term. Each is a [`Block`] of its own: pin displacement (X, Y) in the
 //! bush, strut angle θ, and their rates, a hybrid system with the modes of [`Mode`].
+//!
+//! Several bays are a [`Chain`], in which joint 1 of each bay is one system with all others; joint 2 is at
+//! the root alone and keeps the inertia of one bay: struts 3, 5 and 6 of later bays are not added to it.
 
 pub mod block;
+pub mod chain;
 pub mod contact;
 pub mod elastic;
 pub mod energy;
@@ -18,6 +22,7 @@ mod scale;
 pub mod sliding;
 
 pub use block::{Block, State};
+pub use chain::Chain;
 pub use mode::Mode;
 pub use reading::Reading;
 

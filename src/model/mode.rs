@@ -7,6 +7,7 @@ use deltazero_solvers::{Next, Real};
 
 use super::block::{Block, State};
 use super::contact::Touch;
+use super::friction::Extra;
 
 /// Guard: θ below 90°, where the struts line up, and in contact δ within the range of its law.
 pub const GUARD_END: usize = 0;
@@ -61,6 +62,11 @@ impl Mode {
         matches!(self, Self::SlipPlus(_) | Self::SlipMinus(_) | Self::Stick(_))
     }
 
+    /// Whether the pin sticks.
+    pub fn sticks(self) -> bool {
+        matches!(self, Self::Stick(_))
+    }
+
     /// σ, the sign of v_T while slipping.
     pub fn sigma(self) -> Option<f64> {
         match self {
@@ -109,7 +115,7 @@ impl fmt::Display for Mode {
 impl Block {
     /// The guards of `mode`: positive inside it, one where it does not use them.
     #[inline(always)]
-    pub(super) fn guards_of<S: Real>(&self, mode: Mode, y: &State<S>) -> [S; 4] {
+    pub(super) fn guards_of<S: Real>(&self, mode: Mode, y: &State<S>, extra: Extra<S>) -> [S; 4] {
         let mut g = [S::cst(1.0); 4];
         g[GUARD_END] = self.before_end(mode, y);
         match mode {
@@ -148,8 +154,8 @@ impl Block {
                         }
                     }
                     None => {
-                        let (forces, mu) =
-                            (self.forces(mode, y, &pose), self.sliding.at_rest(self.mu));
+                        let forces = self.forces_among(mode, y, &pose, extra);
+                        let mu = self.sliding.at_rest(self.mu);
                         g[GUARD_UPPER] = forces.normal * mu - forces.tangential;
                         g[GUARD_LOWER] = forces.normal * mu + forces.tangential;
                     }
@@ -174,16 +180,17 @@ impl Block {
     /// [`below_90`](Self::below_90); in a contact whose law ends at a penetration times `1 − δ/δ_max`.
     #[inline(always)]
     pub(super) fn before_end<S: Real>(&self, mode: Mode, y: &State<S>) -> S {
-        let deepest = self.normal.elastic.deepest();
-        if deepest == f64::INFINITY || !mode.is_contact() {
-            return self.below_90(y);
+        match self.normal.elastic.deepest() {
+            Some(deepest) if mode.is_contact() => {
+                self.below_90(y) * (-(self.pose(y).delta / deepest) + 1.0)
+            }
+            _ => self.below_90(y),
         }
-        self.below_90(y) * (-(self.pose(y).delta / deepest) + 1.0)
     }
 
     /// The penetration at `y` [m], where that is what ends a run there and not the angle.
     pub fn too_deep(&self, y: &State<f64>) -> Option<f64> {
-        let (delta, deepest) = (self.pose(y).delta, self.normal.elastic.deepest());
+        let (delta, deepest) = (self.pose(y).delta, self.normal.elastic.deepest()?);
         (1.0 - delta / deepest < self.below_90(y)).then_some(delta)
     }
 
@@ -226,15 +233,21 @@ impl Block {
     }
 
     /// What follows when a guard of `mode` falls at `y`.
-    pub(super) fn after<S: Real>(&self, mode: Mode, guard: usize, y: &mut State<S>) -> Next<Mode> {
+    pub(super) fn after<S: Real>(
+        &self,
+        mode: Mode,
+        guard: usize,
+        y: &mut State<S>,
+        extra: Extra<S>,
+    ) -> Next<Mode> {
         if guard == GUARD_END {
             return Next::Stop;
         }
         Next::Mode(match (mode, guard) {
             (Mode::Pinned, _) => Mode::Pinned,
-            (Mode::Apart, _) => self.entered(y),
+            (Mode::Apart, _) => self.entered(y, extra),
             // The dent is that of the same contact.
-            (Mode::Relaxing(touch), GUARD_CONTACT) => self.slipping(y, touch),
+            (Mode::Relaxing(touch), GUARD_CONTACT) => self.slipping(y, touch, extra),
             (Mode::Relaxing(_), _) => Mode::Apart,
             (
                 Mode::SlipPlus(touch) | Mode::SlipMinus(touch) | Mode::Stick(touch),
@@ -246,7 +259,9 @@ impl Block {
             (Mode::SlipMinus(touch), upper_or_lower) if self.is_between(touch, upper_or_lower) => {
                 Mode::SlipMinus(neighbour(touch, upper_or_lower))
             }
-            (Mode::SlipPlus(touch) | Mode::SlipMinus(touch), _) => self.reversed(mode, touch, y),
+            (Mode::SlipPlus(touch) | Mode::SlipMinus(touch), _) => {
+                self.reversed(mode, touch, y, extra)
+            }
             // F_T = −σ μ F_N at its upper bound is slip−, at its lower one slip+.
             (Mode::Stick(touch), upper_or_lower) => {
                 self.project_v_t(y);
@@ -261,22 +276,20 @@ impl Block {
     }
 
     /// The mode in which contact begins at `y`, with its speed of impact.
-    pub(super) fn entered<S: Real>(&self, y: &State<S>) -> Mode {
-        self.slipping(y, self.normal.touch(self.pose(y).delta_dot.value()))
+    pub(super) fn entered<S: Real>(&self, y: &State<S>, extra: Extra<S>) -> Mode {
+        self.slipping(y, self.normal.touch(self.pose(y).delta_dot.value()), extra)
     }
 
     /// The slipping mode at `y`: the sign of v_T; where that is zero, the sign of the frictionless v̇_T.
-    fn slipping<S: Real>(&self, y: &State<S>, touch: Touch) -> Mode {
+    fn slipping<S: Real>(&self, y: &State<S>, touch: Touch, extra: Extra<S>) -> Mode {
         let pose = self.pose(y);
         let v_t = self.v_t(&pose, y).value();
         let touch = self.sliding.begun_at(v_t.abs(), touch);
         if v_t != 0.0 {
             return Mode::slip(v_t, touch);
         }
-        Mode::slip(
-            self.frictionless_v_t_dot(y, &self.inertia.at(y[2]), &pose, touch).value(),
-            touch,
-        )
+        let arrow = self.inertia.at(y[2]);
+        Mode::slip(self.frictionless_v_t_dot(y, &arrow, &pose, touch, extra).value(), touch)
     }
 
     /// The mode that a contact falls back to when its guard is violated at `y`.
@@ -293,10 +306,16 @@ impl Block {
     /// With v̇⁺ and v̇⁻ the accelerations under slip+ and slip−: stick where `v̇⁺ ≤ 0 ≤ v̇⁻`, both
     /// leading back to zero; else, and where the law does not stick, on to the other sign. A. F. Filippov, *Differential Equations
     /// with Discontinuous Righthand Sides* (1988), §4.
-    fn reversed<S: Real>(&self, mode: Mode, touch: Touch, y: &mut State<S>) -> Mode {
+    fn reversed<S: Real>(
+        &self,
+        mode: Mode,
+        touch: Touch,
+        y: &mut State<S>,
+        extra: Extra<S>,
+    ) -> Mode {
         let pose = self.pose(y);
-        let plus = self.v_t_dot_in(Mode::SlipPlus(touch), y, &pose);
-        let minus = self.v_t_dot_in(Mode::SlipMinus(touch), y, &pose);
+        let plus = self.v_t_dot_in(Mode::SlipPlus(touch), y, &pose, extra);
+        let minus = self.v_t_dot_in(Mode::SlipMinus(touch), y, &pose, extra);
         if self.sliding.sticks() && plus <= 0.0 && 0.0 <= minus {
             self.project_v_t(y);
             return Mode::Stick(touch);

@@ -49,9 +49,17 @@ fn the_schema_is_json_and_knows_every_table() {
 fn help_names_every_command_and_version_is_a_number() {
     let scratch = Scratch::new();
     let help = scratch.succeed(&["--help"]).stdout;
-    for command in
-        ["study", "report", "simulate", "regimes", "recommend", "audit", "methods", "laws", "config"]
-    {
+    for command in [
+        "study",
+        "report",
+        "simulate",
+        "regimes",
+        "recommend",
+        "audit",
+        "methods",
+        "laws",
+        "config",
+    ] {
         assert!(help.contains(command), "{help}");
     }
     let version = scratch.succeed(&["--version"]).stdout;

@@ -6,10 +6,13 @@ use std::sync::atomic::AtomicBool;
 
 use deltazero::config::{Config, Events};
 use deltazero::metrics::{ErrorScale, EventMatch, match_events, sample_error};
-use deltazero::model::{Mechanism, State};
+use deltazero::model::{Chain, Mechanism, State};
 use deltazero::reference::counted;
-use deltazero::run::{Accuracy, Limits, ModeChange, Run, Setting, mode_changes};
-use deltazero_solvers::{Grid, Method};
+use deltazero::run::{
+    Accuracy, ChainTrajectory, Limits, ModeChange, Run, Setting, chain_mode_changes,
+    integrate_chain, mode_changes,
+};
+use deltazero_solvers::{Grid, Method, Trajectory};
 
 /// A golden run: states and mode changes of each joint, in the paper's order of coordinates.
 pub struct Golden {
@@ -54,6 +57,46 @@ impl Golden {
     }
 }
 
+/// The golden run of a chain: the states and the mode changes of each bay.
+pub struct GoldenChain {
+    pub states: Vec<Vec<(f64, i8, State<f64>)>>,
+    pub events: Vec<Vec<ModeChange>>,
+}
+
+impl GoldenChain {
+    pub fn read(name: &str, bays: usize) -> Self {
+        let mut golden = Self { states: vec![Vec::new(); bays], events: vec![Vec::new(); bays] };
+        for [bay, t, mode, y @ ..] in rows::<9>(&format!("{name}.csv")) {
+            golden.states[bay as usize - 1].push((t, mode as i8, y));
+        }
+        for [bay, t, before, after] in rows::<4>(&format!("{name}.events.csv")) {
+            let change = ModeChange { t, before: before as i8, after: after as i8 };
+            golden.events[bay as usize - 1].push(change);
+        }
+        golden
+    }
+
+    /// `e` of a run on the golden grid, and its events against the golden ones, bay by bay.
+    pub fn compare(&self, chain: &Chain, run: &ChainTrajectory) -> (f64, Vec<EventMatch>) {
+        let states = || self.states.iter().flatten();
+        let theta = states().fold(0.0_f64, |most, (_, _, y)| most.max(y[2].abs()));
+        let scale = ErrorScale { clearance: chain.bay.clearance, theta };
+        let mut e = 0.0_f64;
+        for (k, golden) in self.states.iter().enumerate() {
+            assert_eq!(run.samples.len(), golden.len());
+            for (sample, (t, mode, golden)) in run.samples.iter().zip(golden) {
+                assert!((sample.t - t).abs() < 1e-12);
+                assert_eq!(sample.mode[k].code(), *mode, "bay {} at {t} s", k + 1);
+                e = e.max(sample_error(&Chain::state_of(&sample.y, k), golden, scale));
+            }
+        }
+        let counted = |events: &Vec<ModeChange>| counted(events, &chain.bay);
+        let own = chain_mode_changes(chain, run);
+        let pairs = own.iter().zip(&self.events);
+        (e, pairs.map(|(own, golden)| match_events(&counted(own), &counted(golden))).collect())
+    }
+}
+
 fn rows<const N: usize>(file: &str) -> Vec<[f64; N]> {
     let path = format!("{}/tests/golden/{file}", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap();
@@ -84,4 +127,16 @@ pub fn run(config: &Config, setting: &Setting) -> (Mechanism, Run) {
     let limits = Limits { max_rhs: u64::MAX, stop: &AtomicBool::new(false) };
     let run = Run::new(&mechanism, setting, t_end, &Grid::uniform(0.01, t_end), limits);
     (mechanism, run)
+}
+
+/// The chain of a configuration, sampled every 0.01 s.
+pub fn run_chain(config: &Config, method: &str, rtol: f64) -> (Chain, ChainTrajectory) {
+    let chain = Chain::new(config);
+    let t_end = config.run.t_end;
+    let mut trajectory = Trajectory::on(Grid::uniform(0.01, t_end));
+    let (method, accuracy) = (Method::named(method).unwrap(), Accuracy::Rtol(rtol, None));
+    let y0 = chain.initial_state();
+    let run = integrate_chain(&chain, method, accuracy, y0, t_end, &mut trajectory);
+    assert!(run.outcome.is_ok(), "{:?}", run.outcome);
+    (chain, trajectory)
 }

@@ -81,7 +81,7 @@ impl Pilot {
         let mut n_jac = 0;
         let radius = |spectrum: &mut Spectrum| {
             n_jac += 1;
-            spectrum.radius(problem, point.mode, point.t, &point.y)
+            spectrum.radius(problem, point.mode.clone(), point.t, &point.y)
         };
         let turn = self.consider(point.t, stats, radius);
         stats.work.n_jac += n_jac;
@@ -180,7 +180,7 @@ impl<'a, P: System> Leg<'a, P> {
     fn radius(&mut self, accepted: &Accepted<'_, P>) -> f64 {
         self.n_jac += 1;
         let step = accepted.step;
-        self.pilot.spectrum.radius(self.problem, accepted.mode, step.t1(), step.y1())
+        self.pilot.spectrum.radius(self.problem, accepted.mode.clone(), step.t1(), step.y1())
     }
 
     /// After an explicit step.
@@ -188,7 +188,7 @@ impl<'a, P: System> Leg<'a, P> {
         let (step, n_jac) = (accepted.step, &mut self.n_jac);
         self.pilot.consider(step.t1(), accepted.stats, |spectrum| {
             *n_jac += 1;
-            spectrum.radius(self.problem, accepted.mode, step.t1(), step.y1())
+            spectrum.radius(self.problem, accepted.mode.clone(), step.t1(), step.y1())
         })
     }
 
@@ -227,7 +227,8 @@ impl<P: System> Record<P> for Leg<'_, P> {
         }
         let mut stats = *accepted.stats;
         self.book(&mut stats);
-        let go_on = self.record.step(&Accepted { stats: &stats, ..*accepted });
+        let go_on =
+            self.record.step(&Accepted { mode: accepted.mode.clone(), stats: &stats, ..*accepted });
         if go_on.is_break() {
             self.next = None;
         }

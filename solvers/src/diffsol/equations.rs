@@ -3,18 +3,15 @@
 use std::cell::{Cell, RefCell};
 
 use diffsol::{
-    ConstantOp, Matrix as _, NalgebraContext, NalgebraMat, NalgebraVec, NonLinearOp,
-    NonLinearOpJacobian, OdeEquations, OdeEquationsRef, Op, UnitCallable, Vector as _,
-    VectorCommon,
+    ConstantOp, NonLinearOp, NonLinearOpJacobian, OdeEquations, OdeEquationsRef, Op, UnitCallable,
 };
+use diffsol_la::Matrix;
 
+use super::algebra::Algebra;
 use crate::system::{System, Vector};
 
-pub(crate) type M = NalgebraMat<f64>;
-pub(crate) type V = NalgebraVec<f64>;
-
 /// `ẏ = f_mode(t, y)` from `y0`.
-pub(crate) struct Equations<'p, P: System> {
+pub(crate) struct Equations<'p, P: System, A: Algebra> {
     pub(crate) problem: &'p P,
     pub(crate) mode: P::Mode,
     pub(crate) y0: P::State<f64>,
@@ -26,10 +23,10 @@ pub(crate) struct Equations<'p, P: System> {
     pub(crate) non_finite: Cell<Option<usize>>,
     /// The row of a Jacobian that had an entry which was not.
     pub(crate) non_finite_row: Cell<Option<usize>>,
-    context: NalgebraContext,
+    context: A::C,
 }
 
-impl<'p, P: System> Equations<'p, P> {
+impl<'p, P: System, A: Algebra> Equations<'p, P, A> {
     pub(crate) fn new(problem: &'p P, mode: P::Mode, y0: P::State<f64>) -> Self {
         let (n_rhs, n_jac) = (Cell::new(0), Cell::new(0));
         Self {
@@ -41,24 +38,24 @@ impl<'p, P: System> Equations<'p, P> {
             n_jac,
             non_finite: Cell::new(None),
             non_finite_row: Cell::new(None),
-            context: NalgebraContext::default(),
+            context: A::C::default(),
         }
     }
 }
 
 /// The state in `x`.
 #[inline]
-pub(crate) fn state<P: System>(problem: &P, x: &V) -> P::State<f64> {
+pub(crate) fn state<P: System, A: Algebra>(problem: &P, x: &A::V) -> P::State<f64> {
     let n = problem.dim();
-    let x = &x.inner().as_slice()[..n];
+    let x = &A::components(x)[..n];
     P::State::from_fn(n, |i| x[i])
 }
 
-impl<P: System> Op for Equations<'_, P> {
+impl<P: System, A: Algebra> Op for Equations<'_, P, A> {
     type T = f64;
-    type V = V;
-    type M = M;
-    type C = NalgebraContext;
+    type V = A::V;
+    type M = A::M;
+    type C = A::C;
 
     fn context(&self) -> &Self::C {
         &self.context
@@ -77,21 +74,21 @@ impl<P: System> Op for Equations<'_, P> {
     }
 }
 
-impl<'a, P: System> OdeEquationsRef<'a> for Equations<'_, P> {
-    type Mass = UnitCallable<M>;
+impl<'a, P: System, A: Algebra> OdeEquationsRef<'a> for Equations<'_, P, A> {
+    type Mass = UnitCallable<A::M>;
     type Rhs = &'a Self;
-    type Root = UnitCallable<M>;
+    type Root = UnitCallable<A::M>;
     type Init = &'a Self;
-    type Out = UnitCallable<M>;
-    type Reset = UnitCallable<M>;
+    type Out = UnitCallable<A::M>;
+    type Reset = UnitCallable<A::M>;
 }
 
-impl<P: System> OdeEquations for Equations<'_, P> {
+impl<P: System, A: Algebra> OdeEquations for Equations<'_, P, A> {
     fn rhs(&self) -> &Self {
         self
     }
 
-    fn mass(&self) -> Option<UnitCallable<M>> {
+    fn mass(&self) -> Option<UnitCallable<A::M>> {
         None
     }
 
@@ -99,44 +96,54 @@ impl<P: System> OdeEquations for Equations<'_, P> {
         self
     }
 
-    fn set_params(&mut self, _p: &V) {}
+    fn set_params(&mut self, _p: &A::V) {}
 
-    fn get_params(&self, _p: &mut V) {}
+    fn get_params(&self, _p: &mut A::V) {}
 }
 
-impl<P: System> ConstantOp for &Equations<'_, P> {
-    fn call_inplace(&self, _t: f64, y: &mut V) {
-        y.inner_mut().as_mut_slice().copy_from_slice(self.y0.as_ref());
+impl<P: System, A: Algebra> ConstantOp for &Equations<'_, P, A> {
+    fn call_inplace(&self, _t: f64, y: &mut A::V) {
+        A::components_mut(y).copy_from_slice(self.y0.as_ref());
     }
 }
 
-impl<P: System> NonLinearOp for &Equations<'_, P> {
-    fn call_inplace(&self, x: &V, t: f64, y: &mut V) {
+impl<P: System, A: Algebra> NonLinearOp for &Equations<'_, P, A> {
+    fn call_inplace(&self, x: &A::V, t: f64, y: &mut A::V) {
         self.n_rhs.set(self.n_rhs.get() + 1);
         let slope = &mut *self.slope.borrow_mut();
-        self.problem.rhs(self.mode, t, &state(self.problem, x), slope);
+        self.problem.rhs(self.mode.clone(), t, &state::<P, A>(self.problem, x), slope);
         self.non_finite.set(slope.as_ref().iter().position(|d| !d.is_finite()));
-        y.inner_mut().as_mut_slice().copy_from_slice(slope.as_ref());
+        A::components_mut(y).copy_from_slice(slope.as_ref());
     }
 }
 
-impl<P: System> NonLinearOpJacobian for &Equations<'_, P> {
-    fn jac_mul_inplace(&self, x: &V, t: f64, v: &V, y: &mut V) {
-        let (v, y) = (v.inner(), y.inner_mut());
+impl<P: System, A: Algebra> NonLinearOpJacobian for &Equations<'_, P, A> {
+    fn jac_mul_inplace(&self, x: &A::V, t: f64, v: &A::V, y: &mut A::V) {
+        let (v, y) = (A::components(v), A::components_mut(y));
         y.fill(0.0);
-        let x = state(self.problem, x);
-        self.problem.jacobian(self.mode, t, &x, |i, j, entry| y[i] += entry * v[j]);
+        let x = state::<P, A>(self.problem, x);
+        self.problem.jacobian(self.mode.clone(), t, &x, |i, j, entry| y[i] += entry * v[j]);
     }
 
-    fn jacobian_inplace(&self, x: &V, t: f64, jac: &mut M) {
+    fn jacobian_inplace(&self, x: &A::V, t: f64, jac: &mut A::M) {
         self.n_jac.set(self.n_jac.get() + 1);
-        let jac = jac.inner_mut();
-        let x = state(self.problem, x);
-        self.problem.jacobian(self.mode, t, &x, |i, j, entry| {
+        let x = state::<P, A>(self.problem, x);
+        self.problem.jacobian(self.mode.clone(), t, &x, |i, j, entry| {
             if !entry.is_finite() {
                 self.non_finite_row.set(Some(i));
             }
-            jac[(i, j)] = entry;
+            A::set(jac, i, j, entry);
         });
+    }
+
+    /// All entries that the Jacobian of the mode may have.
+    fn jacobian_sparsity(&self) -> Option<<A::M as Matrix>::Sparsity> {
+        let n = self.problem.dim();
+        A::pattern(n, || {
+            let mut entries: Vec<_> = (0..n).map(|i| (i, i)).collect();
+            let mode = self.mode.clone();
+            self.problem.jacobian(mode, 0.0, &self.y0, |i, j, _| entries.push((i, j)));
+            entries
+        })
     }
 }

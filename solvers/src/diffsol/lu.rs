@@ -1,24 +1,44 @@
 //! The linear systems of the methods of `diffsol`, by the elimination of our own.
 
-use diffsol_la::error::{LaError, LinearSolverError};
-use diffsol_la::{
-    LinearOp, LinearSolver, Matrix as _, MatrixCommon as _, NalgebraContext, Vector as _,
-};
+use std::cell::RefCell;
 
-use super::equations::{M, V};
-use crate::linear::DenseLu;
+use diffsol_la::error::{LaError, LinearSolverError};
+use diffsol_la::{LinearOp, LinearSolver, Matrix as _, MatrixCommon as _};
+
+use super::algebra::{Algebra, Dense, Sparse};
+use crate::linear::{DenseLu, SparseLu};
+
+type Matrix<A> = <A as Algebra>::M;
+type Vector<A> = <A as Algebra>::V;
+type Context<A> = <A as Algebra>::C;
+
+/// An error unless the solution in `b` is one: that of a singular matrix is no numbers.
+fn solved(b: &[f64]) -> Result<(), LaError> {
+    if b.iter().all(|b| b.is_finite()) {
+        Ok(())
+    } else {
+        Err(LinearSolverError::LuSolveFailed.into())
+    }
+}
 
 /// An iteration matrix and its factors; none before its size is known.
 #[derive(Default)]
-pub(crate) struct Lu(Option<(M, DenseLu<f64>)>);
+pub(crate) struct DenseSolver(Option<(Matrix<Dense>, DenseLu<f64>)>);
 
-impl LinearSolver<M> for Lu {
-    fn set_sparsity<C: LinearOp<T = f64, V = V, M = M, C = NalgebraContext>>(&mut self, op: &C) {
+impl LinearSolver<Matrix<Dense>> for DenseSolver {
+    fn set_sparsity<
+        C: LinearOp<T = f64, V = Vector<Dense>, M = Matrix<Dense>, C = Context<Dense>>,
+    >(
+        &mut self,
+        op: &C,
+    ) {
         let (n, context) = (op.nrows(), *op.context());
-        self.0 = Some((M::new_from_sparsity(n, n, op.sparsity(), context), DenseLu::new(n)));
+        self.0 = Some((C::M::new_from_sparsity(n, n, op.sparsity(), context), DenseLu::new(n)));
     }
 
-    fn set_linearisation<C: LinearOp<T = f64, V = V, M = M, C = NalgebraContext>>(
+    fn set_linearisation<
+        C: LinearOp<T = f64, V = Vector<Dense>, M = Matrix<Dense>, C = Context<Dense>>,
+    >(
         &mut self,
         op: &C,
     ) {
@@ -28,21 +48,60 @@ impl LinearSolver<M> for Lu {
         }
     }
 
-    fn solve_in_place(&self, b: &mut V) -> Result<(), LaError> {
+    fn solve_in_place(&self, b: &mut Vector<Dense>) -> Result<(), LaError> {
         let Some((_, lu)) = &self.0 else {
             return Err(LinearSolverError::LuNotInitialized.into());
         };
-        let b = b.inner_mut().as_mut_slice();
+        let b = Dense::components_mut(b);
         lu.solve(b);
-        if b.iter().all(|b| b.is_finite()) {
-            Ok(())
-        } else {
-            Err(LinearSolverError::LuSolveFailed.into())
-        }
+        solved(b)
     }
 
     /// Systems of the transposed matrix are those of adjoint solutions, which are not offered here.
-    fn solve_transpose_in_place(&self, _b: &mut V) -> Result<(), LaError> {
+    fn solve_transpose_in_place(&self, _b: &mut Vector<Dense>) -> Result<(), LaError> {
+        Err(LinearSolverError::LuNotInitialized.into())
+    }
+}
+
+/// The same, sparse.
+#[derive(Default)]
+pub(crate) struct SparseSolver(Option<(Matrix<Sparse>, RefCell<SparseLu<f64>>)>);
+
+impl LinearSolver<Matrix<Sparse>> for SparseSolver {
+    fn set_sparsity<
+        C: LinearOp<T = f64, V = Vector<Sparse>, M = Matrix<Sparse>, C = Context<Sparse>>,
+    >(
+        &mut self,
+        op: &C,
+    ) {
+        let (n, context) = (op.nrows(), *op.context());
+        let matrix = C::M::new_from_sparsity(n, n, op.sparsity(), context);
+        self.0 = Some((matrix, RefCell::new(SparseLu::new())));
+    }
+
+    fn set_linearisation<
+        C: LinearOp<T = f64, V = Vector<Sparse>, M = Matrix<Sparse>, C = Context<Sparse>>,
+    >(
+        &mut self,
+        op: &C,
+    ) {
+        if let Some((matrix, lu)) = &mut self.0 {
+            op.matrix_inplace(matrix);
+            lu.get_mut().factorise_matrix(matrix.inner()[0].as_ref());
+        }
+    }
+
+    fn solve_in_place(&self, b: &mut Vector<Sparse>) -> Result<(), LaError> {
+        let Some((_, lu)) = &self.0 else {
+            return Err(LinearSolverError::LuNotInitialized.into());
+        };
+        let b = Sparse::components_mut(b);
+        lu.borrow_mut().solve(b);
+        solved(b)
+    }
+
+    /// As that of [`DenseSolver`].
+    fn solve_transpose_in_place(&self, _b: &mut Vector<Sparse>) -> Result<(), LaError> {
         Err(LinearSolverError::LuNotInitialized.into())
     }
 }

@@ -4,13 +4,15 @@
 //! every event. Guards are ours: they are looked at after each of its steps and located on its
 //! interpolant, so an event time is as good as that interpolant and no better.
 
+mod algebra;
 mod equations;
 mod lu;
 
 use diffsol::{
     DiffsolError, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState,
-    OdeSolverStopReason, VectorCommon,
+    OdeSolverStopReason,
 };
+use diffsol_la::{MatrixRef, VectorRef};
 
 use crate::error::Error;
 use crate::event::GuardWatch;
@@ -18,10 +20,10 @@ use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
 use crate::record::{Accepted, Record};
 use crate::stats::Stats;
 use crate::step::Step;
-use crate::system::System;
+use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
-use equations::{Equations, M, V, state};
-use lu::Lu;
+use algebra::{Algebra, Dense, Sparse};
+use equations::{Equations, state};
 
 /// Span that `diffsol` takes for none, as a fraction of the time.
 const RESOLUTION: f64 = 100.0 * f64::EPSILON;
@@ -78,9 +80,9 @@ impl<P: System> DiffsolSolver<P> {
         stats: &mut Stats,
         record: &mut dyn Record<P>,
     ) -> Result<PhaseEnd, Error> {
-        let (mode, t0, y0) = (point.mode, point.t, point.y.clone());
+        let (mode, t0, y0) = (point.mode.clone(), point.t, point.y.clone());
         let mut slope = y0.clone();
-        problem.rhs(mode, t0, &y0, &mut slope);
+        problem.rhs(mode.clone(), t0, &y0, &mut slope);
         check_finite(point, &slope)?;
         stats.work.n_rhs += 1;
         stats.restart.n_rhs += 1;
@@ -92,7 +94,7 @@ impl<P: System> DiffsolSolver<P> {
             }
         };
         line(t_end, &mut point.y);
-        let landed_on = self.watch.violated(problem, mode, t_end, &point.y)?;
+        let landed_on = self.watch.violated(problem, mode.clone(), t_end, &point.y)?;
         let step = SolverStep {
             interpolant: line,
             t0,
@@ -112,7 +114,7 @@ impl<P: System> DiffsolSolver<P> {
     }
 
     /// Steps `solver` to `t_end` or the first violated guard.
-    fn advance<'a, 'p: 'a, S: OdeSolverMethod<'a, Equations<'p, P>>>(
+    fn advance<'a, 'p: 'a, A: Algebra, S: OdeSolverMethod<'a, Equations<'p, P, A>>>(
         &mut self,
         solver: &mut S,
         point: &mut Point<P>,
@@ -125,13 +127,13 @@ impl<P: System> DiffsolSolver<P> {
     {
         let equations = &solver.problem().eqn;
         let problem = equations.problem;
-        let mode = point.mode;
+        let mode = point.mode.clone();
         let mut before = *stats;
         before.restart.n_rhs += equations.n_rhs.get();
         before.restart.n_jac += equations.n_jac.get();
         solver.set_stop_time(t_end).map_err(|error| failure(point, &error))?;
-        let mut slope0 = state(problem, solver.state().dy);
-        self.watch.begin(problem, mode, point.t, &point.y, &slope0);
+        let mut slope0 = state::<P, A>(problem, solver.state().dy);
+        self.watch.begin(problem, mode.clone(), point.t, &point.y, &slope0);
         loop {
             let reason = solver.step().map_err(|error| failure(point, &error));
             *stats = before;
@@ -144,19 +146,19 @@ impl<P: System> DiffsolSolver<P> {
                 return Err(Error::NonFinite { t: point.t, mode: format!("{mode:?}"), component });
             }
             let at_end = reason? == OdeSolverStopReason::TstopReached;
-            let y1 = state(problem, solver.state().y);
+            let y1 = state::<P, A>(problem, solver.state().y);
             check_finite(point, &y1)?;
             let reached = solver.state().t;
             // One last correction of the iteration away from that at the end, and already there.
             let slope1 = equations.slope.borrow().clone();
             let slope = |t: f64| match solver.interpolate_dy(t) {
-                Ok(slope) => Ok(state(problem, &slope)),
+                Ok(slope) => Ok(state::<P, A>(problem, &slope)),
                 Err(error) => Err(failure(point, &error)),
             };
             let interpolant = |t: f64, y: &mut P::State<f64>| {
                 let past = (t - reached) * (t_end - point.t) > 0.0;
                 match solver.interpolate(if past { reached } else { t }) {
-                    Ok(found) => y.as_mut().copy_from_slice(found.inner().as_slice()),
+                    Ok(found) => y.as_mut().copy_from_slice(A::components(&found)),
                     Err(_) => y.as_mut().fill(f64::NAN),
                 }
             };
@@ -165,14 +167,15 @@ impl<P: System> DiffsolSolver<P> {
             let (t0, y0) = (point.t, &point.y);
             let mut step = SolverStep { interpolant, t0, t1, y0, y1, slope0, slope1 };
             let mut landed_on = None;
-            if !self.watch.is_clear(problem, mode, &step) {
+            if !self.watch.is_clear(problem, mode.clone(), &step) {
                 // The search is one of the interpolant, and goes by its slopes.
                 (step.slope0, step.slope1) = (slope(t0)?, slope(reached)?);
-                self.watch.start_at(problem, mode, t0, y0, &step.slope0);
-                self.watch.rates(problem, mode, t1, &step.y1, &step.slope1);
+                self.watch.start_at(problem, mode.clone(), t0, y0, &step.slope0);
+                self.watch.rates(problem, mode.clone(), t1, &step.y1, &step.slope1);
                 // A dip of it cannot be checked by retaking the step.
                 let doubt = Some(&self.tolerance);
-                let fall = self.watch.first_to_fall(problem, mode, &step, f64::EPSILON, doubt)?;
+                let fall =
+                    self.watch.first_to_fall(problem, mode.clone(), &step, f64::EPSILON, doubt)?;
                 if let Some(fall) = fall {
                     let mut y = step.y1.clone();
                     step.interpolate(fall.t, &mut y);
@@ -182,7 +185,8 @@ impl<P: System> DiffsolSolver<P> {
                     landed_on = Some(fall.guard);
                 }
             }
-            let go_on = record.step(&Accepted { mode, step: &step, landed_on, stats });
+            let go_on =
+                record.step(&Accepted { mode: mode.clone(), step: &step, landed_on, stats });
             let SolverStep { t1, y1, slope1, .. } = step;
             (point.t, point.y, slope0) = (t1, y1, slope1);
             match landed_on {
@@ -190,6 +194,54 @@ impl<P: System> DiffsolSolver<P> {
                 Some(guard) => return Ok(PhaseEnd::Guard(guard)),
                 None if at_end => return Ok(PhaseEnd::EndOfTime),
                 None => {}
+            }
+        }
+    }
+}
+
+impl<P: System> DiffsolSolver<P> {
+    /// One phase, longer than the resolution of `diffsol`, with the linear algebra `A`.
+    fn phase<A: Algebra>(
+        &mut self,
+        problem: &P,
+        point: &mut Point<P>,
+        t_end: f64,
+        stats: &mut Stats,
+        record: &mut dyn Record<P>,
+    ) -> Result<PhaseEnd, Error>
+    where
+        for<'b> &'b A::V: VectorRef<A::V>,
+        for<'b> &'b A::M: MatrixRef<A::M>,
+    {
+        let span = t_end - point.t;
+        let equations = Equations::<P, A>::new(problem, point.mode.clone(), point.y.clone());
+        let mut built = OdeBuilder::<A::M>::new()
+            .t0(point.t)
+            .rtol(self.tolerance.rtol)
+            .atol(self.tolerance.atol.iter().copied())
+            .build_from_eqn(equations)
+            .map_err(|error| failure(point, &error))?;
+        built.ode_options.max_nonlinear_solver_failures = usize::MAX;
+        built.ode_options.min_timestep = LEAST_STEP * span.abs();
+        let order = self.scheme.starting_order();
+        macro_rules! advance {
+            ($solver:expr) => {{
+                let mut solver = $solver.map_err(|error| failure(point, &error))?;
+                self.advance(&mut solver, point, t_end, stats, record)
+            }};
+        }
+        match self.scheme {
+            DiffsolScheme::Bdf => {
+                advance!(built.bdf_solver::<A::Solver>(started(&built, point, span, order)?))
+            }
+            DiffsolScheme::TrBdf2 => {
+                advance!(built.tr_bdf2_solver::<A::Solver>(started(&built, point, span, order)?))
+            }
+            DiffsolScheme::Esdirk34 => {
+                advance!(built.esdirk34_solver::<A::Solver>(started(&built, point, span, order)?))
+            }
+            DiffsolScheme::Tsit45 => {
+                advance!(built.tsit45_solver(started(&built, point, span, order)?))
             }
         }
     }
@@ -211,48 +263,24 @@ impl<P: System> PhaseSolver<P> for DiffsolSolver<P> {
         if span.abs() <= RESOLUTION * (point.t.abs() + span.abs()) {
             return self.one_euler_step(problem, point, t_end, stats, record);
         }
-        let equations = Equations::new(problem, point.mode, point.y.clone());
-        let mut built = OdeBuilder::<M>::new()
-            .t0(point.t)
-            .rtol(self.tolerance.rtol)
-            .atol(self.tolerance.atol.iter().copied())
-            .build_from_eqn(equations)
-            .map_err(|error| failure(point, &error))?;
-        built.ode_options.max_nonlinear_solver_failures = usize::MAX;
-        built.ode_options.min_timestep = LEAST_STEP * span.abs();
-        let order = self.scheme.starting_order();
-        macro_rules! advance {
-            ($solver:expr) => {{
-                let mut solver = $solver.map_err(|error| failure(point, &error))?;
-                self.advance(&mut solver, point, t_end, stats, record)
-            }};
-        }
-        match self.scheme {
-            DiffsolScheme::Bdf => {
-                advance!(built.bdf_solver::<Lu>(started(&built, point, span, order)?))
-            }
-            DiffsolScheme::TrBdf2 => {
-                advance!(built.tr_bdf2_solver::<Lu>(started(&built, point, span, order)?))
-            }
-            DiffsolScheme::Esdirk34 => {
-                advance!(built.esdirk34_solver::<Lu>(started(&built, point, span, order)?))
-            }
-            DiffsolScheme::Tsit45 => {
-                advance!(built.tsit45_solver(started(&built, point, span, order)?))
-            }
+        // A condition that is a constant: the other one is not compiled.
+        if const { <P::State<f64> as Vector<f64>>::IS_SHORT } {
+            self.phase::<Dense>(problem, point, t_end, stats, record)
+        } else {
+            self.phase::<Sparse>(problem, point, t_end, stats, record)
         }
     }
 }
 
 /// A state of `diffsol` at the start of `built`, with a first step over `span` for a method of `order`.
-fn started<P: System, S: OdeSolverState<V>>(
-    built: &OdeSolverProblem<Equations<'_, P>>,
+fn started<P: System, A: Algebra, S: OdeSolverState<A::V>>(
+    built: &OdeSolverProblem<Equations<'_, P, A>>,
     point: &Point<P>,
     span: f64,
     order: usize,
 ) -> Result<S, Error> {
     let mut start = S::new_without_initialise(built).map_err(|error| failure(point, &error))?;
-    check_finite(point, &state(built.eqn.problem, start.as_ref().dy))?;
+    check_finite(point, &state::<P, A>(built.eqn.problem, start.as_ref().dy))?;
     let sign = 1_f64.copysign(span);
     start.as_mut().set_step_size(sign, &built.atol, built.rtol, &built.eqn, order);
     let h = start.as_mut().h;
@@ -261,9 +289,9 @@ fn started<P: System, S: OdeSolverState<V>>(
 }
 
 /// Adds what `solver` has done to `stats`.
-fn count<'a, 'p: 'a, P: System + 'p, S: OdeSolverMethod<'a, Equations<'p, P>>>(
+fn count<'a, 'p: 'a, P: System + 'p, A: Algebra, S: OdeSolverMethod<'a, Equations<'p, P, A>>>(
     solver: &S,
-    equations: &Equations<'p, P>,
+    equations: &Equations<'p, P, A>,
     stats: &mut Stats,
 ) {
     let done = solver.get_statistics();

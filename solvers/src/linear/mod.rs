@@ -8,7 +8,8 @@ use nalgebra::{ComplexField, DMatrix};
 
 use crate::system::System;
 pub(crate) use dense::DenseLu;
-use sparse::{SparseLu, SparseMatrix};
+use sparse::SparseMatrix;
+pub(crate) use sparse::{SparseLu, position};
 
 /// Number of states from which a sparse factorisation is tried.
 const MANY: usize = 32;
@@ -45,7 +46,7 @@ impl Jacobian {
         y: &P::State<f64>,
     ) -> Option<usize> {
         if let Self::Sparse(sparse) = self {
-            if sparse.evaluate(problem, mode, t, y) {
+            if sparse.evaluate(problem, mode.clone(), t, y) {
                 return sparse.non_finite_row();
             }
             *self = Self::Dense(DMatrix::zeros(problem.dim(), problem.dim()));

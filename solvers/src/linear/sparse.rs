@@ -5,7 +5,7 @@ use faer::mat::MatMut;
 use faer::sparse::linalg::lu::{
     LuRef, LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu,
 };
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
 use faer::{Conj, Par};
 use nalgebra::ComplexField;
 
@@ -13,6 +13,17 @@ use crate::system::System;
 
 /// Part of the entries that a matrix held sparse has at most.
 const DENSITY: f64 = 0.25;
+
+/// Index of the entry in row `i` of column `j`, if the pattern has it.
+pub(crate) fn position(
+    pattern: SymbolicSparseColMatRef<'_, usize>,
+    i: usize,
+    j: usize,
+) -> Option<usize> {
+    let column = pattern.col_range(j);
+    let found = pattern.row_idx()[column.clone()].binary_search(&i);
+    found.ok().map(|k| column.start + k)
+}
 
 /// A Jacobian with the pattern of all the entries that it ever had.
 pub(crate) struct SparseMatrix {
@@ -26,13 +37,6 @@ impl SparseMatrix {
             pattern: SymbolicSparseColMat::new_checked(n, n, vec![0; n + 1], None, Vec::new()),
             entries: Vec::new(),
         }
-    }
-
-    /// Index of the entry in row `i` of column `j`, if the pattern has it.
-    fn position(pattern: &SymbolicSparseColMat<usize>, i: usize, j: usize) -> Option<usize> {
-        let column = pattern.col_range(j);
-        let found = pattern.row_idx()[column.clone()].binary_search(&i);
-        found.ok().map(|k| column.start + k)
     }
 
     /// The row of an entry that is not finite.
@@ -62,11 +66,14 @@ impl SparseMatrix {
         self.entries.fill(0.0);
         // The diagonal is always there once entries have been seen.
         let mut is_complete = !self.entries.is_empty();
-        problem.jacobian(mode, t, y, |i, j, entry| match Self::position(&self.pattern, i, j) {
-            Some(k) => self.entries[k] = entry,
-            None => is_complete = false,
+        problem.jacobian(mode.clone(), t, y, |i, j, entry| {
+            match position(self.pattern.as_ref(), i, j) {
+                Some(k) => self.entries[k] = entry,
+                None => is_complete = false,
+            }
         });
-        is_complete || (self.widen(problem, mode, t, y) && self.evaluate(problem, mode, t, y))
+        is_complete
+            || (self.widen(problem, mode.clone(), t, y) && self.evaluate(problem, mode, t, y))
     }
 
     /// Adds the entries of this Jacobian, and the diagonal, to the pattern; false where there are too
@@ -105,7 +112,7 @@ pub(crate) struct SparseLu<T> {
 }
 
 impl<T: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy> SparseLu<T> {
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             shifted: Vec::new(),
             symbolic: None,
@@ -115,13 +122,10 @@ impl<T: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy> Spars
         }
     }
 
-    /// Analyses the pattern of `matrix`.
-    fn analyse(&mut self, matrix: &SparseMatrix) {
-        let zero = <T as ComplexField>::from_real(0.0);
-        self.shifted = vec![zero; matrix.entries.len()];
+    /// Analyses a pattern.
+    fn analyse(&mut self, pattern: SymbolicSparseColMatRef<'_, usize>) {
         self.numeric = NumericLu::new();
-        self.symbolic =
-            factorize_symbolic_lu(matrix.pattern.as_ref(), LuSymbolicParams::default()).ok();
+        self.symbolic = factorize_symbolic_lu(pattern, LuSymbolicParams::default()).ok();
         if let Some(symbolic) = &self.symbolic {
             self.memory = MemBuffer::new(
                 symbolic
@@ -134,23 +138,34 @@ impl<T: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy> Spars
     pub(super) fn factorise(&mut self, matrix: &SparseMatrix, shift: T, h: f64) {
         // A pattern never loses entries: one with as many is the one analysed last.
         if self.shifted.len() != matrix.entries.len() {
-            self.analyse(matrix);
+            let zero = <T as ComplexField>::from_real(0.0);
+            self.shifted = vec![zero; matrix.entries.len()];
+            self.symbolic = None;
         }
         for (shifted, entry) in self.shifted.iter_mut().zip(&matrix.entries) {
             *shifted = <T as ComplexField>::from_real(-h * entry);
         }
         for i in 0..matrix.pattern.ncols() {
-            if let Some(k) = SparseMatrix::position(&matrix.pattern, i, i) {
+            if let Some(k) = position(matrix.pattern.as_ref(), i, i) {
                 self.shifted[k] += shift;
             }
         }
-        let shifted = SparseColMatRef::new(matrix.pattern.as_ref(), self.shifted.as_slice());
+        let shifted = std::mem::take(&mut self.shifted);
+        self.factorise_matrix(SparseColMatRef::new(matrix.pattern.as_ref(), shifted.as_slice()));
+        self.shifted = shifted;
+    }
+
+    /// Factorises `matrix`, which has the pattern of the one before it.
+    pub(crate) fn factorise_matrix(&mut self, matrix: SparseColMatRef<'_, usize, T>) {
+        if self.symbolic.is_none() {
+            self.analyse(matrix.symbolic());
+        }
         let stack = MemStack::new(&mut self.memory);
         self.is_singular = match &self.symbolic {
             Some(symbolic) => symbolic
                 .factorize_numeric_lu(
                     &mut self.numeric,
-                    shifted,
+                    matrix,
                     Par::Seq,
                     stack,
                     Default::default(),
@@ -160,7 +175,7 @@ impl<T: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy> Spars
         };
     }
 
-    pub(super) fn solve(&mut self, b: &mut [T]) {
+    pub(crate) fn solve(&mut self, b: &mut [T]) {
         let Some(symbolic) = self.symbolic.as_ref().filter(|_| !self.is_singular) else {
             b.fill(<T as ComplexField>::from_real(f64::NAN));
             return;

@@ -179,7 +179,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         };
         let (mut first, mut last, mut last_rate) = (f64::NAN, f64::NAN, f64::NAN);
         for n in 1..=most {
-            if let Some(component) = self.evaluate_stages(problem, mode, stats) {
+            if let Some(component) = self.evaluate_stages(problem, mode.clone(), stats) {
                 return Iteration::NotFinite(component);
             }
             self.correct(stats);
@@ -235,7 +235,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
             for (y, (y0, z)) in self.y_stage.as_mut().iter_mut().zip(states) {
                 *y = y0 + z;
             }
-            problem.rhs(mode, self.step.t0 + c * self.step.h, &self.y_stage, k);
+            problem.rhs(mode.clone(), self.step.t0 + c * self.step.h, &self.y_stage, k);
             stats.work.n_rhs += 1;
             if let Some(component) = k.as_ref().iter().position(|slope| !slope.is_finite()) {
                 return Some(component);
@@ -396,7 +396,8 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
         let tableau = self.tableau;
         (self.step.t1, self.step.h) = (t1, h);
         if !std::mem::replace(&mut self.is_linearised, true) {
-            let non_finite = self.jacobian.evaluate(problem, mode, self.step.t0, &self.step.y0);
+            let non_finite =
+                self.jacobian.evaluate(problem, mode.clone(), self.step.t0, &self.step.y0);
             stats.work.n_jac += 1;
             if let Some(component) = non_finite {
                 (self.is_linearised, self.has_converged) = (false, true);
@@ -407,7 +408,7 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
         let shift = Complex::new(tableau.complex[0], tableau.complex[1]);
         self.complex.factorise(&self.jacobian, shift, h);
         stats.work.n_factorisations += 2;
-        let end = self.iterate(problem, mode, stats);
+        let end = self.iterate(problem, mode.clone(), stats);
         self.has_converged = !matches!(end, Iteration::Diverged);
         match end {
             Iteration::Diverged => return,

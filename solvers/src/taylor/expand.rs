@@ -39,7 +39,7 @@ impl<B: Base> Expansion<B> {
         slope: &mut P::State<B>,
     ) {
         loop {
-            let run = Run { rows: &self.rows, t0, problem, mode };
+            let run = Run { rows: &self.rows, t0, problem, mode: mode.clone() };
             self.n_rows = RhsRun { run, y: y0, next: slope }.unrolled(0);
             if !self.rows.grow(self.n_rows) {
                 return;
@@ -62,7 +62,7 @@ impl<B: Base> Expansion<B> {
     ) {
         for k in 1..y.len() - 1 {
             let (below, above) = y.split_at_mut(k + 1);
-            let run = Run { rows: &self.rows, t0, problem, mode };
+            let run = Run { rows: &self.rows, t0, problem, mode: mode.clone() };
             let n = RhsRun { run, y: &below[k], next: &mut above[0] }.unrolled(k);
             assert!(n == self.n_rows, "operations of order {k} differ from those of order 0");
         }
@@ -97,6 +97,12 @@ fn start<'a, B: Base, Y: Vector<Series<'a, B>>>(
     (t, Y::from_fn(y.len(), |i| Series::new(table, y[i])))
 }
 
+/// Highest order with code of its own: in a loop over many states the places of the coefficients are no
+/// constants, and there is nothing to gain.
+const fn highest_unrolled<P: System, B: Base>() -> usize {
+    if <P::State<B> as Vector<B>>::IS_SHORT { B::HIGHEST_UNROLLED } else { 0 }
+}
+
 /// The coefficients of the state of the next order, `y_(k+1) = f_k/(k + 1)`; gives the rows it took.
 struct RhsRun<'a, P: System, B: Base> {
     run: Run<'a, P, B>,
@@ -107,7 +113,7 @@ struct RhsRun<'a, P: System, B: Base> {
 impl<P: System, B: Base> OfOrder for RhsRun<'_, P, B> {
     type Output = usize;
 
-    const HIGHEST: usize = B::HIGHEST_UNROLLED;
+    const HIGHEST: usize = highest_unrolled::<P, B>();
 
     #[inline(always)]
     fn of_order(self, k: usize) -> usize {
@@ -134,8 +140,11 @@ pub(super) struct GuardsRun<'a, P: System, B: Base> {
 impl<P: System, B: Base> OfOrder for GuardsRun<'_, P, B> {
     type Output = usize;
 
-    const HIGHEST: usize =
-        if B::HIGHEST_UNROLLED < FIRST_LOOK { B::HIGHEST_UNROLLED } else { FIRST_LOOK };
+    const HIGHEST: usize = if highest_unrolled::<P, B>() < FIRST_LOOK {
+        highest_unrolled::<P, B>()
+    } else {
+        FIRST_LOOK
+    };
 
     #[inline(always)]
     fn of_order(self, k: usize) -> usize {

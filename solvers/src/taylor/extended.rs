@@ -117,21 +117,22 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     }
 
     fn point(&self) -> Point<P> {
-        Point { t: self.t.value(), y: rounded::<P, _>(self.state()), mode: self.mode }
+        Point { t: self.t.value(), y: rounded::<P, _>(self.state()), mode: self.mode.clone() }
     }
 
     /// Goes on in the present mode, to `t_end` or the zero of the first guard that falls.
     fn phase(&mut self, t_end: f64, record: &mut dyn Record<P>) -> Result<PhaseEnd, Error> {
-        let (problem, mode) = (self.problem, self.mode);
+        let (problem, mode) = (self.problem, self.mode.clone());
         let (start, rest) = self.y.split_at_mut(1);
-        self.expansion.begin(problem, mode, self.t, &start[0], &mut rest[0]);
+        self.expansion.begin(problem, mode.clone(), self.t, &start[0], &mut rest[0]);
         let point = self.point();
-        self.watch.begin(problem, mode, point.t, &point.y, &rounded::<P, _>(&self.y[1]));
+        self.watch.begin(problem, mode.clone(), point.t, &point.y, &rounded::<P, _>(&self.y[1]));
         while self.t.value() != t_end {
             self.take_step(t_end)?;
             let landed_on = self.locate()?;
             self.stats.n_accepted += 1;
-            let accepted = Accepted { mode, step: &self.step, landed_on, stats: &self.stats };
+            let accepted =
+                Accepted { mode: mode.clone(), step: &self.step, landed_on, stats: &self.stats };
             let go_on = record.step(&accepted);
             self.t = self.t1;
             std::mem::swap(&mut self.y[0], &mut self.y1);
@@ -148,7 +149,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     /// Expands about the present state, and takes a step as long as the last terms and the defect at its
     /// end allow.
     fn take_step(&mut self, t_end: f64) -> Result<(), Error> {
-        self.expansion.complete(self.problem, self.mode, self.t, &mut self.y);
+        self.expansion.complete(self.problem, self.mode.clone(), self.t, &mut self.y);
         self.stats.work.n_rhs += 1;
         self.guards.forget();
         (self.step.t0, self.step.t0_low) = (self.t.hi(), self.t.lo());
@@ -195,7 +196,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
                 *y = *y * size + c.as_ref()[i];
             }
         }
-        self.expansion.begin(self.problem, self.mode, self.t1, &self.y1, &mut self.slope1);
+        self.expansion.begin(self.problem, self.mode.clone(), self.t1, &self.y1, &mut self.slope1);
         self.step.t1 = self.t1.value();
         self.step.y1 = rounded::<P, _>(&self.y1);
         self.step.slope1 = rounded::<P, _>(&self.slope1);
@@ -208,12 +209,12 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
 
     /// Cuts the step at the zero of the guard that falls first on it; that guard.
     fn locate(&mut self) -> Result<Option<usize>, Error> {
-        let (problem, mode) = (self.problem, self.mode);
+        let (problem, mode) = (self.problem, self.mode.clone());
         loop {
             let polynomial = (self.t, &self.y[..], self.step.degree);
             let falls = self.guards.first_to_fall(
                 problem,
-                mode,
+                mode.clone(),
                 &self.step,
                 polynomial,
                 &mut self.watch,
@@ -222,7 +223,8 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
             if violated_at != self.step.t1 {
                 let t1 = self.t1;
                 self.attempt(TwoFloat::from(violated_at));
-                if self.watch.violated(problem, mode, violated_at, &self.step.y1)?.is_none() {
+                if self.watch.violated(problem, mode.clone(), violated_at, &self.step.y1)?.is_none()
+                {
                     self.attempt(t1);
                     self.watch.disprove_dip(guard);
                     continue;
@@ -249,7 +251,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
                     *y = *y * zero + *c;
                 }
             }
-            self.problem.guards(self.mode, self.t + zero, &y, &mut g);
+            self.problem.guards(self.mode.clone(), self.t + zero, &y, &mut g);
             let rate = self.guards.rate(guard, zero.value(), self.step.degree);
             let correction = g.as_ref()[guard] / rate;
             let size = correction.value().abs();

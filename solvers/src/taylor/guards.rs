@@ -48,7 +48,7 @@ impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
     ) {
         while self.n_known <= order {
             let k = self.n_known;
-            let run = Run { rows: &self.rows, t0, problem, mode };
+            let run = Run { rows: &self.rows, t0, problem, mode: mode.clone() };
             let n = GuardsRun { run, y: &y[k], g: &mut self.g[k] }.unrolled(k);
             let is_short = self.rows.grow(n);
             self.n_known = if is_short { 0 } else { k + 1 };
@@ -93,8 +93,8 @@ impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
     ) -> Result<Option<Fall>, Error> {
         let (start, t1) = (step.t0(), step.t1());
         let h = t1 - start;
-        watch.violated(problem, mode, t1, step.y1())?;
-        self.expand(problem, mode, t0, y, FIRST_LOOK.min(degree));
+        watch.violated(problem, mode.clone(), t1, step.y1())?;
+        self.expand(problem, mode.clone(), t0, y, FIRST_LOOK.min(degree));
         let mut first: Option<Fall> = None;
         for guard in 0..self.g[0].as_ref().len() {
             let at_end = watch.is_violated(guard);
@@ -102,11 +102,11 @@ impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
             if !at_end && self.is_clear(guard, h, FIRST_LOOK.min(degree), end) {
                 continue;
             }
-            self.expand(problem, mode, t0, y, degree);
+            self.expand(problem, mode.clone(), t0, y, degree);
             if self.g[..=degree].iter().any(|g| !g.as_ref()[guard].is_finite()) {
                 // Singular at the start of the step: no polynomial tells what it does.
-                watch.start_at(problem, mode, start, step.y0(), step.slope0());
-                return if watch.is_clear(problem, mode, step) {
+                watch.start_at(problem, mode.clone(), start, step.y0(), step.slope0());
+                return if watch.is_clear(problem, mode.clone(), step) {
                     Ok(None)
                 } else {
                     watch.first_to_fall(problem, mode, step, PRECISION, None)

@@ -128,7 +128,7 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
     /// The defect of p is that of its next term, `(N + 1) y_(N+1) hᴺ`, to leading order; and it is
     /// large where the series does not converge to the solution, or the right-hand side branches.
     fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats) {
-        self.expand(problem, mode, stats);
+        self.expand(problem, mode.clone(), stats);
         let step = &mut self.step;
         step.t1 = t1;
         step.degree = self.degree.unwrap_or_else(|| order::convergent_degree(&step.y, h));

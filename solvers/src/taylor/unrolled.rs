@@ -31,7 +31,7 @@ pub(super) trait OfOrder: Sized {
 
 #[inline(never)]
 fn at<R: OfOrder, const K: usize>(run: R) -> R::Output {
-    if K <= R::HIGHEST { run.of_order(K) } else { rolled(run, K) }
+    if const { K <= R::HIGHEST } { run.of_order(K) } else { rolled(run, K) }
 }
 
 #[inline(never)]

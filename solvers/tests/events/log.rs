@@ -73,9 +73,9 @@ impl<P: System> Record<P> for Log<P::Mode> {
     }
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
-        let (guard, before) = (event.guard, event.before);
+        let (guard, before) = (event.guard, event.before.clone());
         let n = self.steps.len();
-        self.events.push((event.t, guard, before, event.after, n));
+        self.events.push((event.t, guard, before, event.after.clone(), n));
         flow(self.events.len() != self.break_at.1)
     }
 }

@@ -61,13 +61,13 @@ fn the_json_of_the_default_is_this_text() {
         \"restitution\":0.9,\"stiffness\":10000000.0,\"young_modulus\":207000000000.0},\
         \"contest\":{\"events\":[\"located\",\"blind\"],\"max_work\":300000000.0,\
         \"methods\":[\"rk4\",\"bs32\",\"rk45\",\"dop853\",\"vern98\",\"taylor\",\"rodas5p\",\"radau5\",\
-        \"bdf\"],\"repeats\":5},\
+        \"bdf\",\"auto\"],\"repeats\":5},\
         \"drive\":{\"m1\":1.0,\"m4\":0.3},\
         \"friction\":{\"coefficient\":0.1,\"dead_ratio\":0.1,\"law\":\"coulomb\",\
         \"regularisation_speed\":0.0001,\"static_coefficient\":0.15,\"stribeck_speed\":0.001},\
         \"joint\":{\"clearance\":0.0001,\"pin_radius\":0.0049},\
         \"reading\":\"pin\",\
-        \"regimes\":{\"accuracy\":[0.001,1e-6],\"damping_ratio\":[0.0,0.01,0.1,1.0,3.0],\
+        \"regimes\":{\"accuracy\":[0.001,1e-6],\"damping_ratio\":[0.0,0.01,0.1,1.0,3.0],\"max_events\":100,\
         \"stiffness\":[100000.0,1000000.0,10000000.0,100000000.0,1000000000.0,10000000000.0,\
         100000000000.0,1000000000000.0],\"threads\":2},\
         \"run\":{\"sample\":0.01,\"stop_at_90\":true,\"t_end\":2.0},\

@@ -188,8 +188,19 @@ fn more_fixed_steps_than_a_run_can_take_are_refused_for_fixed_step_methods_alone
 #[test]
 fn values_that_do_not_go_together_are_refused() {
     assert_eq!(
-        refusal("\nbays = 3"),
-        "bad.toml:2: bays = 3: more than one bay is not built yet; use bays = 1"
+        refusal("\nbays = 3\nreading = 'full'"),
+        "bad.toml:3: reading = full does not go with bays = 3: friction as a force couples the sticks of \
+         neighbours, and a force at the centroid has no reaction at the bush; use reading = \"pin\""
+    );
+    assert_eq!(
+        refusal("bays = 2\njoint.clearance = 0"),
+        "bad.toml:2: joint.clearance = 0 does not go with bays = 2: pins that are held couple the \
+         accelerations of all bays; use a clearance above zero"
+    );
+    assert_eq!(
+        refusal("bays = 2\nsolver.events = 'blind'"),
+        "bad.toml:2: solver.events = blind does not go with bays = 2: the blind baseline is built for one \
+         bay; use \"located\""
     );
     assert_eq!(refusal("bays = 0"), "bad.toml:1: bays = 0 is out of range: from 1 to 1000000");
     let text = "run.sample = 1e-2 s up to run.t_end = 1e9 s makes 1.0e11 samples, at most 1e8; \

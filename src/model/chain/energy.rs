@@ -1,0 +1,36 @@
+//! Energies and powers of one state of a chain.
+
+use super::{Chain, Modes, STATES};
+use crate::model::energy::{Energy, Power};
+
+impl Chain {
+    /// Energies of `y` in `modes`, summed over the bays: kinetic of absolute velocities, elastic of the
+    /// contacts.
+    pub fn energy(&self, modes: &Modes, y: &[f64]) -> Energy {
+        let mut sum = Energy::default();
+        let mut bush = [0.0; 2];
+        for (k, own) in y.chunks_exact(STATES).enumerate() {
+            let mut y = Self::state_of(own, 0);
+            y[3] += bush[0];
+            y[4] += bush[1];
+            let energy = self.bay.energy(modes[k], &y);
+            sum.kinetic += energy.kinetic;
+            sum.elastic += energy.elastic;
+            bush = [y[3] + self.reach() * libm::cos(y[2]) * y[5], y[4]];
+        }
+        sum
+    }
+
+    /// Powers at `y` in `modes`, summed over the bays.
+    pub fn power(&self, modes: &Modes, y: &[f64]) -> Power {
+        let mut sum = Power::default();
+        self.along(modes, y, 0..self.bays, |_, motion| {
+            let contact =
+                motion.contact.as_ref().map(|(pose, forces, touch)| (pose, *forces, *touch));
+            let power = self.bay.power_of(&motion.y, contact);
+            sum.drive += power.drive;
+            sum.dissipated += power.dissipated;
+        });
+        sum
+    }
+}

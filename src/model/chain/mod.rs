@@ -1,0 +1,271 @@
+//! N bays: each root pin in a bush at the end C of the bay before.
+//!
+//! Bay k has the pin displacement d_k *relative to its bush*, the angle θ_k and their rates; the bush does
+//! not turn. With the contact force F_k n_k of joint k on its pin, and reversed on the bay before, the
+//! absolute accelerations of a bay's pin are those of a [`Block`] under its own forces and
+//!
+//! ```text
+//! Q_X = F_(k+1) n_X,   Q_Y = F_(k+1) n_Y,   Q_θ = (l1 + l2) cos θ_k F_(k+1) n_X        (n of joint k + 1)
+//! d̈_k = (Ẍ_k, Ÿ_k) − C̈_(k−1),   C̈ = (Ẍ + (l1 + l2)(cos θ θ̈ − sin θ θ̇²), Ÿ)
+//! ```
+//!
+//! so a right-hand side is one pass from the root. Friction is a torque on the bay's own angle (reading
+//! `pin`); as a force it would couple the sticks of neighbours. Relative displacements keep their digits: an
+//! absolute position of some metres would leave a gap of 0.1 mm ten.
+
+mod energy;
+mod jacobian;
+mod mode;
+
+use std::ops::Range;
+
+use deltazero_solvers::{Next, Real, System};
+
+use super::Mechanism;
+use super::block::{Block, ContactForces, State};
+use super::contact::{PinPose, Touch};
+use super::inertia::Arrow;
+use super::mode::Mode;
+use crate::config::Config;
+
+pub use mode::Modes;
+
+/// Guards of a bay, those of its joint.
+const GUARDS: usize = 4;
+/// States of a bay.
+const STATES: usize = 6;
+
+/// A chain of equal bays, a hybrid system of six states a bay, [`State`] after [`State`] from the root.
+///
+/// It has a joint 1 in each bay; joint 2 is at the root alone and shares no term with them.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    /// A bay on its own. Its reading is `pin`, its clearance above zero.
+    pub bay: Block,
+    /// Number of bays, at least one.
+    pub bays: usize,
+}
+
+/// How one bay moves among the others.
+struct Motion<S> {
+    y: State<S>,
+    /// Its contact, if any.
+    contact: Option<(PinPose<S>, ContactForces<S>, Touch)>,
+    /// `(d̈, θ̈)`, the displacement relative to the bush.
+    relative: [S; 3],
+    /// What the neighbours add to them.
+    extra: [S; 3],
+    /// `C̈` of its end.
+    end: [S; 2],
+}
+
+impl Chain {
+    /// `l1 + l2`, from a bay's pin to the bush at its end [m].
+    fn reach(&self) -> f64 {
+        2.0 * self.bay.strut_length
+    }
+
+    /// The chain of a configuration: joint 1 in each of its bays.
+    pub fn new(config: &Config) -> Self {
+        let [bay, _] = Mechanism::new(config).blocks;
+        Self { bay, bays: config.bays as usize }
+    }
+
+    /// The bay, counted from zero, that a guard belongs to.
+    pub fn bay_of(guard: usize) -> usize {
+        guard / GUARDS
+    }
+
+    /// The bay, counted from zero, that a component of the state belongs to.
+    pub fn bay_of_state(component: usize) -> usize {
+        component / STATES
+    }
+
+    /// The start of the paper in every bay: d = (0, −c), θ = 0, at rest.
+    pub fn initial_state(&self) -> Vec<f64> {
+        self.bay.initial_state().repeat(self.bays)
+    }
+
+    /// The scale of each state; see [`Block::scale`].
+    pub fn scale(&self) -> Vec<f64> {
+        self.bay.scale().repeat(self.bays)
+    }
+
+    /// The state of bay `k`, counted from zero.
+    pub fn state_of<S: Real>(y: &[S], k: usize) -> State<S> {
+        std::array::from_fn(|i| y[STATES * k + i])
+    }
+
+    /// The contact forces of every bay.
+    pub fn forces(&self, modes: &Modes, y: &[f64]) -> Vec<ContactForces<f64>> {
+        let mut all = Vec::with_capacity(self.bays);
+        self.along(modes, y, 0..self.bays, |_, motion| {
+            let none = ContactForces::frictionless(0.0);
+            all.push(motion.contact.as_ref().map_or(none, |(_, forces, _)| *forces));
+        });
+        all
+    }
+
+    /// How the pin of joint `k` stands in its bush, where the two are in contact.
+    fn contact<S: Real>(&self, modes: &[Mode], y: &[S], k: usize) -> Option<(PinPose<S>, Touch)> {
+        let mode = modes.get(k).filter(|mode| mode.is_contact())?;
+        mode.touch().map(|touch| (self.bay.pose(&Self::state_of(y, k)), touch))
+    }
+
+    /// The normal force of a contact on the bush, `F_N n` [N].
+    fn push<S: Real>(&self, pose: &PinPose<S>, touch: Touch) -> [S; 2] {
+        let normal = self.bay.normal.force(pose.delta, pose.delta_dot, touch);
+        [pose.n[0] * normal, pose.n[1] * normal]
+    }
+
+    /// `(Ẍ, Ÿ, θ̈)` of a bay by the force `push` on the bush at its end.
+    fn response<S: Real>(&self, arrow: &Arrow<S>, push: [S; 2]) -> [S; 3] {
+        let load = [push[0], push[1], arrow.cos * push[0] * self.reach()];
+        self.bay.inertia.accelerations(arrow, S::cst(0.0), load)
+    }
+
+    /// Shows the bays of `range` to `see`, from the root on; the first one is the chain's, or does not
+    /// stick: what its bush does it cannot feel but in its own displacement.
+    fn along<S: Real>(
+        &self,
+        modes: &[Mode],
+        y: &[S],
+        range: Range<usize>,
+        mut see: impl FnMut(usize, &Motion<S>),
+    ) {
+        let mut bush = [S::cst(0.0); 2];
+        let mut own = self.contact(modes, y, range.start);
+        for k in range {
+            let next = self.contact(modes, y, k + 1);
+            let motion = self.motion(modes[k], &Self::state_of(y, k), own, next, bush);
+            see(k, &motion);
+            (own, bush) = (next, motion.end);
+        }
+    }
+
+    /// A bay at `y` in `mode` with its `own` contact and the `next` one at its end, its bush accelerating
+    /// with `bush`.
+    // A function of its own: inlined in every pass, series of it take minutes to compile.
+    #[inline(never)]
+    fn motion<S: Real>(
+        &self,
+        mode: Mode,
+        y: &State<S>,
+        own: Option<(PinPose<S>, Touch)>,
+        next: Option<(PinPose<S>, Touch)>,
+        bush: [S; 2],
+    ) -> Motion<S> {
+        let bay = &self.bay;
+        let (arrow, omega_sq) = (bay.inertia.at(y[2]), y[5] * y[5]);
+        let none = [S::cst(0.0); 3];
+        let response =
+            next.map_or(none, |(pose, touch)| self.response(&arrow, self.push(&pose, touch)));
+        let extra = [response[0] - bush[0], response[1] - bush[1], response[2]];
+        let (contact, alone) = match own {
+            Some((pose, touch)) => {
+                let forces = bay.forces_among(mode, y, &pose, Some(extra));
+                (Some((pose, forces, touch)), bay.accelerations(y, &arrow, &pose, forces))
+            }
+            None => (None, bay.inertia.free_accelerations(&arrow, omega_sq, bay.torque)),
+        };
+        let [a_x, a_y, theta]: [S; 3] = std::array::from_fn(|i| alone[i] + response[i]);
+        let swing = (arrow.cos * theta - arrow.sin * omega_sq) * self.reach();
+        let relative = [a_x - bush[0], a_y - bush[1], theta];
+        Motion { y: *y, contact, relative, extra, end: [a_x + swing, a_y] }
+    }
+
+    /// What its neighbours add to the accelerations of bay `k`.
+    fn extra<S: Real>(&self, modes: &[Mode], y: &[S], k: usize) -> [S; 3] {
+        // Only a bay that sticks hands on what its own bush does.
+        let first = (0..k).rev().find(|j| !modes[*j].sticks()).unwrap_or(0);
+        let mut extra = [S::cst(0.0); 3];
+        self.along(modes, y, first..k + 1, |_, motion| extra = motion.extra);
+        extra
+    }
+}
+
+impl System for Chain {
+    type Mode = Modes;
+    type State<S: Real> = Vec<S>;
+    type Guards<S: Real> = Vec<S>;
+
+    fn dim(&self) -> usize {
+        STATES * self.bays
+    }
+
+    fn n_guards(&self) -> usize {
+        GUARDS * self.bays
+    }
+
+    /// A guard goes with the states of its bay, and sticking with those of its neighbours.
+    fn guard_span(&self) -> usize {
+        3 * STATES
+    }
+
+    /// Each bay as a [`Block`] of its own has it, the sign of its slip decided among the others.
+    fn initial_mode(&self, t: f64, y: &Vec<f64>) -> Modes {
+        let alone = |k| self.bay.initial_mode(t, &Self::state_of(y, k));
+        let mut modes: Vec<Mode> = (0..self.bays).map(alone).collect();
+        for k in 0..self.bays {
+            if modes[k].is_contact() {
+                let extra = self.extra(&modes, y, k);
+                modes[k] = self.bay.entered(&Self::state_of(y, k), Some(extra));
+            }
+        }
+        modes.into()
+    }
+
+    fn rhs<S: Real>(&self, modes: Modes, _t: S, y: &Vec<S>, dydt: &mut Vec<S>) {
+        self.along(&modes, y, 0..self.bays, |k, motion| {
+            let rates = &mut dydt[STATES * k..STATES * (k + 1)];
+            rates[..3].copy_from_slice(&motion.y[3..]);
+            rates[3..].copy_from_slice(&motion.relative);
+        });
+    }
+
+    fn guards<S: Real>(&self, modes: Modes, _t: S, y: &Vec<S>, g: &mut Vec<S>) {
+        let (none, mut extra) = (S::cst(0.0), Vec::new());
+        if modes.iter().any(|mode| mode.sticks()) {
+            self.along(&modes, y, 0..self.bays, |_, motion| extra.push(motion.extra));
+        }
+        for (k, g) in g.chunks_exact_mut(GUARDS).enumerate() {
+            // Where nothing sticks they go with no acceleration.
+            let extra = extra.get(k).copied().unwrap_or([none; 3]);
+            g.copy_from_slice(&self.bay.guards_of(modes[k], &Self::state_of(y, k), Some(extra)));
+        }
+    }
+
+    fn guard_bounds(&self, modes: Modes, _t: f64, y: &Vec<f64>, bounds: &mut Vec<f64>) {
+        for k in 0..self.bays {
+            let own = self.bay.guard_bounds_of(modes[k], &Self::state_of(y, k));
+            bounds[GUARDS * k..GUARDS * (k + 1)].copy_from_slice(&own);
+        }
+    }
+
+    fn transition<S: Real>(
+        &self,
+        modes: Modes,
+        guard: usize,
+        _t: S,
+        y: &mut Vec<S>,
+    ) -> Next<Modes> {
+        let (k, guard) = (Self::bay_of(guard), guard % GUARDS);
+        let extra = Some(self.extra(&modes, y, k));
+        let mut own = Self::state_of(y, k);
+        match self.bay.after(modes[k], guard, &mut own, extra) {
+            Next::Stop => Next::Stop,
+            Next::Mode(mode) => {
+                y[STATES * k..STATES * (k + 1)].copy_from_slice(&own);
+                Next::Mode(modes.with(k, mode))
+            }
+        }
+    }
+
+    fn jacobian(&self, modes: Modes, _t: f64, y: &Vec<f64>, entry: impl FnMut(usize, usize, f64)) {
+        self.jacobian_entries(&modes, y, entry);
+    }
+
+    fn time_derivative(&self, _modes: Modes, _t: f64, _y: &Vec<f64>, dfdt: &mut Vec<f64>) {
+        dfdt.fill(0.0);
+    }
+}
