@@ -59,3 +59,15 @@ fn readme_and_crate_docs_name_every_method() {
         }
     }
 }
+
+#[test]
+fn the_finding_in_the_readme_is_that_of_the_committed_map() {
+    let (readme, map) = (file("README.md"), file("docs/regimes/regimes.md"));
+    let after = readme.split("<!-- map: made by `deltazero regimes`").nth(1).unwrap();
+    let finding = after.split("<!-- end of map -->").next().unwrap();
+    let lines: Vec<&str> = finding.lines().skip(1).filter(|line| line.starts_with("- ")).collect();
+    assert!(lines.len() >= 4, "{finding}");
+    for line in lines {
+        assert!(map.contains(line), "{line}");
+    }
+}

@@ -6,15 +6,17 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use common::config;
-use deltazero::config::Events;
+use deltazero::config::{Events, ReadingName};
 use deltazero::contest::{
-    Arena, CUT, Candidate, Contest, FailureKind, MARGIN, Standings, Start, Trial, accepts_events,
+    Arena, CUT, Candidate, Contest, Entry, FailureKind, MARGIN, Standings, Start, Trial,
+    accepts_events,
 };
 use deltazero::figures::Picture;
 use deltazero::metrics::sample_error;
 use deltazero::report::html::{Heading, Page, Part, Section, Table};
 use deltazero::run::{Accuracy, Limits, Run, Setting};
 use deltazero::study::columns::{Column, Value};
+use deltazero::study::regimes::{Cell, CellStatus};
 use deltazero::study::step_tables::StepTables;
 use deltazero::study::work_precision::{
     Status, WorkPrecision, cheapest, sample_times, work_precision,
@@ -330,6 +332,27 @@ fn located_events_must_be_right_from_1e_minus_6_on_and_blind_ones_need_not() {
         loose.entries.iter().any(|e| e.events == Events::Located && e.missed > 0),
         "{loose:#?}"
     );
+}
+
+#[test]
+fn auto_wins_a_cell_where_it_alone_arrives() {
+    let with = |methods: &[&str]| Cell {
+        reading: ReadingName::Pin,
+        stiffness: 1e7,
+        damping_ratio: 0.01,
+        accuracy: 1e-4,
+        status: CellStatus::Ok,
+        error: None,
+        t_end_s: Some(0.3),
+        horizon_s: None,
+        n_events: None,
+        standings: contest(methods, 1e-4).1,
+    };
+    let alone = with(&["auto"]);
+    assert!(alone.winner().is_some_and(Entry::is_auto));
+    assert_eq!(alone.second(), None);
+    let beside = with(&["auto", "rk4"]);
+    assert_eq!(beside.winner().map(|entry| entry.method.as_str()), Some("rk4"));
 }
 
 #[test]

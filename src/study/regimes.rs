@@ -79,9 +79,9 @@ impl Cell {
         self.standings.entries.iter().filter(|entry| !entry.is_auto())
     }
 
-    /// The fastest.
+    /// The fastest of them; `auto` where it alone arrives.
     pub fn winner(&self) -> Option<&Entry> {
-        self.fixed().next()
+        self.fixed().next().or_else(|| self.standings.entries.first())
     }
 
     /// The second.
