@@ -113,6 +113,27 @@ pub struct OneStepSolver<P: System, M> {
     error_order: usize,
     /// Step size that the last phase proposed.
     h: Option<f64>,
+    /// Longest step.
+    longest: f64,
+}
+
+/// A solver whose steps another one has a say in.
+pub(crate) trait Paced<P: System>: PhaseSolver<P> {
+    /// Makes a step of size `h` the first of the next phase, where the method proposes none.
+    fn begin_with(&mut self, h: f64);
+
+    /// Takes no step longer than `longest` from the next phase on.
+    fn keep_below(&mut self, longest: f64);
+}
+
+impl<P: System, M: OneStep<P>> Paced<P> for OneStepSolver<P, M> {
+    fn begin_with(&mut self, h: f64) {
+        self.h = Some(h);
+    }
+
+    fn keep_below(&mut self, longest: f64) {
+        self.longest = longest;
+    }
 }
 
 impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
@@ -122,15 +143,11 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         Self {
             method,
             h: None,
+            longest: f64::INFINITY,
             controller: StepController::new(control, embedded_order),
             watch: GuardWatch::new(problem),
             error_order: embedded_order + 1,
         }
-    }
-
-    /// Makes a step of size `h` the first of the next phase, where the method proposes none.
-    pub(crate) fn begin_with(&mut self, h: f64) {
-        self.h = Some(h);
     }
 
     /// A first step size: one whose local error is about one per cent of the tolerated, judged by the
@@ -329,7 +346,7 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             }
         };
         stats.restart += stats.work - before;
-        let mut h = h.abs().max(least).copysign(t_end - point.t);
+        let mut h = h.abs().min(self.longest).max(least).copysign(t_end - point.t);
         while point.t != t_end {
             let last = (t_end - point.t).abs() <= stretch * h.abs();
             let t1 = if last { t_end } else { point.t + h };
@@ -348,7 +365,7 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
                     h = self.rejected(point, smaller, stats)?;
                     continue;
                 }
-                Verdict::Accept(next) => h = next,
+                Verdict::Accept(next) => h = next.abs().min(self.longest).copysign(next),
             }
             check_finite(point, self.method.step().y1())?;
             self.method.complete(problem, mode.clone(), stats);

@@ -89,10 +89,9 @@ impl Cell {
         self.fixed().nth(1)
     }
 
-    /// Time of `auto`, with its events located, over that of the winner.
+    /// Time of `auto` over that of the winner, each by whichever of located and blind is faster for it.
     pub fn auto_over_winner(&self) -> Option<f64> {
-        let is_own = |entry: &&Entry| entry.is_auto() && entry.events == Events::Located;
-        let own = self.standings.entries.iter().find(is_own)?;
+        let own = self.standings.entries.iter().find(|entry| entry.is_auto())?;
         Some(own.wall_s / self.winner()?.wall_s)
     }
 

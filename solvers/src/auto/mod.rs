@@ -12,20 +12,24 @@
 //! # The rule
 //!
 //! Work is counted in right-hand sides; an attempt of an implicit step is taken for 40 of them. With ρ, the
-//! spectral radius of the Jacobian, by power iteration:
+//! spectral radius of the Jacobian at the start of the phase, by power iteration:
 //!
-//! - A phase begins explicit. Every 512 right-hand sides, those of earlier phases with them, where `hρ > 1`
+//! - An explicit step is not longer than `1.7/ρ` (fifth-order pair) or `2.5/ρ`, inside its bound of stability.
+//!   At the bound, error control would keep errors of the size of the tolerance alive: a contact stiffer than
+//!   the tolerance resolves then opens and closes by noise, and every second step is rejected.
+//! - A run begins explicit. Every 512 right-hand sides, those of earlier phases with them, where `hρ > 1`
 //!   with the mean step h, that may be bound by stability, and implicit steps are tried: one *pays* where it
 //!   is as long as what the explicit half comes forward with the same work.
 //! - A trial begins with 0.4 of that and is kept if its step pays after eight attempts.
 //! - Implicit goes on while its equations can be solved and eight attempts together pay; what pays is
-//!   measured anew after them: an explicit step that is bound by stability is as long as 1/ρ.
+//!   measured anew after them: an explicit step that is bound by stability is as long as 1/ρ. Phases that
+//!   follow begin implicit where their ρ is at least half of that.
 //! - Then the explicit half goes on. A turn that ends doubles the 512 until the next trial, up to 8192; after
-//!   steps that paid they are 128, in the next phase too, for one that is stiff is seldom alone.
+//!   steps that paid they are 128.
 //!
 //! So a trial that fails costs some 300 right-hand sides, and all of them together a small part of a run.
 //! A system whose `hρ` stays below one is integrated by the explicit pair, bit for bit; the only price is one
-//! Jacobian for 512 right-hand sides. No decision looks at a clock: a run repeats.
+//! Jacobian a phase, and one for 512 right-hand sides. No decision looks at a clock: a run repeats.
 //!
 //! What was chosen: [`Stats::n_implicit`] counts the implicit ones among the accepted steps.
 
@@ -34,9 +38,8 @@ mod spectrum;
 
 use crate::control::Control;
 use crate::error::Error;
-use crate::one_step::{OneStep, OneStepSolver};
+use crate::one_step::Paced;
 use crate::phase::{PhaseEnd, PhaseSolver, Point};
-use crate::radau::RadauMethod;
 use crate::record::Record;
 use crate::stats::Stats;
 use crate::system::System;
@@ -46,38 +49,45 @@ use pilot::{Leg, Pilot, Turn};
 /// Least relative tolerance at which the fifth-order pair is the explicit half.
 pub(crate) const LOOSE: f64 = 1e-4;
 
+/// `hρ` of the longest step of the fifth-order pair, and of the eighth-order one: both are stable there for
+/// decay and, with the least damping, for oscillation. Of 1 to 3, measured on contacts at e ≤ 1e-3 and 1e-6,
+/// they need the least work.
+pub(crate) const REACH_5: f64 = 1.7;
+pub(crate) const REACH_8: f64 = 2.5;
+
 /// Part of the tolerance that the implicit half is held to.
 const IMPLICIT_SHARE: f64 = 0.1;
 
+/// The control of the implicit half of a run to `tolerance`.
+pub(crate) fn held(tolerance: &Tolerance) -> Control {
+    Control::Adaptive(Tolerance {
+        rtol: IMPLICIT_SHARE * tolerance.rtol,
+        atol: tolerance.atol.iter().map(|atol| IMPLICIT_SHARE * atol).collect(),
+    })
+}
+
 /// Both halves at work on one system.
-pub(crate) struct AutoSolver<P: System, E> {
-    explicit: OneStepSolver<P, E>,
-    implicit: OneStepSolver<P, RadauMethod<P::State<f64>>>,
+pub(crate) struct AutoSolver<'p, P: System> {
+    explicit: Box<dyn Paced<P> + 'p>,
+    implicit: Box<dyn Paced<P> + 'p>,
+    /// `hρ` of the longest explicit step.
+    reach: f64,
     pilot: Pilot,
 }
 
-impl<P: System, E: OneStep<P>> AutoSolver<P, E> {
-    /// `explicit` and what `implicit` makes of its control on `problem`, to `tolerance`.
+impl<'p, P: System> AutoSolver<'p, P> {
+    /// Both halves on `problem`; no explicit step is longer than `reach/ρ`.
     pub(crate) fn new(
         problem: &P,
-        explicit: E,
-        implicit: impl FnOnce(&Control) -> RadauMethod<P::State<f64>>,
-        tolerance: Tolerance,
+        explicit: Box<dyn Paced<P> + 'p>,
+        implicit: Box<dyn Paced<P> + 'p>,
+        reach: f64,
     ) -> Self {
-        let held = Control::Adaptive(Tolerance {
-            rtol: IMPLICIT_SHARE * tolerance.rtol,
-            atol: tolerance.atol.iter().map(|atol| IMPLICIT_SHARE * atol).collect(),
-        });
-        let implicit = implicit(&held);
-        Self {
-            explicit: OneStepSolver::new(problem, explicit, Control::Adaptive(tolerance)),
-            implicit: OneStepSolver::new(problem, implicit, held),
-            pilot: Pilot::new(problem.dim()),
-        }
+        Self { explicit, implicit, reach, pilot: Pilot::new(problem.dim()) }
     }
 }
 
-impl<P: System, E: OneStep<P>> PhaseSolver<P> for AutoSolver<P, E> {
+impl<P: System> PhaseSolver<P> for AutoSolver<'_, P> {
     fn solve_phase(
         &mut self,
         problem: &P,
@@ -86,24 +96,29 @@ impl<P: System, E: OneStep<P>> PhaseSolver<P> for AutoSolver<P, E> {
         stats: &mut Stats,
         record: &mut dyn Record<P>,
     ) -> Result<PhaseEnd, Error> {
-        let mut next = self.pilot.begin_phase(problem, point, stats);
+        let mut turn = self.pilot.begin_phase(problem, point, stats);
         loop {
-            let is_explicit = !matches!(next, Some(Turn::Implicit { .. }));
-            match next {
-                None => {}
-                Some(Turn::Explicit { h }) => self.explicit.begin_with(h),
-                Some(Turn::Implicit { h }) => self.implicit.begin_with(h),
+            let (half, is_implicit, h) = match turn {
+                Turn::Explicit { h } => (&mut self.explicit, false, h),
+                Turn::Implicit { h } => (&mut self.implicit, true, h),
+            };
+            if let Some(h) = h {
+                half.begin_with(h);
             }
-            let half: &mut dyn PhaseSolver<P> =
-                if is_explicit { &mut self.explicit } else { &mut self.implicit };
-            let mut leg = Leg::new(&mut self.pilot, problem, record, point.t, stats);
+            if !is_implicit {
+                half.keep_below(self.reach / self.pilot.radius());
+            }
+            let mut leg = Leg::new(&mut self.pilot, problem, record, is_implicit, stats);
             let end = half.solve_phase(problem, point, t_end, stats, &mut leg);
-            next = leg.over(stats);
-            match end {
-                Err(Error::NoConvergence { .. }) if !is_explicit => self.pilot.give_up(),
-                Ok(PhaseEnd::Interrupted) if next.is_some() => {}
-                end => return end,
-            }
+            let next = leg.over(stats);
+            turn = match (end, next) {
+                (Err(Error::NoConvergence { .. }), _) if is_implicit => {
+                    self.pilot.give_up();
+                    Turn::Explicit { h: None }
+                }
+                (Ok(PhaseEnd::Interrupted), Some(next)) => next,
+                (end, _) => return end,
+            };
         }
     }
 }

@@ -21,6 +21,9 @@ const STABILITY: f64 = 1.0;
 const WAIT: u64 = 512;
 const LONGEST_WAIT: u64 = 8_192;
 const SHORTEST_WAIT: u64 = 128;
+/// A phase begins implicit where ρ is at least this part of what it was where implicit steps were tried or
+/// paid last.
+const AS_STIFF: f64 = 0.5;
 /// Attempts over which implicit steps must pay, and in which those of a trial may grow until they do; and from
 /// one look at the Jacobian to the next.
 const PAYING: u64 = 8;
@@ -28,8 +31,8 @@ const PAYING: u64 = 8;
 /// Whose turn is next, and the step it begins with.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Turn {
-    Explicit { h: f64 },
-    Implicit { h: f64 },
+    Explicit { h: Option<f64> },
+    Implicit { h: Option<f64> },
 }
 
 /// The explicit half where it was bound by stability.
@@ -43,6 +46,14 @@ struct Bound {
     radius: f64,
 }
 
+impl Bound {
+    /// The same where the spectral radius is `radius`: a step that is bound by stability is as long as 1/ρ.
+    fn at(self, radius: f64) -> Self {
+        let longer = self.radius / radius;
+        Self { rate: self.rate * longer, h: self.h * longer, radius }
+    }
+}
+
 /// Where explicit work began to be measured, the events on the way and their phases with it.
 #[derive(Clone, Copy, Debug)]
 struct Since {
@@ -51,41 +62,61 @@ struct Since {
     n_accepted: u64,
 }
 
+/// The implicit half where it is tried, or pays: across phases.
+#[derive(Clone, Copy, Debug)]
+struct Stiff {
+    /// What it is measured against.
+    bound: Bound,
+    /// Whether its steps have not paid yet.
+    is_trial: bool,
+    /// Time that it came forward since it was last judged, and its attempts.
+    forward: f64,
+    n_attempts: u64,
+}
+
 /// What is known from turn to turn.
 pub(super) struct Pilot {
     spectrum: Spectrum,
+    /// ρ where it was looked at last.
+    radius: f64,
     /// Right-hand sides from one trial to the next, and those until the last look.
     wait: u64,
     waited: u64,
     since: Option<Since>,
-    /// None while the explicit half is at work.
-    bound: Option<Bound>,
+    stiff: Option<Stiff>,
 }
 
 impl Pilot {
     /// For `n` states.
     pub(super) fn new(n: usize) -> Self {
-        Self { spectrum: Spectrum::new(n), wait: WAIT, waited: 0, since: None, bound: None }
+        let spectrum = Spectrum::new(n);
+        Self { spectrum, radius: 0.0, wait: WAIT, waited: 0, since: None, stiff: None }
     }
 
-    /// Whose turn is first in a phase from `point`: explicit, but for a trial that is due.
+    /// The spectral radius where it was looked at last.
+    pub(super) fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Whose turn is first in a phase from `point`: implicit, where that was tried or paid last and the phase
+    /// is about as stiff as then, or where a trial is due.
     pub(super) fn begin_phase<P: System>(
         &mut self,
         problem: &P,
         point: &Point<P>,
         stats: &mut Stats,
-    ) -> Option<Turn> {
-        if self.bound.take().is_some() {
+    ) -> Turn {
+        stats.work.n_jac += 1;
+        let radius = self.spectrum.radius(problem, point.mode.clone(), point.t, &point.y);
+        self.radius = radius;
+        if let Some(stiff) = &mut self.stiff
+            && radius >= AS_STIFF * stiff.bound.radius
+        {
+            stiff.bound = stiff.bound.at(radius);
             self.since = None;
+            return Turn::Implicit { h: None };
         }
-        let mut n_jac = 0;
-        let radius = |spectrum: &mut Spectrum| {
-            n_jac += 1;
-            spectrum.radius(problem, point.mode.clone(), point.t, &point.y)
-        };
-        let turn = self.consider(point.t, stats, radius);
-        stats.work.n_jac += n_jac;
-        turn
+        self.consider(point.t, stats, |_| radius).unwrap_or(Turn::Explicit { h: None })
     }
 
     /// After explicit steps up to `t`: tries implicit ones where they may pay.
@@ -111,13 +142,15 @@ impl Pilot {
         let forward = (t - since.t).abs();
         let h = forward / (now.n_accepted - since.n_accepted).max(1) as f64;
         let radius = radius(&mut self.spectrum);
+        self.radius = radius;
         if h * radius <= STABILITY {
             self.wait = self.wait.max(WAIT);
             return None;
         }
         let rate = forward / work as f64;
-        self.bound = Some(Bound { rate, h, radius });
-        Some(Turn::Implicit { h: TRIAL * IMPLICIT_COST * rate })
+        let bound = Bound { rate, h, radius };
+        self.stiff = Some(Stiff { bound, is_trial: true, forward: 0.0, n_attempts: 0 });
+        Some(Turn::Implicit { h: Some(TRIAL * IMPLICIT_COST * rate) })
     }
 
     /// The turn of the implicit half is over; the next trial waits twice as long as the last.
@@ -125,7 +158,7 @@ impl Pilot {
         self.wait = (2 * self.wait).min(LONGEST_WAIT);
         self.waited = 0;
         self.since = None;
-        self.bound = None;
+        self.stiff = None;
     }
 }
 
@@ -134,32 +167,29 @@ pub(super) struct Leg<'a, P: System> {
     pilot: &'a mut Pilot,
     problem: &'a P,
     record: &'a mut dyn Record<P>,
-    /// Where implicit steps were last measured: time and attempts.
-    t: f64,
+    is_implicit: bool,
+    /// Attempts up to the last step.
     n_attempts: u64,
-    /// Whether implicit steps have not paid yet.
-    is_trial: bool,
     n_jac: u64,
     n_implicit: u64,
     next: Option<Turn>,
 }
 
 impl<'a, P: System> Leg<'a, P> {
-    /// A turn that begins at `t`, with the work done so far, shown to `record`.
+    /// A turn that begins with the work done so far, shown to `record`.
     pub(super) fn new(
         pilot: &'a mut Pilot,
         problem: &'a P,
         record: &'a mut dyn Record<P>,
-        t: f64,
+        is_implicit: bool,
         stats: &Stats,
     ) -> Self {
         Self {
             pilot,
             problem,
             record,
-            t,
+            is_implicit,
             n_attempts: attempts(stats),
-            is_trial: true,
             n_jac: 0,
             n_implicit: 0,
             next: None,
@@ -177,12 +207,6 @@ impl<'a, P: System> Leg<'a, P> {
         stats.n_implicit += self.n_implicit;
     }
 
-    fn radius(&mut self, accepted: &Accepted<'_, P>) -> f64 {
-        self.n_jac += 1;
-        let step = accepted.step;
-        self.pilot.spectrum.radius(self.problem, accepted.mode.clone(), step.t1(), step.y1())
-    }
-
     /// After an explicit step.
     fn explicit(&mut self, accepted: &Accepted<'_, P>) -> Option<Turn> {
         let (step, n_jac) = (accepted.step, &mut self.n_jac);
@@ -193,38 +217,46 @@ impl<'a, P: System> Leg<'a, P> {
     }
 
     /// After an implicit step: gives up where it does not pay.
-    fn implicit(&mut self, accepted: &Accepted<'_, P>, bound: Bound) -> Option<Turn> {
-        let n_attempts = attempts(accepted.stats) - self.n_attempts;
-        if n_attempts < PAYING {
+    fn implicit(&mut self, accepted: &Accepted<'_, P>) -> Option<Turn> {
+        let pilot = &mut *self.pilot;
+        let stiff = pilot.stiff.as_mut()?;
+        let (step, so_far) = (accepted.step, attempts(accepted.stats));
+        let h = (step.t1() - step.t0()).abs();
+        stiff.forward += h;
+        stiff.n_attempts += so_far - self.n_attempts;
+        self.n_attempts = so_far;
+        if stiff.n_attempts < PAYING || accepted.landed_on.is_some() {
             return None;
         }
-        let (t, h) = (accepted.step.t1(), accepted.step.t1() - accepted.step.t0());
-        let mean = (t - self.t).abs() / n_attempts as f64;
-        let pays = if self.is_trial { h.abs() } else { mean } >= IMPLICIT_COST * bound.rate;
-        (self.t, self.n_attempts) = (t, attempts(accepted.stats));
+        let mean = stiff.forward / stiff.n_attempts as f64;
+        let pays =
+            if stiff.is_trial { h.max(mean) } else { mean } >= IMPLICIT_COST * stiff.bound.rate;
         if !pays {
-            self.pilot.give_up();
-            return Some(Turn::Explicit { h: bound.h.min(h.abs()) });
+            let h = stiff.bound.h.min(h);
+            pilot.give_up();
+            return Some(Turn::Explicit { h: Some(h.copysign(step.t1() - step.t0())) });
         }
-        self.is_trial = false;
-        self.pilot.wait = SHORTEST_WAIT;
-        let radius = self.radius(accepted);
-        let longer = bound.radius / radius;
-        self.pilot.bound = Some(Bound { rate: bound.rate * longer, h: bound.h * longer, radius });
+        self.n_jac += 1;
+        let radius =
+            pilot.spectrum.radius(self.problem, accepted.mode.clone(), step.t1(), step.y1());
+        pilot.radius = radius;
+        let bound = stiff.bound.at(radius);
+        *stiff = Stiff { bound, is_trial: false, forward: 0.0, n_attempts: 0 };
+        pilot.wait = SHORTEST_WAIT;
         None
     }
 }
 
 impl<P: System> Record<P> for Leg<'_, P> {
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
-        let bound = self.pilot.bound;
-        self.n_implicit += u64::from(bound.is_some());
-        if accepted.landed_on.is_none() {
-            self.next = match bound {
-                None => self.explicit(accepted),
-                Some(bound) => self.implicit(accepted, bound),
-            };
-        }
+        self.n_implicit += u64::from(self.is_implicit);
+        self.next = if self.is_implicit {
+            self.implicit(accepted)
+        } else if accepted.landed_on.is_none() {
+            self.explicit(accepted)
+        } else {
+            None
+        };
         let mut stats = *accepted.stats;
         self.book(&mut stats);
         let go_on =
@@ -244,7 +276,7 @@ impl<P: System> Record<P> for Leg<'_, P> {
     }
 }
 
-/// Steps attempted so far.
+/// Steps attempted so far, those that close on events too.
 fn attempts(stats: &Stats) -> u64 {
-    stats.n_accepted + stats.n_rejected
+    stats.n_accepted + stats.n_rejected + stats.n_retaken
 }

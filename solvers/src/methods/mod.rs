@@ -270,15 +270,19 @@ impl Method {
                 let Control::Adaptive(tolerance) = control else {
                     return Err(Error::BadControl { method: self.name, needs: "a tolerance" });
                 };
-                let implicit = |control: &Control| {
-                    RadauMethod::new(&RADAU_IIA_5, n, control).on_slow_solutions()
-                };
-                if tolerance.rtol >= auto::LOOSE {
-                    let explicit = ExplicitRk::new(&DORMAND_PRINCE_5, n);
-                    Box::new(AutoSolver::new(problem, explicit, implicit, tolerance))
+                let held = auto::held(&tolerance);
+                let radau = RadauMethod::new(&RADAU_IIA_5, n, &held).on_slow_solutions();
+                let implicit = Box::new(OneStepSolver::new(problem, radau, held));
+                let is_loose = tolerance.rtol >= auto::LOOSE;
+                let control = Control::Adaptive(tolerance);
+                if is_loose {
+                    let pair = ExplicitRk::new(&DORMAND_PRINCE_5, n);
+                    let explicit = Box::new(OneStepSolver::new(problem, pair, control));
+                    Box::new(AutoSolver::new(problem, explicit, implicit, auto::REACH_5))
                 } else {
-                    let explicit = ExplicitRk::new(&DORMAND_PRINCE_853, n);
-                    Box::new(AutoSolver::new(problem, explicit, implicit, tolerance))
+                    let pair = ExplicitRk::new(&DORMAND_PRINCE_853, n);
+                    let explicit = Box::new(OneStepSolver::new(problem, pair, control));
+                    Box::new(AutoSolver::new(problem, explicit, implicit, auto::REACH_8))
                 }
             },
         ))
