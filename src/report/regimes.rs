@@ -190,17 +190,25 @@ fn location(cells: &[&Cell]) -> String {
         );
     }
     let (located, blind) = (only(Events::Located), only(Events::Blind));
-    let _ =
-        write!(text, "Only located runs arrive in {located} cells, only blind ones in {blind}.");
+    let _ = write!(
+        text,
+        "Only located runs arrive in {}, only blind ones in {blind}.",
+        n_cells(located)
+    );
     let wrong = cells
         .iter()
         .filter_map(|cell| cell.winner())
         .filter(|entry| entry.events == Events::Blind && entry.missed + entry.spurious > 0)
         .count();
     if wrong > 0 {
-        let _ = write!(text, " In {wrong} cells the winner is blind and has events wrong.");
+        let _ = write!(text, " In {} the winner is blind and has events wrong.", n_cells(wrong));
     }
     text
+}
+
+/// `1 cell`, `7 cells`.
+fn n_cells(n: usize) -> String {
+    format!("{n} cell{}", if n == 1 { "" } else { "s" })
 }
 
 /// What does it cost to leave the choice to `auto`?
@@ -241,7 +249,7 @@ fn nothing(cells: &[&Cell]) -> String {
     if lost.is_empty() {
         "Nothing is out of reach: every cell has a winner.".to_owned()
     } else {
-        format!("Nothing reaches it in {} cells: {}.", lost.len(), lost.join("; "))
+        format!("Nothing reaches it in {}: {}.", n_cells(lost.len()), lost.join("; "))
     }
 }
 
