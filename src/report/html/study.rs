@@ -26,7 +26,7 @@ pub fn page(study: &StudyRecord, pictures: Vec<Picture>) -> Page {
             section("Figures", pictures.into_iter().map(Part::Figure).collect()),
             section("All runs", runs(&study.table.rows)),
             section("Method", method(study)),
-            section("Reference", vec![Part::Facts(reference(&study.table.reference))]),
+            section("Reference", reference(&study.table.reference)),
             section("Machine", vec![Part::Facts(machine(study))]),
             section("Redo it", redo(study)),
         ],
@@ -165,10 +165,10 @@ fn method(study: &StudyRecord) -> Vec<Part> {
     ]
 }
 
-fn reference(reference: &ReferenceSummary) -> Vec<(String, String)> {
+fn reference(reference: &ReferenceSummary) -> Vec<Part> {
     let horizons: Vec<String> = reference.horizon_s.iter().map(|t| format!("{t} s")).collect();
     let times = reference.event_time_agreement_s;
-    vec![
+    let facts = vec![
         fact("Made by", reference.method.clone()),
         fact("Checked by", reference.check.clone()),
         fact("Its own error", format!("e = {:.1e}, by the check", reference.agreement)),
@@ -187,7 +187,9 @@ fn reference(reference: &ReferenceSummary) -> Vec<(String, String)> {
                 horizons.join(" and ")
             ),
         ),
-    ]
+    ];
+    let limits = reference.limits().into_iter().map(Part::Text);
+    std::iter::once(Part::Facts(facts)).chain(limits).collect()
 }
 
 fn machine(study: &StudyRecord) -> Vec<(String, String)> {
