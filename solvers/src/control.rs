@@ -81,20 +81,34 @@ impl StepController {
             Control::Adaptive(tolerance) => tolerance,
         };
         let err_sq = err_sq(tolerance);
-        // An error of zero has a logarithm of −∞, and so the largest growth.
         let log_err = 0.5 * log(err_sq);
+        self.verdict(h, err_sq, log_err, exp(self.log_factor(err_sq, log_err)))
+    }
+
+    /// Logarithm of what a step of this error is followed by, over the safety factor. An error of zero has a
+    /// logarithm of −∞, and so the largest growth.
+    #[inline]
+    pub(crate) fn log_factor(&self, err_sq: f64, log_err: f64) -> f64 {
         if err_sq <= 1.0 {
-            let alpha = self.exponent - 0.75 * BETA;
-            let factor = SAFETY * exp(BETA * self.log_last_err - alpha * log_err);
+            BETA * self.log_last_err - (self.exponent - 0.75 * BETA) * log_err
+        } else {
+            -self.exponent * log_err
+        }
+    }
+
+    /// What is made of a step of size `h`, of its error and the `factor` whose logarithm that gives.
+    #[inline]
+    pub(crate) fn verdict(&mut self, h: f64, err_sq: f64, log_err: f64, factor: f64) -> Verdict {
+        if err_sq <= 1.0 {
             let most = if self.rejected { 1.0 } else { GROWTH };
             self.log_last_err = log_err.max(LOG_ERROR_FLOOR);
             self.rejected = false;
             self.ceiling *= CREEP;
-            let next = (h.abs() * factor.clamp(SHRINK, most)).min(self.ceiling);
+            let next = (h.abs() * (SAFETY * factor).clamp(SHRINK, most)).min(self.ceiling);
             Verdict::Accept(next.copysign(h))
         } else {
             self.rejected = true;
-            Verdict::Reject(h * self.shrunk(log_err))
+            Verdict::Reject(h * shrunk(factor))
         }
     }
 
@@ -114,14 +128,14 @@ impl StepController {
         };
         let err_sq = err_sq(tolerance);
         let is_tolerated = err_sq <= 1.0;
-        (!is_tolerated).then(|| h * self.shrunk(0.5 * log(err_sq)))
+        (!is_tolerated).then(|| h * shrunk(exp(self.log_factor(err_sq, 0.5 * log(err_sq)))))
     }
+}
 
-    /// What a rejected step is shortened by.
-    fn shrunk(&self, log_err: f64) -> f64 {
-        let factor = SAFETY * exp(-self.exponent * log_err);
-        if factor > SHRINK { factor.min(1.0) } else { SHRINK }
-    }
+/// What a rejected step is shortened by.
+fn shrunk(factor: f64) -> f64 {
+    let factor = SAFETY * factor;
+    if factor > SHRINK { factor.min(1.0) } else { SHRINK }
 }
 
 // A step size needs a few digits; in single precision these cost a third, and a step with them

@@ -1,5 +1,6 @@
 //! Interpolants over one step.
 
+use crate::real::Real;
 use crate::step::TableauStep;
 use crate::system::Vector;
 
@@ -70,15 +71,15 @@ pub(crate) fn add<Y: Vector<f64>>(y: &mut Y, w: f64, k: &Y) {
 
 /// `y = y₀ + h Σ_i w_i k_i` over the leading stages that have a weight.
 #[inline]
-pub fn combine<Y: Vector<f64>>(y0: &Y, h: f64, w: &[f64], k: &[Y], y: &mut Y) {
+pub fn combine<T: Real, Y: Vector<T>>(y0: &Y, h: T, w: &[f64], k: &[Y], y: &mut Y) {
     let y = y.as_mut();
-    y.fill(0.0);
+    y.fill(T::cst(0.0));
     for (w, k) in w.iter().zip(k) {
         for (y, k) in y.iter_mut().zip(k.as_ref()) {
-            *y += w * k;
+            *y = *y + *k * *w;
         }
     }
     for (y, y0) in y.iter_mut().zip(y0.as_ref()) {
-        *y = y0 + h * *y;
+        *y = *y0 + h * *y;
     }
 }

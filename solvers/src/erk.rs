@@ -2,6 +2,7 @@
 
 use crate::dense::{add, combine};
 use crate::one_step::OneStep;
+use crate::real::{Ordered, Real};
 use crate::stats::Stats;
 use crate::step::TableauStep;
 use crate::system::{System, Vector};
@@ -10,37 +11,101 @@ use crate::tolerance::Tolerance;
 
 /// An explicit tableau method at work on one system: its tableau and the memory of one step.
 #[derive(Debug)]
-pub struct ExplicitRk<Y, const S: usize> {
+pub struct ExplicitRk<Y, const S: usize, T = f64> {
     tableau: &'static Tableau<S>,
     first_same_as_last: bool,
     /// Weights of the error estimate, `b − b̂`.
     error_weights: Option<[f64; S]>,
     /// The same of the second embedded solution, and its error.
-    low_weights: Option<[f64; S]>,
-    low_error: Y,
+    pub(crate) low_weights: Option<[f64; S]>,
+    pub(crate) low_error: Y,
     y_stage: Y,
     zero: Y,
-    step: TableauStep<Y, S>,
+    pub(crate) step: TableauStep<Y, S, T>,
     /// Whether the extra stages of its dense output are evaluated.
-    is_dense: bool,
+    pub(crate) is_dense: bool,
 }
 
-impl<Y: Vector<f64>, const S: usize> ExplicitRk<Y, S> {
+impl<Y: Vector<T>, const S: usize, T: Real> ExplicitRk<Y, S, T> {
     /// The method of `tableau` for systems of `n` states.
     pub fn new(tableau: &'static Tableau<S>, n: usize) -> Self {
+        let zero = || Y::from_fn(n, |_| T::cst(0.0));
         let weights = |b_hat: [f64; S]| std::array::from_fn(|i| tableau.b[i] - b_hat[i]);
         Self {
             tableau,
             first_same_as_last: tableau.first_same_as_last(),
             error_weights: tableau.b_hat.map(weights),
             low_weights: tableau.b_hat_low.map(|(b_hat, _)| weights(b_hat)),
-            low_error: Y::from_fn(n, |_| 0.0),
-            y_stage: Y::from_fn(n, |_| 0.0),
-            zero: Y::from_fn(n, |_| 0.0),
+            low_error: zero(),
+            y_stage: zero(),
+            zero: zero(),
             step: TableauStep::new(n, &tableau.dense),
             is_dense: false,
         }
     }
+
+    /// Takes a step of size `h` to `t1`: the stages after the first, the end and its errors.
+    #[inline(always)]
+    pub(crate) fn take<P: System<State<T> = Y>>(
+        &mut self,
+        problem: &P,
+        mode: &P::Mode,
+        t1: T,
+        h: T,
+    ) {
+        let (tableau, step) = (self.tableau, &mut self.step);
+        (step.t1, step.h) = (t1, h);
+        for i in 1..S {
+            combine(&step.y0, h, tableau.a[i], &step.k, &mut self.y_stage);
+            let t = step.t0 + h * tableau.c[i];
+            problem.rhs(mode.clone(), t, &self.y_stage, &mut step.k[i]);
+        }
+        if self.first_same_as_last {
+            step.y1.clone_from(&self.y_stage);
+        } else {
+            combine(&step.y0, h, &tableau.b, &step.k, &mut step.y1);
+        }
+        if let Some(weights) = &self.error_weights {
+            combine(&self.zero, h, weights, &step.k, &mut step.error);
+        }
+        if let Some(weights) = &self.low_weights {
+            combine(&self.zero, h, weights, &step.k, &mut self.low_error);
+        }
+    }
+
+    /// Evaluations of an attempt.
+    pub(crate) const N_RHS: u64 = S as u64 - 1;
+
+    /// Evaluations of the slope at the end of a step.
+    pub(crate) fn n_rhs_of_end(&self) -> u64 {
+        u64::from(!self.first_same_as_last)
+    }
+
+    /// Makes the slope at the end of the last step valid.
+    #[inline(always)]
+    pub(crate) fn end_slope<P: System<State<T> = Y>>(&mut self, problem: &P, mode: &P::Mode) {
+        let step = &mut self.step;
+        if self.first_same_as_last {
+            step.slope1.clone_from(&step.k[S - 1]);
+        } else {
+            problem.rhs(mode.clone(), step.t1, &step.y1, &mut step.slope1);
+        }
+    }
+
+    /// Square of the norm of an error of the last step.
+    #[inline]
+    pub(crate) fn norm_sq(&self, error: &Y, tolerance: &Tolerance) -> T
+    where
+        T: Ordered,
+    {
+        tolerance.norm_sq(error.as_ref(), self.step.y0.as_ref(), self.step.y1.as_ref())
+    }
+}
+
+/// `err₁⁴/(err₁² + 0.01 err₂²)`, of the squares of the norms of both errors.
+#[inline]
+pub(crate) fn sharpened(error_sq: f64, low_sq: impl FnOnce() -> f64) -> f64 {
+    if error_sq == 0.0 { error_sq } else { error_sq * (error_sq / (error_sq + 0.01 * low_sq())) }
 }
 
 impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
@@ -68,35 +133,14 @@ impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
 
     #[inline(always)]
     fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats) {
-        let (tableau, step) = (self.tableau, &mut self.step);
-        (step.t1, step.h) = (t1, h);
         self.is_dense = false;
-        for i in 1..S {
-            combine(&step.y0, h, tableau.a[i], &step.k, &mut self.y_stage);
-            problem.rhs(mode.clone(), step.t0 + tableau.c[i] * h, &self.y_stage, &mut step.k[i]);
-        }
-        stats.work.n_rhs += (S - 1) as u64;
-        if self.first_same_as_last {
-            step.y1.clone_from(&self.y_stage);
-        } else {
-            combine(&step.y0, h, &tableau.b, &step.k, &mut step.y1);
-        }
-        if let Some(weights) = &self.error_weights {
-            combine(&self.zero, h, weights, &step.k, &mut step.error);
-        }
-        if let Some(weights) = &self.low_weights {
-            combine(&self.zero, h, weights, &step.k, &mut self.low_error);
-        }
+        self.take(problem, &mode, t1, h);
+        stats.work.n_rhs += Self::N_RHS;
     }
 
     fn complete(&mut self, problem: &P, mode: P::Mode, stats: &mut Stats) {
-        let step = &mut self.step;
-        if self.first_same_as_last {
-            step.slope1.clone_from(&step.k[S - 1]);
-        } else {
-            problem.rhs(mode, step.t1, &step.y1, &mut step.slope1);
-            stats.work.n_rhs += 1;
-        }
+        self.end_slope(problem, &mode);
+        stats.work.n_rhs += self.n_rhs_of_end();
     }
 
     fn densify(&mut self, problem: &P, mode: P::Mode, stats: &mut Stats) {
@@ -131,12 +175,10 @@ impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
 
     #[inline]
     fn error_norm_sq(&self, tolerance: &Tolerance) -> f64 {
-        let (y0, y1) = (self.step.y0.as_ref(), self.step.y1.as_ref());
-        let error_sq = tolerance.norm_sq(self.step.error.as_ref(), y0, y1);
-        if self.low_weights.is_none() || error_sq == 0.0 {
+        let error_sq = self.norm_sq(&self.step.error, tolerance);
+        if self.low_weights.is_none() {
             return error_sq;
         }
-        let low_sq = tolerance.norm_sq(self.low_error.as_ref(), y0, y1);
-        error_sq * (error_sq / (error_sq + 0.01 * low_sq))
+        sharpened(error_sq, || self.norm_sq(&self.low_error, tolerance))
     }
 }

@@ -30,6 +30,7 @@
 use num_dual::Dual64;
 
 use crate::error::Error;
+use crate::real::Ordered;
 use crate::root::{Bracket, find_root, minimum};
 use crate::step::Step;
 use crate::system::{System, Vector};
@@ -217,7 +218,7 @@ impl<P: System> GuardWatch<P> {
         let h = step.t1() - step.t0();
         // Without a branch between the guards: they are looked at together.
         let ends = self.start.as_ref().iter().zip(self.end.as_ref());
-        if ends.fold(true, |all, (g0, g1)| all & is_far(*g0, *g1, h)) {
+        if ends.fold(true, |all, (g0, g1)| all & is_far([g0.re, g0.eps], [g1.re, g1.eps], h)) {
             self.keep();
             return true;
         }
@@ -321,7 +322,8 @@ impl<P: System> GuardWatch<P> {
     /// dip inside.
     fn holds(&self, i: usize, h: f64) -> bool {
         let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
-        if is_far(g0, g1, h) {
+        let (from, to) = ([g0.re, g0.eps], [g1.re, g1.eps]);
+        if is_far(from, to, h) {
             return true;
         }
         if !(g0.eps.is_finite() && g1.eps.is_finite()) {
@@ -330,7 +332,7 @@ impl<P: System> GuardWatch<P> {
         let Some(least) = cubic_minimum([g0.re, g1.re], [g0.eps * h, g1.eps * h]) else {
             return true;
         };
-        least > NEAR * (g0.re.max(g1.re) - least).max(DEPTH * bend(g0, g1, h))
+        least > NEAR * (g0.re.max(g1.re) - least).max(DEPTH * bend(from, to, h))
     }
 
     /// Takes note that guard `i` does not dip where the search last found it to, whatever the dense
@@ -421,17 +423,17 @@ impl<P: System> GuardWatch<P> {
 /// that the cubic through them is: it is off the chord by at most 4/27 of its bend, and as deep as that
 /// and the chord's rise at most.
 #[inline]
-fn is_far(g0: Dual64, g1: Dual64, h: f64) -> bool {
-    let rise = (g1.re - g0.re).abs();
-    let near = (1.0 + NEAR) * 4.0 / 27.0 * bend(g0, g1, h) + NEAR * rise;
-    (g0.re > near) & (g1.re > near)
+pub(crate) fn is_far<T: Ordered>(from: [T; 2], to: [T; 2], h: T) -> T::Mask {
+    let rise = (to[0] - from[0]).abs();
+    let near = bend(from, to, h) * ((1.0 + NEAR) * 4.0 / 27.0) + rise * NEAR;
+    from[0].is_above(near) & to[0].is_above(near)
 }
 
 /// The differences of both slopes from the chord.
 #[inline]
-fn bend(g0: Dual64, g1: Dual64, h: f64) -> f64 {
-    let rise = g1.re - g0.re;
-    (g0.eps * h - rise).abs() + (g1.eps * h - rise).abs()
+fn bend<T: Ordered>([g0, rate0]: [T; 2], [g1, rate1]: [T; 2], h: T) -> T {
+    let rise = g1 - g0;
+    (rate0 * h - rise).abs() + (rate1 * h - rise).abs()
 }
 
 /// Values and rates of the guards at `(t, y)` along `dydt`.

@@ -24,7 +24,7 @@ const STORM_OF_RUN: f64 = 1e-12;
 ///
 /// After an error both stay valid up to the last accepted step.
 pub struct Integration<'a, P: System> {
-    problem: &'a P,
+    pub(crate) problem: &'a P,
     /// Time, state and mode.
     pub point: Point<P>,
     /// Work so far.
@@ -57,22 +57,44 @@ impl<'a, P: System> Integration<'a, P> {
         solver: &mut dyn PhaseSolver<P>,
         record: &mut dyn Record<P>,
     ) -> Result<Outcome, Error> {
-        let mut guard = self.switchboard.begin(self.problem, &self.point, t_end)?;
+        let mut ended = self.begin(t_end, record)?;
         loop {
-            if let Some(guard) = guard {
-                let Point { t, y, mode } = &mut self.point;
-                let at = Instant { t: *t, y, mode };
-                let ends =
-                    self.switchboard.switch(self.problem, at, guard, &mut self.stats, record)?;
-                if let Some(outcome) = ends {
-                    return Ok(outcome);
-                }
+            if let Some(outcome) = ended {
+                return Ok(outcome);
             }
             let point = &mut self.point;
-            match solver.solve_phase(self.problem, point, t_end, &mut self.stats, record)? {
-                PhaseEnd::EndOfTime => return Ok(Outcome::Finished),
-                PhaseEnd::Interrupted => return Ok(Outcome::Interrupted),
-                PhaseEnd::Guard(violated) => guard = Some(violated),
+            let end = solver.solve_phase(self.problem, point, t_end, &mut self.stats, record)?;
+            ended = self.pass(end, record)?;
+        }
+    }
+
+    /// Begins a run to `t_end`: the transitions of guards that are violated at its start; an outcome where
+    /// one ends it.
+    pub(crate) fn begin(
+        &mut self,
+        t_end: f64,
+        record: &mut dyn Record<P>,
+    ) -> Result<Option<Outcome>, Error> {
+        match self.switchboard.begin(self.problem, &self.point, t_end)? {
+            Some(guard) => self.pass(PhaseEnd::Guard(guard), record),
+            None => Ok(None),
+        }
+    }
+
+    /// Passes from a phase that ended to the next, through the transitions between them; an outcome where
+    /// there is none.
+    pub(crate) fn pass(
+        &mut self,
+        end: PhaseEnd,
+        record: &mut dyn Record<P>,
+    ) -> Result<Option<Outcome>, Error> {
+        match end {
+            PhaseEnd::EndOfTime => Ok(Some(Outcome::Finished)),
+            PhaseEnd::Interrupted => Ok(Some(Outcome::Interrupted)),
+            PhaseEnd::Guard(guard) => {
+                let Point { t, y, mode } = &mut self.point;
+                let at = Instant { t: *t, y, mode };
+                self.switchboard.switch(self.problem, at, guard, &mut self.stats, record)
             }
         }
     }

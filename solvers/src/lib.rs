@@ -68,7 +68,7 @@
 //! - Events: [`event`] looks at guards over a step, [`root`] closes on their roots.
 //! - One smooth phase: [`one_step`] for methods that hand on a step, by the contract in [`phase`].
 //! - The run: [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in
-//!   an outcome or an [`error`].
+//!   an outcome or an [`error`]. Many runs of one model: [`lanes`], by [`Method::run_many`].
 //! - What is kept: [`record`] sees each step and event once, [`trajectory`] keeps them.
 //!
 //! What is promised of events, case by case, and what is not: [`rules`].
@@ -82,6 +82,7 @@ pub mod erk;
 pub mod error;
 pub mod event;
 pub mod integrate;
+pub mod lanes;
 mod linear;
 pub mod methods;
 pub mod one_step;

@@ -106,9 +106,9 @@ pub trait OneStep<P: System> {
 
 /// A one-step method with a step controller.
 pub struct OneStepSolver<P: System, M> {
-    method: M,
-    controller: StepController,
-    watch: GuardWatch<P>,
+    pub(crate) method: M,
+    pub(crate) controller: StepController,
+    pub(crate) watch: GuardWatch<P>,
     /// Error order of the method, for the first step.
     error_order: usize,
     /// Step size that the last phase proposed.
@@ -317,6 +317,165 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     }
 }
 
+impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
+    /// Begins a phase from `point` towards `t_end`, another time.
+    pub(crate) fn begin(
+        &mut self,
+        problem: &P,
+        point: &Point<P>,
+        t_end: f64,
+        stats: &mut Stats,
+    ) -> Result<Course, Error> {
+        let mode = point.mode.clone();
+        let before = stats.work;
+        let (stretch, least) = match self.controller.control() {
+            Control::Fixed(_) => (STRETCH_FIXED, 0.0),
+            Control::Adaptive(_) => (STRETCH_ADAPTIVE, LEAST_START * point.t.abs()),
+        };
+        self.method.restart(problem, mode.clone(), point.t, &point.y, stats);
+        check_finite(point, self.method.step().slope0())?;
+        self.watch.begin(problem, mode.clone(), point.t, &point.y, self.method.step().slope0());
+        let at_start = self.proposed(problem, mode, t_end - point.t, stats);
+        let h = match (at_start.or(self.h), self.controller.control()) {
+            (Some(h), _) | (None, &Control::Fixed(h)) => h,
+            (None, Control::Adaptive(tolerance)) => {
+                self.first_step(tolerance, problem, point, t_end, stats)
+            }
+        };
+        stats.restart += stats.work - before;
+        let h = h.abs().min(self.longest).max(least).copysign(t_end - point.t);
+        Ok(Course { t_end, stretch, h })
+    }
+
+    /// Judges the last attempt, of size `h`, and does what follows; how the phase ended, if it did.
+    #[inline(always)]
+    fn settle(
+        &mut self,
+        scene: &mut Scene<'_, P>,
+        course: &mut Course,
+        h: f64,
+    ) -> Result<Option<PhaseEnd>, Error> {
+        if !self.method.has_converged() {
+            course.h = self.unconverged(scene.point, h, scene.stats)?;
+            return Ok(None);
+        }
+        let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
+        let verdict = self.controller.judge(h, error_sq);
+        self.follow(scene, course, h, verdict)
+    }
+
+    /// What follows the `verdict` on the last attempt, of size `h`: another size to try, an event to land
+    /// on, an accepted step.
+    #[inline(always)]
+    pub(crate) fn follow(
+        &mut self,
+        scene: &mut Scene<'_, P>,
+        course: &mut Course,
+        h: f64,
+        verdict: Verdict,
+    ) -> Result<Option<PhaseEnd>, Error> {
+        let Scene { problem, point, stats, record } = scene;
+        let mode = point.mode.clone();
+        match verdict {
+            Verdict::Reject(smaller) => {
+                course.h = self.rejected(point, smaller, stats)?;
+                return Ok(None);
+            }
+            Verdict::Accept(next) => course.h = next.abs().min(self.longest).copysign(next),
+        }
+        check_finite(point, self.method.step().y1())?;
+        self.method.complete(problem, mode.clone(), stats);
+        check_finite(point, self.method.step().slope1())?;
+        let before = stats.work;
+        let landed_on = self.locate(problem, mode.clone(), stats);
+        if stats.work != before {
+            stats.location += stats.work - before;
+        }
+        if let Err(Error::NoConvergence { .. }) = landed_on {
+            // Iterated further, it diverges: the attempt was good by luck.
+            course.h = self.unconverged(point, h, stats)?;
+            return Ok(None);
+        }
+        let landed_on = landed_on?;
+        if landed_on.is_some() {
+            let h_landed = self.method.step().t1() - point.t;
+            let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
+            if let Some(smaller) = self.controller.refusal(h_landed, error_sq) {
+                self.watch.forget_dips();
+                course.h = self.rejected(point, smaller, stats)?;
+                return Ok(None);
+            }
+        }
+        if record.interpolates(point.t, self.method.step().t1()) {
+            // What sampling costs is no part of the work.
+            self.method.densify(problem, mode, &mut Stats::default());
+        }
+        Ok(self.accept(scene, course, landed_on))
+    }
+
+    /// Makes the last attempt, complete and found to hold or to land on a guard, a step of the run.
+    #[inline(always)]
+    pub(crate) fn accept(
+        &mut self,
+        scene: &mut Scene<'_, P>,
+        course: &mut Course,
+        landed_on: Option<usize>,
+    ) -> Option<PhaseEnd> {
+        let Scene { problem, point, stats, record } = scene;
+        let mode = point.mode.clone();
+        stats.n_accepted += 1;
+        point.t = self.method.step().t1();
+        point.y.clone_from(self.method.step().y1());
+        let step = self.method.step();
+        let go_on = record.step(&Accepted { mode: mode.clone(), step, landed_on, stats });
+        self.h = Some(course.h);
+        match landed_on {
+            _ if go_on.is_break() => return Some(PhaseEnd::Interrupted),
+            Some(guard) => return Some(PhaseEnd::Guard(guard)),
+            None => self.method.advance(),
+        }
+        if point.t != course.t_end
+            && let Some(proposed) = self.proposed(problem, mode, course.t_end - point.t, stats)
+        {
+            course.h = proposed;
+        }
+        None
+    }
+}
+
+/// A phase under way: where it is to end, and the size of the step to try next.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Course {
+    pub(crate) t_end: f64,
+    stretch: f64,
+    pub(crate) h: f64,
+}
+
+impl Course {
+    /// The end and the size of the step to attempt from `point`, none at the end of time.
+    #[inline(always)]
+    pub(crate) fn next<P: System>(&self, point: &Point<P>) -> Result<Option<(f64, f64)>, Error> {
+        if point.t == self.t_end {
+            return Ok(None);
+        }
+        let last = (self.t_end - point.t).abs() <= self.stretch * self.h.abs();
+        let t1 = if last { self.t_end } else { point.t + self.h };
+        if t1 == point.t {
+            return Err(underflow(point, self.h));
+        }
+        // The step that time really takes, so that t and y do not drift apart.
+        Ok(Some((t1, t1 - point.t)))
+    }
+}
+
+/// Whose phase it is, where it stands, and who watches.
+pub(crate) struct Scene<'a, P: System> {
+    pub(crate) problem: &'a P,
+    pub(crate) point: &'a mut Point<P>,
+    pub(crate) stats: &'a mut Stats,
+    pub(crate) record: &'a mut dyn Record<P>,
+}
+
 impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
     fn solve_phase(
         &mut self,
@@ -330,85 +489,12 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             return Ok(PhaseEnd::EndOfTime);
         }
         let mode = point.mode.clone();
-        let before = stats.work;
-        let (stretch, least) = match self.controller.control() {
-            Control::Fixed(_) => (STRETCH_FIXED, 0.0),
-            Control::Adaptive(_) => (STRETCH_ADAPTIVE, LEAST_START * point.t.abs()),
-        };
-        self.method.restart(problem, mode.clone(), point.t, &point.y, stats);
-        check_finite(point, self.method.step().slope0())?;
-        self.watch.begin(problem, mode.clone(), point.t, &point.y, self.method.step().slope0());
-        let at_start = self.proposed(problem, mode.clone(), t_end - point.t, stats);
-        let h = match (at_start.or(self.h), self.controller.control()) {
-            (Some(h), _) | (None, &Control::Fixed(h)) => h,
-            (None, Control::Adaptive(tolerance)) => {
-                self.first_step(tolerance, problem, point, t_end, stats)
-            }
-        };
-        stats.restart += stats.work - before;
-        let mut h = h.abs().min(self.longest).max(least).copysign(t_end - point.t);
-        while point.t != t_end {
-            let last = (t_end - point.t).abs() <= stretch * h.abs();
-            let t1 = if last { t_end } else { point.t + h };
-            if t1 == point.t {
-                return Err(underflow(point, h));
-            }
-            // The step that time really takes, so that t and y do not drift apart.
-            let h_taken = t1 - point.t;
-            self.method.attempt(problem, mode.clone(), t1, h_taken, stats);
-            if !self.method.has_converged() {
-                h = self.unconverged(point, h_taken, stats)?;
-                continue;
-            }
-            match self.controller.judge(h_taken, |tolerance| self.method.error_norm_sq(tolerance)) {
-                Verdict::Reject(smaller) => {
-                    h = self.rejected(point, smaller, stats)?;
-                    continue;
-                }
-                Verdict::Accept(next) => h = next.abs().min(self.longest).copysign(next),
-            }
-            check_finite(point, self.method.step().y1())?;
-            self.method.complete(problem, mode.clone(), stats);
-            check_finite(point, self.method.step().slope1())?;
-            let before = stats.work;
-            let landed_on = self.locate(problem, mode.clone(), stats);
-            if stats.work != before {
-                stats.location += stats.work - before;
-            }
-            if let Err(Error::NoConvergence { .. }) = landed_on {
-                // Iterated further, it diverges: the attempt was good by luck.
-                h = self.unconverged(point, h_taken, stats)?;
-                continue;
-            }
-            let landed_on = landed_on?;
-            if landed_on.is_some() {
-                let h_landed = self.method.step().t1() - point.t;
-                let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
-                if let Some(smaller) = self.controller.refusal(h_landed, error_sq) {
-                    self.watch.forget_dips();
-                    h = self.rejected(point, smaller, stats)?;
-                    continue;
-                }
-            }
-            if record.interpolates(point.t, self.method.step().t1()) {
-                // What sampling costs is no part of the work.
-                self.method.densify(problem, mode.clone(), &mut Stats::default());
-            }
-            stats.n_accepted += 1;
-            point.t = self.method.step().t1();
-            point.y.clone_from(self.method.step().y1());
-            let step = self.method.step();
-            let go_on = record.step(&Accepted { mode: mode.clone(), step, landed_on, stats });
-            self.h = Some(h);
-            match landed_on {
-                _ if go_on.is_break() => return Ok(PhaseEnd::Interrupted),
-                Some(guard) => return Ok(PhaseEnd::Guard(guard)),
-                None => self.method.advance(),
-            }
-            if point.t != t_end
-                && let Some(proposed) = self.proposed(problem, mode.clone(), t_end - point.t, stats)
-            {
-                h = proposed;
+        let mut course = self.begin(problem, point, t_end, stats)?;
+        let mut scene = Scene { problem, point, stats, record };
+        while let Some((t1, h)) = course.next(scene.point)? {
+            self.method.attempt(problem, mode.clone(), t1, h, scene.stats);
+            if let Some(end) = self.settle(&mut scene, &mut course, h)? {
+                return Ok(end);
             }
         }
         Ok(PhaseEnd::EndOfTime)

@@ -4,7 +4,7 @@
 //! differentiates it, an extended-precision number refines it, Taylor coefficients expand it.
 
 use std::fmt::Debug;
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::ops::{Add, BitAnd, Div, Mul, Neg, Sub};
 
 use num_dual::Dual64;
 use twofloat::TwoFloat;
@@ -57,6 +57,24 @@ pub trait Real:
     }
 }
 
+/// A number that decisions are taken on, of one run or of each of several.
+pub trait Ordered: Real {
+    /// What a comparison gives: yes or no, of each.
+    type Mask: Copy + BitAnd<Output = Self::Mask>;
+
+    /// Yes, of all.
+    const YES: Self::Mask;
+
+    /// Absolute value.
+    fn abs(self) -> Self;
+
+    /// The larger one; the other where one is not a number.
+    fn max(self, other: Self) -> Self;
+
+    /// Whether it is above `other`.
+    fn is_above(self, other: Self) -> Self::Mask;
+}
+
 /// A function of one number, written over any.
 pub trait Function {
     /// Its value at `x`.
@@ -92,6 +110,24 @@ impl Real for f64 {
 
     fn powf(self, a: f64) -> Self {
         libm::pow(self, a)
+    }
+}
+
+impl Ordered for f64 {
+    type Mask = bool;
+
+    const YES: bool = true;
+
+    fn abs(self) -> Self {
+        self.abs()
+    }
+
+    fn max(self, other: Self) -> Self {
+        self.max(other)
+    }
+
+    fn is_above(self, other: Self) -> bool {
+        self > other
     }
 }
 

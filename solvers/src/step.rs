@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 use crate::dense;
+use crate::real::Real;
 use crate::system::Vector;
 use crate::tableau::Dense;
 
@@ -26,13 +27,13 @@ pub trait Step<Y> {
 
 /// A step of an explicit tableau method with `S` stages.
 #[derive(Debug)]
-pub struct TableauStep<Y, const S: usize> {
+pub struct TableauStep<Y, const S: usize, T = f64> {
     /// Time at the start.
-    pub t0: f64,
+    pub t0: T,
     /// Time at the end.
-    pub t1: f64,
+    pub t1: T,
     /// Step size: `t1 − t0`, with more digits where `t0` is large.
-    pub h: f64,
+    pub h: T,
     /// State at the start.
     pub y0: Y,
     /// State at the end.
@@ -49,14 +50,14 @@ pub struct TableauStep<Y, const S: usize> {
     pub dense: &'static Dense<S>,
 }
 
-impl<Y: Vector<f64>, const S: usize> TableauStep<Y, S> {
+impl<Y: Vector<T>, const S: usize, T: Real> TableauStep<Y, S, T> {
     /// A step of no length over `n` states, the memory of all that follow.
     pub fn new(n: usize, dense: &'static Dense<S>) -> Self {
-        let zero = || Y::from_fn(n, |_| 0.0);
+        let zero = || Y::from_fn(n, |_| T::cst(0.0));
         Self {
-            t0: 0.0,
-            t1: 0.0,
-            h: 0.0,
+            t0: T::cst(0.0),
+            t1: T::cst(0.0),
+            h: T::cst(0.0),
             y0: zero(),
             y1: zero(),
             k: std::array::from_fn(|_| zero()),

@@ -72,6 +72,11 @@ pub trait System {
     /// The values of the guards, [`n_guards`](Self::n_guards) long.
     type Guards<S: Real>: Vector<S>;
 
+    /// Whether [`rhs`](Self::rhs) and [`guards`](Self::guards) of a mode take no decision on the
+    /// [value](Real::value) of a number, unless [apart](Real::apart): several runs are then computed at once,
+    /// in [`lanes`](crate::lanes).
+    const IN_LANES: bool = false;
+
     /// Number of continuous states.
     fn dim(&self) -> usize;
 

@@ -1,6 +1,7 @@
 //! Tolerances and the norm that errors are weighed in.
 
 use crate::error::Error;
+use crate::real::Ordered;
 
 /// How accurate each step is asked to be.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,17 +35,17 @@ impl Tolerance {
         self.norm_sq(error, y0, y1).sqrt()
     }
 
-    /// The square of [`norm`](Self::norm).
+    /// The square of [`norm`](Self::norm), of one run or of each of several.
     ///
     /// # Panics
     /// Where `atol` is shorter than `error`; [`check`](Self::check) refuses it.
     #[inline]
-    pub fn norm_sq(&self, error: &[f64], y0: &[f64], y1: &[f64]) -> f64 {
-        let mut sum = 0.0;
+    pub fn norm_sq<T: Ordered>(&self, error: &[T], y0: &[T], y1: &[T]) -> T {
+        let mut sum = T::cst(0.0);
         let atol = &self.atol[..error.len()];
         for (((e, atol), y0), y1) in error.iter().zip(atol).zip(y0).zip(y1) {
-            let ratio = e / (atol + self.rtol * y0.abs().max(y1.abs()));
-            sum += ratio * ratio;
+            let ratio = *e / (y0.abs().max(y1.abs()) * self.rtol + *atol);
+            sum = sum + ratio * ratio;
         }
         sum / error.len() as f64
     }

@@ -20,10 +20,13 @@ use crate::auto::{self, AutoSolver};
 use crate::control::Control;
 use crate::diffsol::{DiffsolScheme, DiffsolSolver};
 use crate::erk::ExplicitRk;
-use crate::error::Error;
+use crate::error::{Error, Outcome};
+use crate::integrate::Integration;
+use crate::lanes::pool;
 use crate::one_step::OneStepSolver;
 use crate::phase::PhaseSolver;
 use crate::radau::{Radau, RadauMethod};
+use crate::record::Record;
 use crate::rosenbrock::{Rosenbrock, RosenbrockMethod};
 use crate::system::System;
 use crate::tableau::Tableau;
@@ -229,17 +232,7 @@ impl Method {
         P::Mode: 'p,
     {
         let n = problem.dim();
-        match &control {
-            Control::Adaptive(_) if self.is_fixed_step() => {
-                return Err(Error::BadControl { method: self.name, needs: "a fixed step" });
-            }
-            Control::Adaptive(tolerance) => tolerance.check(n)?,
-            Control::Fixed(h) if !(h.is_finite() && *h > 0.0) => {
-                let allowed = "a step must be finite and above zero";
-                return Err(Error::BadArgument { name: "step", value: *h, allowed });
-            }
-            Control::Fixed(_) => {}
-        }
+        self.check(n, &control)?;
         Ok(by_scheme!(
             self.scheme,
             tableau => Box::new(OneStepSolver::new(problem, ExplicitRk::new(tableau, n), control)),
@@ -286,5 +279,63 @@ impl Method {
                 }
             },
         ))
+    }
+
+    /// Integrates `runs` of one model to `t_end`, each shown to the recorder of its place; how each ended.
+    ///
+    /// What comes out is to the bit what [`Integration::run`] gives with a [solver](Self::solver) of each
+    /// run's own. An explicit tableau method on a model [for lanes](System::IN_LANES) computes several
+    /// runs [at once](crate::lanes), wherever they are in the same mode; else one run follows the other.
+    ///
+    /// # Errors
+    /// As [`solver`](Self::solver), before any run begins.
+    ///
+    /// # Panics
+    /// Where `records` are fewer than `runs`.
+    pub fn run_many<P: System, R: Record<P>>(
+        &self,
+        runs: &mut [Integration<'_, P>],
+        t_end: f64,
+        control: &Control,
+        records: &mut [R],
+    ) -> Result<Vec<Result<Outcome, Error>>, Error> {
+        assert!(records.len() >= runs.len(), "a recorder for each run is needed");
+        let Some(problem) = runs.first().map(|run| run.problem) else { return Ok(Vec::new()) };
+        self.check(problem.dim(), control)?;
+        if P::IN_LANES && runs.iter().all(|run| std::ptr::eq(run.problem, problem)) {
+            by_scheme!(
+                self.scheme,
+                tableau => {
+                    return Ok(pool::run(problem, tableau, control, (runs, t_end), records));
+                },
+                _ => {},
+                taylor => {},
+                _ => {},
+                _ => {},
+                auto => {},
+            );
+        }
+        let pairs = runs.iter_mut().zip(records);
+        pairs
+            .map(|(run, record)| {
+                let mut solver = self.solver(run.problem, control.clone())?;
+                Ok(run.run(t_end, &mut *solver, record))
+            })
+            .collect()
+    }
+
+    /// Whether it works on `n` states under `control`.
+    fn check(&self, n: usize, control: &Control) -> Result<(), Error> {
+        match control {
+            Control::Adaptive(_) if self.is_fixed_step() => {
+                Err(Error::BadControl { method: self.name, needs: "a fixed step" })
+            }
+            Control::Adaptive(tolerance) => tolerance.check(n),
+            Control::Fixed(h) if !(h.is_finite() && *h > 0.0) => {
+                let allowed = "a step must be finite and above zero";
+                Err(Error::BadArgument { name: "step", value: *h, allowed })
+            }
+            Control::Fixed(_) => Ok(()),
+        }
     }
 }

@@ -162,6 +162,8 @@ impl System for CompliantBall {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 1];
 
+    const IN_LANES: bool = true;
+
     fn dim(&self) -> usize {
         2
     }

@@ -93,6 +93,8 @@ impl System for FrictionOscillator {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 2];
 
+    const IN_LANES: bool = true;
+
     fn dim(&self) -> usize {
         2
     }

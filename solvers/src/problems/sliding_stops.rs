@@ -175,6 +175,8 @@ impl System for SlidingStops {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 3];
 
+    const IN_LANES: bool = true;
+
     fn dim(&self) -> usize {
         2
     }

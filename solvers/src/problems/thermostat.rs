@@ -120,6 +120,8 @@ impl System for Thermostat {
     type State<S: Real> = [S; 1];
     type Guards<S: Real> = [S; 1];
 
+    const IN_LANES: bool = true;
+
     fn dim(&self) -> usize {
         1
     }

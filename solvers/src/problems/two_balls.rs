@@ -63,6 +63,8 @@ impl System for TwoBalls {
     type State<S: Real> = [S; 4];
     type Guards<S: Real> = [S; 2];
 
+    const IN_LANES: bool = true;
+
     fn dim(&self) -> usize {
         4
     }

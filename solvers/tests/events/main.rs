@@ -11,6 +11,7 @@ mod accumulation;
 mod backward;
 mod crossings;
 mod dips;
+mod lanes;
 mod modes;
 mod not_finite;
 mod recorder;

@@ -60,6 +60,8 @@ impl System for Script {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = Vec<S>;
 
+    const IN_LANES: bool = true;
+
     fn dim(&self) -> usize {
         2
     }

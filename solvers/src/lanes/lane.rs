@@ -1,0 +1,143 @@
+//! One run among several: what is its own between two attempts.
+
+use super::attempt::{Aim, Attempt};
+use crate::control::Verdict;
+use crate::erk::ExplicitRk;
+use crate::error::{Error, Outcome};
+use crate::integrate::Integration;
+use crate::one_step::{Course, OneStep, OneStepSolver, Scene};
+use crate::phase::PhaseEnd;
+use crate::record::Record;
+use crate::stats::Stats;
+use crate::system::System;
+
+/// An explicit tableau method of `S` stages at work on one run.
+pub(super) type Solver<P, const S: usize> =
+    OneStepSolver<P, ExplicitRk<<P as System>::State<f64>, S>>;
+
+/// A run with its method and recorder, and the step that it is to attempt.
+pub(super) struct Lane<'r, 'a, P: System, R, const S: usize> {
+    pub(super) index: usize,
+    run: &'r mut Integration<'a, P>,
+    record: &'r mut R,
+    solver: Solver<P, S>,
+    course: Course,
+    t1: f64,
+    h: f64,
+}
+
+/// How a run goes on after an attempt.
+pub(super) enum Fate {
+    /// With another attempt in its mode.
+    Attempts,
+    /// With another phase, in this mode or another.
+    Begins,
+    /// Not at all.
+    Ends(Result<Outcome, Error>),
+}
+
+impl<'r, 'a, P: System, R: Record<P>, const S: usize> Lane<'r, 'a, P, R, S> {
+    /// Begins `run` towards `t_end`, or tells how it ended.
+    pub(super) fn begin(
+        (index, run, record): (usize, &'r mut Integration<'a, P>, &'r mut R),
+        mut solver: Solver<P, S>,
+        t_end: f64,
+    ) -> Result<Self, Result<Outcome, Error>> {
+        if let Some(outcome) = run.begin(t_end, record).map_err(Err)? {
+            return Err(Ok(outcome));
+        }
+        match enter(run, &mut solver, t_end).map_err(Err)? {
+            Some((course, t1, h)) => Ok(Self { index, run, record, solver, course, t1, h }),
+            None => Err(Ok(Outcome::Finished)),
+        }
+    }
+
+    pub(super) fn mode(&self) -> &P::Mode {
+        &self.run.point.mode
+    }
+
+    pub(super) fn aim(&self) -> Aim<'_, P::State<f64>, S> {
+        Aim { t1: self.t1, h: self.h, from: &self.solver.method.step }
+    }
+
+    /// Logarithm of the factor to the next step after one of this error.
+    pub(super) fn log_factor(&self, error_sq: f64, log_error: f64) -> f64 {
+        self.solver.controller.log_factor(error_sq, log_error)
+    }
+
+    /// Goes on by what the attempt came to in this lane.
+    pub(super) fn settle(&mut self, attempt: &Attempt<P, S>, lane: usize) -> Fate {
+        let fate = self.judge(attempt, lane).and_then(|end| match end {
+            Some(end) => self.pass(end),
+            None => match self.course.next(&self.run.point)? {
+                Some((t1, h)) => {
+                    (self.t1, self.h) = (t1, h);
+                    Ok(Fate::Attempts)
+                }
+                None => self.pass(PhaseEnd::EndOfTime),
+            },
+        });
+        fate.unwrap_or_else(|error| Fate::Ends(Err(error)))
+    }
+
+    /// How the phase ended, if it did: by a look at the attempt where that is enough, else as it would alone.
+    fn judge(&mut self, attempt: &Attempt<P, S>, lane: usize) -> Result<Option<PhaseEnd>, Error> {
+        let Self { run, record, solver, course, t1, h, .. } = self;
+        let (aim, of) = ((*t1, *h), (&attempt.method, lane));
+        run.stats.work.n_rhs += ExplicitRk::<P::State<f64>, S>::N_RHS;
+        let verdict = attempt.verdict(lane, *h, &mut solver.controller);
+        match verdict {
+            Verdict::Accept(next) if attempt.is_plain(lane) => {
+                if record.interpolates(run.point.t, *t1) {
+                    solver.method.take_over(aim, of);
+                    let mode = run.point.mode.clone();
+                    solver.method.densify(run.problem, mode, &mut Stats::default());
+                } else {
+                    solver.method.take_end(aim, of);
+                }
+                run.stats.work.n_rhs += solver.method.n_rhs_of_end();
+                course.h = next;
+                Ok(solver.accept(&mut scene(run, *record), course, None))
+            }
+            _ => {
+                solver.method.take_over(aim, of);
+                let step = &solver.method.step;
+                let mode = run.point.mode.clone();
+                solver.watch.start_at(run.problem, mode, step.t0, &step.y0, &step.k[0]);
+                solver.follow(&mut scene(run, *record), course, *h, verdict)
+            }
+        }
+    }
+
+    /// Passes from a phase that ended to the next.
+    fn pass(&mut self, end: PhaseEnd) -> Result<Fate, Error> {
+        if let Some(outcome) = self.run.pass(end, self.record)? {
+            return Ok(Fate::Ends(Ok(outcome)));
+        }
+        let Some(phase) = enter(self.run, &mut self.solver, self.course.t_end)? else {
+            return Ok(Fate::Ends(Ok(Outcome::Finished)));
+        };
+        (self.course, self.t1, self.h) = phase;
+        Ok(Fate::Begins)
+    }
+}
+
+/// Begins a phase: its course, and end and size of its first step; none at the end of time.
+fn enter<P: System, const S: usize>(
+    run: &mut Integration<'_, P>,
+    solver: &mut Solver<P, S>,
+    t_end: f64,
+) -> Result<Option<(Course, f64, f64)>, Error> {
+    if run.point.t == t_end {
+        return Ok(None);
+    }
+    let course = solver.begin(run.problem, &run.point, t_end, &mut run.stats)?;
+    Ok(course.next(&run.point)?.map(|(t1, h)| (course, t1, h)))
+}
+
+fn scene<'s, P: System>(
+    run: &'s mut Integration<'_, P>,
+    record: &'s mut dyn Record<P>,
+) -> Scene<'s, P> {
+    Scene { problem: run.problem, point: &mut run.point, stats: &mut run.stats, record }
+}

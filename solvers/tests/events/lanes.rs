@@ -1,0 +1,131 @@
+//! Runs computed with at once: each as it would be alone.
+#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
+
+use deltazero_solvers::problems::BouncingBall;
+use deltazero_solvers::{Control, Error, Grid, Integration, Outcome, System, Trajectory};
+
+use crate::log::{Log, Setting, settings};
+use crate::script::{Script, floor, guard, unused};
+
+type Recorder<P> =
+    (Log<<P as System>::Mode>, Trajectory<<P as System>::State<f64>, <P as System>::Mode>);
+
+fn recorders<P: System>(n: usize) -> Vec<Recorder<P>> {
+    let grid = Grid::uniform(0.3, 3.0);
+    let recorder = |i: usize| {
+        let never = usize::MAX;
+        // One run in seven is broken off, at its fifth step or its second event.
+        let break_at = if i % 7 == 3 { [(5, never), (never, 2)][i % 2] } else { (never, never) };
+        (Log { break_at, ..Log::default() }, Trajectory::on(grid.clone()))
+    };
+    (0..n).map(recorder).collect()
+}
+
+/// All that a run came to, to the last bit.
+fn shown<P: System>(
+    run: &Integration<'_, P>,
+    end: &Result<Outcome, Error>,
+    (log, samples): &Recorder<P>,
+) -> String {
+    let point = (run.point.t, &run.point.y, &run.point.mode);
+    format!("{end:?} {point:?} {:?} {:?} {:?} {samples:?}", run.stats, log.steps, log.events)
+}
+
+/// Runs from `starts` together and one by one; how those together ended.
+fn same_bits<P: System<State<f64> = [f64; 2]>>(
+    problem: &P,
+    (method, control): &Setting,
+    starts: &[[f64; 2]],
+    t_end: f64,
+) -> Vec<Result<Outcome, Error>> {
+    let runs = || starts.iter().map(|y| Integration::new(problem, 0.0, *y)).collect::<Vec<_>>();
+    let (mut together, mut alone) = (runs(), runs());
+    let mut seen = recorders::<P>(starts.len());
+    let ends = method.run_many(&mut together, t_end, control, &mut seen).unwrap();
+    let mut seen_alone = recorders::<P>(starts.len());
+    for (i, (run, record)) in alone.iter_mut().zip(&mut seen_alone).enumerate() {
+        let mut solver = method.solver(problem, control.clone()).unwrap();
+        let end = run.run(t_end, &mut *solver, record);
+        let (one, many) = (shown(run, &end, record), shown(&together[i], &ends[i], &seen[i]));
+        assert_eq!(one, many, "{} with {control:?}: run {i}", method.name);
+    }
+    ends
+}
+
+/// Explicit tableau methods, and one that is none.
+fn tried() -> impl Iterator<Item = Setting> {
+    let names = ["rk4", "bs32", "rk45", "dop853", "vern98", "radau5"];
+    settings().into_iter().filter(move |(method, _)| names.contains(&method.name))
+}
+
+/// Three modes with rates of degree three, a reset, and a mode that most runs skip.
+fn script() -> Script {
+    Script {
+        rate: vec![vec![-1.0, 0.5], vec![0.3, -2.0, 0.7, 0.1], vec![-0.5, 0.0, 1.0]],
+        guards: vec![
+            vec![floor(1, 0.4), guard(&[2.5, -1.0], 0.0, 2)],
+            vec![guard(&[1.3, -1.0], -0.2, 2), unused()],
+            vec![floor(0, 0.7), unused()],
+        ],
+    }
+}
+
+/// `n` starts a little apart.
+fn starts(n: usize, [x, z]: [f64; 2], by: [f64; 2]) -> Vec<[f64; 2]> {
+    (0..n).map(|i| [x + by[0] * i as f64, z + by[1] * i as f64]).collect()
+}
+
+#[test]
+fn runs_together_have_the_bits_of_runs_alone() {
+    let ball = BouncingBall { restitution: 0.7, gravity: 9.8, height: 1.0 };
+    for setting in tried() {
+        // One, fewer and more than there are lanes, more than the pool holds.
+        for n in [1, 5, 23] {
+            same_bits(&script(), &setting, &starts(n, [0.0, 0.3], [0.03, 0.05]), 3.0);
+            same_bits(&ball, &setting, &starts(n, [0.0, 1.0], [0.1, 0.3]), 2.0);
+        }
+        same_bits(&ball, &setting, &starts(150, [0.5, 0.0], [0.01, -0.01]), 0.7);
+    }
+}
+
+#[test]
+fn runs_together_do_not_depend_on_their_order() {
+    for setting in tried() {
+        let mut starts = starts(23, [0.0, 0.3], [0.03, 0.05]);
+        starts.reverse();
+        starts.swap(2, 17);
+        same_bits(&script(), &setting, &starts, 3.0);
+    }
+}
+
+#[test]
+fn a_run_that_fails_ends_alone() {
+    // A rate of x²⁰⁰, which is infinite beyond x = 34.8.
+    let mut rate = vec![0.0; 201];
+    rate[200] = 1.0;
+    let script = Script { rate: vec![rate], guards: vec![vec![unused()]] };
+    let starts: Vec<_> = (0..13).map(|i| [if i % 4 == 1 { 33.0 } else { 0.0 }, 0.0]).collect();
+    let is_explicit = |setting: &Setting| !setting.0.is_implicit();
+    for setting in tried().filter(is_explicit) {
+        let ends = same_bits(&script, &setting, &starts, 3.0);
+        for (i, end) in ends.iter().enumerate() {
+            let broken_off = recorders::<Script>(i + 1)[i].0.break_at.0 == 5;
+            match end {
+                Ok(Outcome::Interrupted) => assert!(broken_off, "{i}"),
+                end => assert_eq!(end.is_err(), i % 4 == 1, "{}, {i}: {end:?}", setting.0.name),
+            }
+        }
+    }
+}
+
+#[test]
+fn runs_together_need_a_control_that_the_method_takes() {
+    let script = script();
+    let mut runs = vec![Integration::new(&script, 0.0, [0.0, 1.0])];
+    let rk4 = deltazero_solvers::Method::named("rk4").unwrap();
+    let tolerance = crate::common::tolerance(1e-6);
+    let ends = rk4.run_many(&mut runs, 1.0, &tolerance, &mut [()]);
+    assert!(matches!(ends, Err(Error::BadControl { method: "rk4", .. })), "{ends:?}");
+    let ends = rk4.run_many::<Script, ()>(&mut [], 1.0, &Control::Fixed(0.1), &mut []);
+    assert_eq!(ends, Ok(Vec::new()));
+}
