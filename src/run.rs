@@ -169,6 +169,40 @@ pub fn integrate(
     }
 }
 
+/// Integrates `block` as [`integrate`] does from each of `starts`, with the same bits, each into the
+/// trajectory of its place: located runs by [several at once](Method::run_many), the time shared among them.
+///
+/// # Panics
+/// Where there are fewer trajectories than starts.
+pub fn integrate_many(
+    block: &Block,
+    setting: &Setting,
+    starts: &[State<f64>],
+    t_end: f64,
+    trajectories: &mut [BlockTrajectory],
+) -> Vec<BlockRun> {
+    assert!(trajectories.len() >= starts.len(), "a trajectory for each start is needed");
+    let start = Instant::now();
+    let mut runs: Vec<_> = starts.iter().map(|y| Integration::new(block, 0.0, *y)).collect();
+    let control = setting.control(block);
+    let ends = match setting.events {
+        Events::Located => block
+            .check()
+            .and_then(|()| setting.method.run_many(&mut runs, t_end, &control, trajectories)),
+        Events::Blind => {
+            let pairs = starts.iter().zip(trajectories);
+            return pairs.map(|(y, record)| integrate(block, setting, *y, t_end, record)).collect();
+        }
+    };
+    let ends = ends.unwrap_or_else(|error| vec![Err(error); runs.len()]);
+    let share = start.elapsed().div_f64(runs.len().max(1) as f64);
+    let finished = |(run, end): (&Integration<'_, Block>, _)| BlockRun {
+        wall: share,
+        ..finished(block, run, run.point.mode, end, start)
+    };
+    runs.iter().zip(ends).map(finished).collect()
+}
+
 /// Integrates `block` as [`integrate`] does, located, in extended precision: Taylor series over pairs of f64
 /// at the relative tolerance `rtol`, the absolute ones `rtol` times the scale of each state.
 pub fn integrate_extended(

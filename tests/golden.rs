@@ -10,9 +10,9 @@ use deltazero::config::Events;
 use deltazero::metrics::{ErrorScale, match_events, sample_error};
 use deltazero::model::Mechanism;
 use deltazero::reference::counted;
-use deltazero::run::{Accuracy, Limits, Run, Setting, mode_changes};
+use deltazero::run::{Accuracy, Limits, Run, Setting, integrate, integrate_many, mode_changes};
 use deltazero::study::work_precision::reference;
-use deltazero_solvers::Grid;
+use deltazero_solvers::{Grid, Trajectory};
 
 struct Bound {
     e: f64,
@@ -234,6 +234,39 @@ fn work_does_not_depend_on_what_is_recorded() {
     };
     assert_eq!(work("0.01"), work("0.0007"));
     assert_eq!(work("0.01"), work("0"));
+}
+
+#[test]
+fn runs_at_once_have_the_bits_of_one_run() {
+    let cases: [&[&str]; 4] = [
+        &["reading=pin"],
+        &["reading=full", "contact.adhesion=false"],
+        &["reading=full", "contact.law=hunt_crossley"],
+        &["reading=cosine", "contact.exponent=1.5", "friction.law=threlfall"],
+    ];
+    for keys in cases {
+        for block in &Mechanism::new(&config(keys)).blocks {
+            for (method, rtol) in [("rk45", 1e-6), ("dop853", 1e-8)] {
+                let setting = located(method, rtol);
+                let start = |i: usize| {
+                    let mut y = block.initial_state();
+                    y[5] = 0.01 * i as f64;
+                    y
+                };
+                let starts: Vec<_> = (0..11).map(start).collect();
+                let fresh = || Trajectory::on(Grid::uniform(0.01, 0.2));
+                let mut many: Vec<_> = starts.iter().map(|_| fresh()).collect();
+                let runs = integrate_many(block, &setting, &starts, 0.2, &mut many);
+                for ((y, run), many) in starts.into_iter().zip(&runs).zip(&many) {
+                    let mut one = fresh();
+                    let alone = integrate(block, &setting, y, 0.2, &mut one);
+                    assert_eq!(alone.outcome, run.outcome, "{keys:?}");
+                    assert_eq!((alone.t, alone.y, alone.stats), (run.t, run.y, run.stats));
+                    assert_eq!((&one.events, &one.samples), (&many.events, &many.samples));
+                }
+            }
+        }
+    }
 }
 
 #[test]

@@ -234,6 +234,8 @@ impl System for Block {
     type State<S: Real> = State<S>;
     type Guards<S: Real> = [S; 4];
 
+    const IN_LANES: bool = true;
+
     fn dim(&self) -> usize {
         6
     }
