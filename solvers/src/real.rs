@@ -55,6 +55,20 @@ pub trait Real:
     fn apart<F: Function>(self, f: &F) -> Self {
         f.of(self)
     }
+
+    /// `f(x)` of several numbers, where `f` is long: as [`apart`](Self::apart).
+    fn all_apart<F: Functions<N, M>, const N: usize, const M: usize>(
+        x: [Self; N],
+        f: &F,
+    ) -> [Self; M] {
+        f.of(x)
+    }
+}
+
+/// `M` functions of `N` numbers, written over any.
+pub trait Functions<const N: usize, const M: usize> {
+    /// Their values at `x`.
+    fn of<S: Real>(&self, x: [S; N]) -> [S; M];
 }
 
 /// A number that decisions are taken on, of one run or of each of several.

@@ -8,7 +8,7 @@ use super::base::Base;
 pub const MAX_ORDER: usize = 20;
 
 /// Rows of a new table.
-const N_ROWS: usize = 64;
+pub(super) const N_ROWS: usize = 64;
 
 /// The Taylor coefficients of one intermediate result.
 #[derive(Debug)]
@@ -110,5 +110,18 @@ impl<'a, B: Base> Table<'a, B> {
         let coefficient = call(Table { rows: self.rows, n: &n, k: self.k });
         self.n.set(n.get());
         (self.row(n.get() - 1), coefficient)
+    }
+
+    /// The same of several coefficients, whose rows it took last.
+    #[inline(always)]
+    pub(super) fn all_apart<const M: usize>(
+        self,
+        call: impl FnOnce(Table<'_, B>) -> [B; M],
+    ) -> ([&'a Row<B>; M], [B; M]) {
+        let n = Cell::new(self.n.get());
+        let coefficients = call(Table { rows: self.rows, n: &n, k: self.k });
+        self.n.set(n.get());
+        let first = n.get() - M;
+        (std::array::from_fn(|i| self.row(first + i)), coefficients)
     }
 }

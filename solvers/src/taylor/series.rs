@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::base::Base;
 use super::recurrence;
 use super::rows::{Row, Table};
-use crate::real::{Function, Real};
+use crate::real::{Function, Functions, Real};
 
 /// The largest integer power that is taken by products.
 const LARGEST_PRODUCT: f64 = 64.0;
@@ -125,6 +125,20 @@ impl<'a, B: Base> Series<'a, B> {
     fn function<F: Function>(table: Table<'_, B>, (row, a_k): (&Row<B>, B), f: &F) -> B {
         let value = f.of(Series { place: Some(Place { table, row }), coefficient: a_k });
         Series::new(table, value.coefficient(table.k)).coefficient
+    }
+
+    /// The coefficients of `f` of the series in these rows or, without one, constant; in the rows taken last.
+    #[inline(never)]
+    fn functions<F: Functions<N, M>, const N: usize, const M: usize>(
+        table: Table<'_, B>,
+        x: [(Option<&Row<B>>, B); N],
+        f: &F,
+    ) -> [B; M] {
+        let x = x.map(|(row, coefficient)| Series {
+            place: row.map(|row| Place { table, row }),
+            coefficient,
+        });
+        f.of(x).map(|y| Series::new(table, y.coefficient(table.k)).coefficient)
     }
 
     /// `selfⁿ` by squaring, `n ≥ 1`: it has no singular point where the base is zero.
@@ -368,13 +382,31 @@ impl<B: Base> Real for Series<'_, B> {
         let (c, c_k) = table.apart(|table| Self::function(table, (row, self.coefficient), f));
         Self { place: Some(Place { table, row: c }), coefficient: c_k }
     }
+
+    #[inline(always)]
+    fn all_apart<F: Functions<N, M>, const N: usize, const M: usize>(
+        x: [Self; N],
+        f: &F,
+    ) -> [Self; M] {
+        let Some(Place { table, .. }) = x.iter().find_map(|x| x.place) else {
+            return f.of(x.map(|x| x.coefficient)).map(Self::constant);
+        };
+        let (rows, values) = table.all_apart(|table| {
+            let rows = x.map(|x| (x.place.map(|place| place.row), x.coefficient));
+            Self::functions(table, rows, f)
+        });
+        std::array::from_fn(|i| Self {
+            place: Some(Place { table, row: rows[i] }),
+            coefficient: values[i],
+        })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
 
-    use super::super::rows::Rows;
+    use super::super::rows::{N_ROWS, Rows};
     use super::*;
 
     /// Every operation of a [`Real`] once, of an argument near 0.7.
@@ -416,6 +448,32 @@ mod tests {
         for (sum, exact) in sums.iter().zip(operations(x + s)) {
             // Measured: 8.9e-16.
             assert!((sum - exact).abs() < 5e-15, "{sum} for {exact}");
+        }
+    }
+
+    /// Those of two numbers, of which one may be constant.
+    struct Both;
+
+    impl Functions<2, 3> for Both {
+        fn of<S: Real>(&self, [x, c]: [S; 2]) -> [S; 3] {
+            [x.sin_cos().0 * c, x, c]
+        }
+    }
+
+    #[test]
+    fn functions_of_several_numbers_are_the_same_apart() {
+        let rows = Rows::new();
+        for k in 0..12 {
+            let run = |is_apart: bool| {
+                let n = Cell::new(if is_apart { 0 } else { N_ROWS / 2 });
+                let x = Series::new(rows.table(&n, k), [0.7, 1.0, 0.0][k.min(2)]);
+                let given = [x, Series::constant(1.5)];
+                let [y, again, c] =
+                    if is_apart { Series::all_apart(given, &Both) } else { Both.of(given) };
+                // Rows of their own come after it.
+                [y * x, again * again, c * x, y / x].map(|series| series.coefficient(k))
+            };
+            assert_eq!(run(true), run(false), "order {k}");
         }
     }
 }
