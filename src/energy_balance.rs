@@ -8,14 +8,14 @@ use serde::{Deserialize, Serialize};
 use crate::config::Events;
 use crate::model::chain::{Chain, Modes};
 use crate::model::energy::{Energy, Power};
-use crate::model::{Block, Mode, State};
+use crate::model::{Block, Body, Mode, State};
 use crate::quadrature::GAUSS;
 use crate::run::mode_within;
 
 /// Where the energy went, all in J, summed over blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Balance {
-    /// Work of the drive torques.
+    /// Work of the drive torques, or of that which holds a crank's speed.
     pub work: f64,
     /// Kinetic energy at the end.
     pub kinetic: f64,
@@ -46,8 +46,9 @@ pub trait Energetic: System {
     /// Powers there.
     fn powers(&self, mode: &Self::Mode, y: &Self::State<f64>) -> Power;
 
-    /// Work of the drive from `y0` to `y1` [J]: a constant torque needs no quadrature.
-    fn drive_work(&self, y0: &Self::State<f64>, y1: &Self::State<f64>) -> f64;
+    /// Work of the drive from `y0` to `y1` [J], where it needs no quadrature: a constant torque does it, or no
+    /// energy is lost.
+    fn drive_work(&self, y0: &Self::State<f64>, y1: &Self::State<f64>) -> Option<f64>;
 
     /// The mode that it is computed in at `(t, y)`, inside a step begun in `mode`.
     fn mode_inside(
@@ -71,8 +72,14 @@ impl Energetic for Block {
         self.power(*mode, y)
     }
 
-    fn drive_work(&self, y0: &State<f64>, y1: &State<f64>) -> f64 {
-        self.torque * (y1[2] - y0[2])
+    fn drive_work(&self, y0: &State<f64>, y1: &State<f64>) -> Option<f64> {
+        match &self.body {
+            Body::Struts(_) => Some(self.torque * (y1[2] - y0[2])),
+            // A pin that is held follows the crank through steps that no quadrature resolves.
+            Body::SliderCrank(crank) => {
+                (self.clearance == 0.0).then(|| crank.kinetic(y1) - crank.kinetic(y0))
+            }
+        }
     }
 
     fn mode_inside(&self, events: Events, mode: &Mode, t: f64, y: &State<f64>) -> Mode {
@@ -93,7 +100,7 @@ impl Energetic for Chain {
         self.power(modes, y)
     }
 
-    fn drive_work(&self, y0: &Vec<f64>, y1: &Vec<f64>) -> f64 {
+    fn drive_work(&self, y0: &Vec<f64>, y1: &Vec<f64>) -> Option<f64> {
         let bays = (0..self.bays).map(|k| (Self::state_of(y0, k), Self::state_of(y1, k)));
         bays.map(|(y0, y1)| self.bay.drive_work(&y0, &y1)).sum()
     }
@@ -140,13 +147,18 @@ impl<P: Energetic> Record<P> for EnergyBalance<'_, P> {
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let step = accepted.step;
         let h = step.t1() - step.t0();
-        self.work += self.problem.drive_work(step.y0(), step.y1());
+        let drive_work = self.problem.drive_work(step.y0(), step.y1());
+        self.work += drive_work.unwrap_or(0.0);
         let mut y = step.y0().clone();
         for (node, weight) in GAUSS {
             let t = step.t0() + node * h;
             step.interpolate(t, &mut y);
             let mode = self.problem.mode_inside(self.events, &accepted.mode, t, &y);
-            self.dissipated += weight * h * self.problem.powers(&mode, &y).dissipated;
+            let power = self.problem.powers(&mode, &y);
+            self.dissipated += weight * h * power.dissipated;
+            if drive_work.is_none() {
+                self.work += weight * h * power.drive;
+            }
         }
         ControlFlow::Continue(())
     }

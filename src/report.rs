@@ -6,13 +6,17 @@ pub mod laws;
 pub mod recommend;
 pub mod regimes;
 mod runs;
+mod slider_crank;
 pub mod steps;
 
 pub use runs::study_csv;
+pub use slider_crank::slider_csv;
 
 use std::fmt::Write as _;
 
+use crate::config::{Config, MechanismName};
 use crate::figures::Drawing;
+use crate::model::Body;
 use crate::run::JointHistory;
 use crate::study::work_precision::{ACCURACIES, WorkPrecision, cheapest};
 
@@ -83,10 +87,14 @@ pub fn answer(table: &WorkPrecision) -> String {
 }
 
 /// `study.md`: the answer, the figures, every run.
-pub fn study_markdown(reading: &str, table: &WorkPrecision, drawings: &[Drawing]) -> String {
+pub fn study_markdown(config: &Config, table: &WorkPrecision, drawings: &[Drawing]) -> String {
+    let subject = match config.mechanism {
+        MechanismName::Strut => format!("Reading `{}`", config.reading),
+        MechanismName::SliderCrank => "Mechanism `slider-crank`".to_owned(),
+    };
     let reference = &table.reference;
     let mut text = format!(
-        "# Which integrator, at which setting, for this contact?\n\nReading `{reading}`.\n\n{}\n\
+        "# Which integrator, at which setting, for this contact?\n\n{subject}.\n\n{}\n\
          e is the worst sample's larger of |Δpin|/c and |Δθ|/{:.4} rad, up to the horizon of {} s.\n\
          Reference: {}; a second run ({}) differs by e = {:.1e}{}, which is its error.\n",
         answer(table),
@@ -119,6 +127,9 @@ pub fn study_markdown(reading: &str, table: &WorkPrecision, drawings: &[Drawing]
 
 /// `trajectory.csv`, sorted by joint, bay and time.
 pub fn trajectory_csv(joints: &[JointHistory<'_>]) -> String {
+    if joints.iter().any(|joint| matches!(joint.block.body, Body::SliderCrank(_))) {
+        return slider_crank::trajectory_csv(joints);
+    }
     let mut csv = String::from(
         "bay,joint,t_s,mode,d1_m,d2_m,theta_rad,v1_m_s,v2_m_s,omega_rad_s,f_n_n,f_t_n\n",
     );

@@ -20,6 +20,16 @@ fn the_answer_in_the_readme_is_that_of_the_committed_study() {
     assert!(file("README.md").contains(&report::answer(&table)));
 }
 
+#[test]
+fn the_answer_on_the_page_of_the_slider_crank_is_that_of_its_committed_study() {
+    let study: Value = serde_json::from_str(&file("docs/slider_crank/study.json")).unwrap();
+    let mut config = Config::from_json(&study["config"]).unwrap();
+    config.study.repeats = 3;
+    assert_eq!(config, Config::load(None, &["mechanism=slider-crank".to_owned()]).unwrap());
+    let table: WorkPrecision = serde_json::from_value(study).unwrap();
+    assert!(file("docs/slider_crank.md").contains(&report::answer(&table)));
+}
+
 fn committed_audit() -> (Value, Audit) {
     let mut record: Value = serde_json::from_str(&file("docs/audit/audit.json")).unwrap();
     let audit = serde_json::from_value(record["audit"].take()).unwrap();

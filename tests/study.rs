@@ -6,7 +6,7 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use common::config;
-use deltazero::config::{Events, ReadingName};
+use deltazero::config::{Config, Events, ReadingName};
 use deltazero::contest::{
     Arena, CUT, Candidate, Contest, Entry, FailureKind, MARGIN, Standings, Start, Trial,
     accepts_events,
@@ -177,7 +177,9 @@ fn rk4_finds_events_that_are_none_beyond_the_limit_of_stability() {
 #[test]
 fn every_figure_of_a_study_without_a_finished_run_can_be_drawn() {
     let table = study(&["study.max_rhs=600000", "study.steps=[1e-7]", "study.methods=[\"rk4\"]"]);
-    for drawing in figures::of_study(&table, &StepTables::default(), None) {
+    for drawing in
+        figures::of_study(&Config::table1().unwrap(), &table, &StepTables::default(), None)
+    {
         drawing.figure.svg().unwrap();
         drawing.figure.png().unwrap();
     }

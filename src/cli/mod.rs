@@ -20,11 +20,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
-use deltazero::config::{Config, ConfigError, Events};
+use deltazero::config::{Config, ConfigError, Events, MechanismName};
 
 /// Which integrator, at which setting, for this contact?
 ///
 /// Without a command: the study of the paper's Table 1, 0-2 s, into ./deltazero-out.
+/// With --set mechanism=slider-crank, simulate, study and recommend are about that mechanism.
 #[derive(Parser)]
 #[command(version, args_conflicts_with_subcommands = true)]
 struct Cli {
@@ -99,6 +100,17 @@ fn one_bay(config: Config) -> Result<Config, Failure> {
     let bays = config.bays;
     let way_out = "this command takes one bay, a chain has no reference yet; `simulate` takes it";
     Err(Failure::Usage(format!("bays = {bays}: {way_out}")))
+}
+
+/// Refuses a slider-crank, of which a command does not speak.
+fn struts_only(config: Config, why: &str) -> Result<Config, Failure> {
+    match config.mechanism {
+        MechanismName::Strut => Ok(config),
+        MechanismName::SliderCrank => {
+            let way_out = "`simulate`, `study` and `recommend` take it";
+            Err(Failure::Usage(format!("mechanism = slider-crank: {why}; {way_out}")))
+        }
+    }
 }
 
 /// Why a command did not succeed, and with it the exit code.

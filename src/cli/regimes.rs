@@ -14,7 +14,7 @@ use deltazero::study::regimes::{Cell, Site, estimate, quick, regimes, sites};
 use serde_json::{Value, json};
 
 use super::output::{Output, hash};
-use super::{Failure, RunArgs, note_left_out, print, say};
+use super::{Failure, RunArgs, note_left_out, print, say, struts_only};
 
 #[derive(Args)]
 pub(super) struct RegimesArgs {
@@ -29,7 +29,8 @@ pub(super) struct RegimesArgs {
 }
 
 pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let mut config = args.run.load()?;
+    let why = "the map's damping ratio is that of the struts' masses under F_N = K δ + D δ̇";
+    let mut config = struts_only(args.run.load()?, why)?;
     let mut dir = "deltazero-out/regimes";
     if args.quick {
         config = quick(&config);

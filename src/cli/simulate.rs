@@ -78,14 +78,12 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
 
     let (mechanism, chain) = (Mechanism::new(&config), Chain::new(&config));
     let bar = TimeBar::new(args.run.quiet);
-    let [one, two] = &mechanism.blocks;
-    let time = |joint| bar.of(joint, 2, config.run.t_end);
-    let first = if chain.bays == 1 {
-        simulate(one, &setting, &config, time(1), stop)
-    } else {
-        simulate_chain(&chain, &setting, &config, time(1), stop)
-    };
-    let parts = [first, simulate(two, &setting, &config, time(2), stop)];
+    let time = |joint| bar.of(joint, mechanism.blocks.len(), config.run.t_end);
+    let parts = mechanism.blocks.iter().map(|block| match block.joint {
+        1 if chain.bays > 1 => simulate_chain(&chain, &setting, &config, time(1), stop),
+        joint => simulate(block, &setting, &config, time(joint), stop),
+    });
+    let parts: Vec<_> = parts.collect();
     drop(bar);
     let joints: Vec<_> = parts.iter().flat_map(|part| part.part.joints()).collect();
     let summary = run_json(&output, &config, &setting, &parts, &joints);

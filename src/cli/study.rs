@@ -147,11 +147,14 @@ pub(super) fn write_report(
     }
     if let Some(motion) = &motion {
         output.write("motion.csv", report::motion_csv(motion).as_bytes())?;
+        if !motion.slider.is_empty() {
+            output.write("slider.csv", report::slider_csv(&motion.slider).as_bytes())?;
+        }
     }
-    let mut drawings = figures::of_study(table, &steps, motion.as_ref());
+    let mut drawings = figures::of_study(config, table, &steps, motion.as_ref());
     drawings.extend(figures::chosen_axes(table, &config.study.x, &config.study.y));
     let pictures = output.draw(&drawings)?;
-    let markdown = report::study_markdown(config.reading.name(), table, &drawings);
+    let markdown = report::study_markdown(config, table, &drawings);
     output.write("study.md", markdown.as_bytes())?;
     output.write("report.html", report::html::study_page(study, pictures).html().as_bytes())
 }

@@ -154,6 +154,16 @@ pub enum ConfigError {
         /// Where.
         place: Place,
     },
+    /// A slider-crank with what only the struts have, or that cannot turn.
+    #[error("{place}: {found} does not go with mechanism = slider-crank: {reason}")]
+    NotInASliderCrank {
+        /// Where it was given.
+        place: Place,
+        /// The key with its value.
+        found: Box<str>,
+        /// Why not, and the way out.
+        reason: &'static str,
+    },
     /// A chain of several bays with what only one bay can have.
     #[error("{place}: {found} does not go with bays = {bays}: {reason}")]
     NotInAChain {

@@ -6,7 +6,7 @@
 use super::kind::Kind;
 use super::range::{End, Range};
 use super::words::{
-    AXES, ContactLaw, Curvature, Digits, Events, FrictionLaw, METHODS, ReadingName,
+    AXES, ContactLaw, Curvature, Digits, Events, FrictionLaw, METHODS, MechanismName, ReadingName,
 };
 
 /// One key.
@@ -67,8 +67,34 @@ const ACCURACY: Kind = Kind::Number(Range::closed(1e-12, 1e-1));
 
 use DefaultValue::{Absent, Toml};
 
+/// Where the slider-crank is from.
+const SLIDER_CRANK_SOURCE: &str = "slider-crank benchmark of Flores, Ambrósio, Claro and Lankarani";
+
+/// The defaults that another mechanism has, its numbers being of another order: path, value as TOML.
+pub const SLIDER_CRANK_DEFAULTS: &[(&str, &str)] = &[
+    ("reading", "\"full\""),
+    ("joint.clearance", "5e-4"),
+    ("joint.pin_radius", "9.5e-3"),
+    ("contact.law", "\"lankarani_nikravesh\""),
+    ("contact.stiffness", "6.61e10"),
+    ("contact.exponent", "1.5"),
+    ("friction.coefficient", "0.03"),
+    ("run.t_end", "0.024"),
+    ("run.sample", "1e-4"),
+    ("solver.step", "1e-6"),
+    ("study.steps", "[2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7]"),
+];
+
 /// Every key, in the order of the default file: first those of the root, then table by table.
 pub const KEYS: &[Key] = &[
+    Key {
+        path: "mechanism",
+        kind: Kind::Word(MechanismName::WORDS),
+        default: Toml("\"strut\""),
+        unit: "",
+        doc: "strut: the paper's two joints; slider-crank: one joint between rod and slider, other defaults",
+        source: "the paper's case",
+    },
     Key {
         path: "reading",
         kind: Kind::Word(ReadingName::WORDS),
@@ -132,6 +158,62 @@ pub const KEYS: &[Key] = &[
         unit: "N m",
         doc: "Torque M4 on θ2",
         source: "Table 1, M_4",
+    },
+    Key {
+        path: "slider_crank.crank_length",
+        kind: POSITIVE,
+        default: Toml("0.05"),
+        unit: "m",
+        doc: "Length r of the crank",
+        source: SLIDER_CRANK_SOURCE,
+    },
+    Key {
+        path: "slider_crank.rod_length",
+        kind: POSITIVE,
+        default: Toml("0.12"),
+        unit: "m",
+        doc: "Length l of the rod, above crank_length + clearance",
+        source: SLIDER_CRANK_SOURCE,
+    },
+    Key {
+        path: "slider_crank.rod_mass",
+        kind: POSITIVE,
+        default: Toml("0.21"),
+        unit: "kg",
+        doc: "Mass of the rod, its centroid in its middle",
+        source: SLIDER_CRANK_SOURCE,
+    },
+    Key {
+        path: "slider_crank.rod_inertia",
+        kind: POSITIVE,
+        default: Toml("2.5e-4"),
+        unit: "kg m²",
+        doc: "Inertia of the rod about its centroid",
+        source: SLIDER_CRANK_SOURCE,
+    },
+    Key {
+        path: "slider_crank.slider_mass",
+        kind: POSITIVE,
+        default: Toml("0.14"),
+        unit: "kg",
+        doc: "Mass of the slider, with the bush",
+        source: SLIDER_CRANK_SOURCE,
+    },
+    Key {
+        path: "slider_crank.crank_speed",
+        kind: POSITIVE,
+        default: Toml("523.5987755982989"),
+        unit: "rad/s",
+        doc: "Speed of the crank, which is held",
+        source: "5000 rpm, as in the same benchmark",
+    },
+    Key {
+        path: "slider_crank.start_angle",
+        kind: FINITE,
+        default: Toml("0.0"),
+        unit: "rad",
+        doc: "Angle of the crank at the start; 0: crank and rod in line, the slider farthest",
+        source: "the same benchmark",
     },
     Key {
         path: "joint.clearance",

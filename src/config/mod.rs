@@ -20,6 +20,8 @@
 //! a user gives passes through it key by key (`toml_source` → `settings` → [`Config`]), and the
 //! default file ([`default_toml`]) and the JSON Schema ([`json_schema`]) are printed from it.
 //!
+//! `mechanism = "slider-crank"` has [defaults of its own](SLIDER_CRANK_DEFAULTS) for what is not given.
+//!
 //! A value for one joint (`joint2.contact.stiffness`) stands before the common one
 //! (`contact.stiffness`), wherever each was given; of the same key the last one counts: first the
 //! file, then every `--set` in order.
@@ -46,16 +48,18 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 pub use error::{ConfigError, Place};
-pub use keys::{DefaultValue, JOINT_TABLES, JOINTS, KEYS, Key, find};
+pub use keys::{DefaultValue, JOINT_TABLES, JOINTS, KEYS, Key, SLIDER_CRANK_DEFAULTS, find};
 pub use kind::Kind;
 pub use parts::{
-    Atol, Contact, Contest, Drive, Friction, Inertia, Joint, JointConfig, Regimes, Run, Solver,
-    Strut, Study,
+    Atol, Contact, Contest, Drive, Friction, Inertia, Joint, JointConfig, Regimes, Run,
+    SliderCrank, Solver, Strut, Study,
 };
 pub use print::default_toml;
 pub use range::{End, Range};
 pub use schema::json_schema;
-pub use words::{AXES, ContactLaw, Curvature, Digits, Events, FrictionLaw, METHODS, ReadingName};
+pub use words::{
+    AXES, ContactLaw, Curvature, Digits, Events, FrictionLaw, METHODS, MechanismName, ReadingName,
+};
 
 use given::Given;
 use settings::Settings;
@@ -66,6 +70,8 @@ use settings::Settings;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Value", into = "Value")]
 pub struct Config {
+    /// What hangs on the joints.
+    pub mechanism: MechanismName,
     /// Reading of the paper.
     pub reading: ReadingName,
     /// Side frames in the chain.
@@ -74,6 +80,8 @@ pub struct Config {
     pub strut: Strut,
     /// The driving torques.
     pub drive: Drive,
+    /// Crank, rod and slider.
+    pub slider_crank: SliderCrank,
     /// Root joints 1 (AB) and 2 (AF), what is common to both already entered in each.
     pub joints: [JointConfig; 2],
     /// Extent and output of a run.
@@ -132,10 +140,12 @@ impl Config {
             all.insert(JOINTS[1].to_owned(), Value::Object(difference));
         }
         let parts = [
+            ("mechanism", json(&self.mechanism)),
             ("reading", json(&self.reading)),
             ("bays", json(&self.bays)),
             ("strut", json(&self.strut)),
             ("drive", json(&self.drive)),
+            ("slider_crank", json(&self.slider_crank)),
             ("run", json(&self.run)),
             ("solver", json(&self.solver)),
             ("study", json(&self.study)),

@@ -41,6 +41,26 @@ pub struct Drive {
     pub m4: f64,
 }
 
+/// Crank, rod and slider.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SliderCrank {
+    /// Length r of the crank \[m\].
+    pub crank_length: f64,
+    /// Length l of the rod \[m\].
+    pub rod_length: f64,
+    /// Mass of the rod, its centroid in its middle \[kg\].
+    pub rod_mass: f64,
+    /// Inertia of the rod about its centroid \[kg m²\].
+    pub rod_inertia: f64,
+    /// Mass of the slider \[kg\].
+    pub slider_mass: f64,
+    /// Speed of the crank, held \[rad/s\].
+    pub crank_speed: f64,
+    /// Angle of the crank at the start, 0 where crank and rod are in line and the slider is farthest \[rad\].
+    pub start_angle: f64,
+}
+
 /// All that may differ between the two root joints.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

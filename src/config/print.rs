@@ -3,7 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::Config;
-use super::keys::{DefaultValue, JOINT_TABLES, KEYS, Key};
+use super::keys::{DefaultValue, JOINT_TABLES, KEYS, Key, SLIDER_CRANK_DEFAULTS};
 
 const HEAD: &str = "\
 # The default configuration of deltazero: Table 1 of \"Dynamic Analysis of Deployable
@@ -16,6 +16,10 @@ const ONE_JOINT: &str = "
 # Any key of [joint], [contact] and [friction] may differ for one joint:
 # [joint2.contact]
 # stiffness = 2e7
+";
+
+const SLIDER_CRANK: &str = "
+# With mechanism = \"slider-crank\" a key that is not given, in a file without it, has another default:
 ";
 
 /// The default configuration as TOML, every key with its meaning, unit, range and source.
@@ -38,6 +42,10 @@ pub fn default_toml() -> String {
             out += &format!("\n[{}]", table.unwrap_or_default());
         }
         out += &entry(key);
+    }
+    out += SLIDER_CRANK;
+    for (path, value) in SLIDER_CRANK_DEFAULTS {
+        out += &format!("# {path} = {value}\n");
     }
     out
 }

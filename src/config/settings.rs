@@ -8,10 +8,12 @@ use serde_json::{Map, Value};
 
 use super::error::{ConfigError, Place};
 use super::given::{Datum, Given, excerpt};
-use super::keys::{DefaultValue, JOINT_TABLES, JOINTS, KEYS, Key, find, names_in, one_joint};
+use super::keys::{
+    DefaultValue, JOINT_TABLES, JOINTS, KEYS, Key, SLIDER_CRANK_DEFAULTS, find, names_in, one_joint,
+};
 use super::nearest::nearest_key;
 use super::toml_source;
-use super::words::{Events, ReadingName};
+use super::words::{Events, MechanismName, ReadingName};
 use super::{Config, FrictionLaw, JointConfig};
 
 /// Largest number of samples of a run: at some 150 bytes a row and two joints, 30 GB of output.
@@ -38,6 +40,22 @@ impl Settings {
             }
         }
         Ok(settings)
+    }
+
+    /// Puts the defaults of the mechanism in the place of what was not given.
+    ///
+    /// # Errors
+    /// As [`defaults`](Self::defaults).
+    fn for_mechanism(&mut self) -> Result<(), ConfigError> {
+        let mechanism: MechanismName = self.part("mechanism")?;
+        if mechanism == MechanismName::SliderCrank {
+            for &(path, text) in SLIDER_CRANK_DEFAULTS {
+                if self.place(path) == Place::Default {
+                    self.apply(path, &toml_source::value(text, Place::Default)?)?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Sets one key, or all keys of a table; the path of the whole is empty.
@@ -81,12 +99,15 @@ impl Settings {
     ///
     /// # Errors
     /// Values that do not go together.
-    pub(super) fn config(&self) -> Result<Config, ConfigError> {
+    pub(super) fn config(&mut self) -> Result<Config, ConfigError> {
+        self.for_mechanism()?;
         let config = Config {
+            mechanism: self.part("mechanism")?,
             reading: self.part("reading")?,
             bays: self.part("bays")?,
             strut: self.part("strut")?,
             drive: self.part("drive")?,
+            slider_crank: self.part("slider_crank")?,
             joints: [self.joint(JOINTS[0])?, self.joint(JOINTS[1])?],
             run: self.part("run")?,
             solver: self.part("solver")?,
@@ -96,6 +117,39 @@ impl Settings {
         };
         self.cross_check(&config)?;
         Ok(config)
+    }
+
+    /// What a slider-crank cannot have.
+    fn check_slider_crank(&self, config: &Config) -> Result<(), ConfigError> {
+        if config.mechanism != MechanismName::SliderCrank {
+            return Ok(());
+        }
+        let refused = |key: &str, found: String, reason| {
+            let (place, found) = (self.place(key), format!("{key} = {found}").into());
+            Err(ConfigError::NotInASliderCrank { place, found, reason })
+        };
+        if config.bays != 1 {
+            let reason = "a chain is one of strut bays; use bays = 1";
+            return refused("bays", config.bays.to_string(), reason);
+        }
+        if config.reading != ReadingName::Full {
+            let reason = "readings are of the struts' paper, here force and torque of friction both act; \
+                          use reading = \"full\", the default there";
+            return refused("reading", config.reading.to_string(), reason);
+        }
+        if let Some((key, (value, _))) =
+            self.values.iter().find(|(path, _)| one_joint(path).is_some())
+        {
+            let reason = "it has one joint; give the key in [joint], [contact] or [friction]";
+            return refused(key, value.to_string(), reason);
+        }
+        let (own, clearance) = (&config.slider_crank, config.joints[0].joint.clearance);
+        if own.rod_length <= own.crank_length + clearance {
+            let reason =
+                "the rod must be longer than crank_length + joint.clearance to turn around";
+            return refused("slider_crank.rod_length", own.rod_length.to_string(), reason);
+        }
+        Ok(())
     }
 
     /// What a chain of several bays cannot have.
@@ -131,6 +185,7 @@ impl Settings {
 
     /// What no key alone can tell.
     fn cross_check(&self, config: &Config) -> Result<(), ConfigError> {
+        self.check_slider_crank(config)?;
         self.check_chain(config)?;
         self.check_laws(config)?;
         let (t_end, sample) = (config.run.t_end, config.run.sample);

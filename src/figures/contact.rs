@@ -5,6 +5,9 @@ use deltazero_plots::{Axis, Band, Figure, Level, LineChart, Panel, Series, Size}
 use super::Drawing;
 use crate::study::motion::{Motion, MotionRow};
 
+/// A unit of penetration, and how many of it are a metre.
+type Unit = (&'static str, f64);
+
 /// Colours of penetration, force and contact.
 const DELTA: usize = 0;
 const FORCE: usize = 1;
@@ -19,9 +22,10 @@ pub(super) fn drawing(motion: &Motion) -> Drawing {
     } else {
         ("the start", "the start, for there is no flight")
     };
+    let unit = if motion.slider.is_empty() { ("nm", 1e9) } else { ("µm", 1e6) };
     let panels = vec![
-        delta_panel("whole run", &whole, Vec::new()),
-        delta_panel(title, &zoom, contact_bands(motion)),
+        delta_panel("whole run", unit, &whole, Vec::new()),
+        delta_panel(title, unit, &zoom, contact_bands(motion)),
         force_panel(&whole, Vec::new()),
         force_panel(&zoom, contact_bands(motion)),
     ];
@@ -45,12 +49,17 @@ pub(super) fn drawing(motion: &Motion) -> Drawing {
     Drawing { name: "gap_and_force", caption, figure }
 }
 
-fn delta_panel(title: &str, rows: &[&MotionRow], bands: Vec<Band>) -> Panel {
-    let points = rows.iter().map(|row| (row.t_s, 1e9 * row.delta_m)).collect();
+fn delta_panel(
+    title: &str,
+    (unit, per_metre): Unit,
+    rows: &[&MotionRow],
+    bands: Vec<Band>,
+) -> Panel {
+    let points = rows.iter().map(|row| (row.t_s, per_metre * row.delta_m)).collect();
     LineChart {
         title: title.into(),
         x: Axis::linear("t [s]"),
-        y: Axis::linear("penetration δ [nm]"),
+        y: Axis::linear(format!("penetration δ [{unit}]")),
         series: vec![Series::line("", DELTA, points)],
         levels: vec![Level { y: 0.0, label: String::new() }],
         bands,

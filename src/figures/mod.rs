@@ -7,6 +7,7 @@ mod proportionality;
 pub mod regimes;
 mod restarts;
 mod rk4_order;
+mod slider_crank;
 mod stability;
 mod stays;
 mod step_histogram;
@@ -18,7 +19,7 @@ pub use work_precision::chosen_axes;
 
 use deltazero_plots::{Axis, Error, Figure, Marker, Series};
 
-use crate::config::Events;
+use crate::config::{Config, Events};
 use crate::study::motion::Motion;
 use crate::study::step_size::{ModeKind, StepHistory, quantile};
 use crate::study::step_tables::StepTables;
@@ -71,6 +72,7 @@ impl Drawing {
 
 /// All figures of a study.
 pub fn of_study(
+    config: &Config,
     table: &WorkPrecision,
     steps: &StepTables,
     motion: Option<&Motion>,
@@ -87,6 +89,9 @@ pub fn of_study(
     if let Some(motion) = motion {
         drawings.push(contact::drawing(motion));
         drawings.push(orbit::drawing(motion));
+        if !motion.slider.is_empty() {
+            drawings.push(slider_crank::drawing(config, motion));
+        }
     }
     drawings.push(rk4_order::drawing(table));
     drawings.extend(steps.stability.as_ref().map(stability::drawing));

@@ -12,6 +12,7 @@ pub(super) fn drawing(motion: &Motion) -> Drawing {
         let of_joint = motion.rows.iter().filter(|row| row.joint == joint);
         let points = of_joint.map(|row| (1e6 * row.d1_m, 1e6 * row.d2_m)).collect();
         let (title, x, y) = match joint {
+            1 if !motion.slider.is_empty() => ("rod and slider", "X [µm]", "Y [µm]"),
             1 => ("joint 1 (AB)", "x01 [µm]", "y01 [µm]"),
             _ => ("joint 2 (AF)", "y02 [µm]", "z02 [µm]"),
         };
@@ -26,17 +27,17 @@ pub(super) fn drawing(motion: &Motion) -> Drawing {
         .into()
     };
     let panels: Vec<Panel> = motion.clearance_m.iter().enumerate().map(panel).collect();
-    let share = |joint: usize| {
+    let share = |joint: usize| -> String {
         let rows: Vec<_> = motion.rows.iter().filter(|row| row.joint == joint).collect();
         let free = rows.iter().filter(|row| row.mode == 0).count();
-        100.0 * free as f64 / rows.len().max(1) as f64
+        let share = 100.0 * free as f64 / rows.len().max(1) as f64;
+        format!("{share:.1} % of the time in joint {joint}")
     };
     let caption = format!(
-        "Orbit of the pin centres in their bushes, {}. The pin is free {:.1} % of the time in \
-         joint 1 and {:.1} % in joint 2; else it rolls and slips along the bush.",
+        "Orbit of the pin centres in their bushes, {}. The pin is free {}; else it rolls and slips along \
+         the bush.",
         motion.method,
-        share(1),
-        share(2)
+        (1..=panels.len()).map(share).collect::<Vec<_>>().join(" and ")
     );
     let figure = Figure {
         title: "Pin orbits".into(),

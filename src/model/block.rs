@@ -1,5 +1,6 @@
-//! One joint with the struts that hang on it: a hybrid system of six states.
+//! One joint with what hangs on it: a hybrid system of six states.
 
+use deltazero_solvers::real::Functions;
 use deltazero_solvers::{Error, ModeOfState, Next, Outcome, Real, System};
 
 use super::contact::{NormalLaw, PinPose};
@@ -7,25 +8,80 @@ use super::elastic::Elastic;
 use super::inertia::{Arrow, BlockInertia};
 use super::mode::{END_BOUND, Mode, delta_bound};
 use super::reading::Reading;
+use super::slider_crank::{Linkage, SliderCrank};
 use super::sliding::Shape;
 
-/// State of a block: X, Y [m], θ [rad] and their rates. X is the pin displacement whose arm goes
-/// with sin θ (x01, z02), Y the one with cos θ (y01, y02).
+/// State of a block: X, Y [m], θ [rad] and their rates. Of struts X is the pin displacement whose arm goes
+/// with sin θ (x01, z02), Y the one with cos θ (y01, y02); of a slider-crank X is along the slider's way, and
+/// θ the angle of the crank.
 pub type State<S> = [S; 6];
 
-/// A joint and its struts.
+/// What hangs on a joint.
+#[derive(Clone, Debug)]
+pub enum Body {
+    /// Struts that turn with the pin, by θ.
+    Struts(BlockInertia),
+    /// A rod that turns with the pin, the crank that pulls it by θ, and the slider that holds the bush.
+    SliderCrank(SliderCrank),
+}
+
+/// A body in the hands of a right-hand side: what it is stays known to the compiler.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Held<'a> {
+    Struts(&'a BlockInertia),
+    SliderCrank(&'a SliderCrank),
+}
+
+/// A body at one state: what of its accelerations does not wait for forces.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Posture<'a, S> {
+    Struts(&'a BlockInertia, Arrow<S>),
+    SliderCrank(&'a SliderCrank, Linkage<S>),
+}
+
+impl Body {
+    #[inline(always)]
+    pub(super) fn held(&self) -> Held<'_> {
+        match self {
+            Self::Struts(inertia) => Held::Struts(inertia),
+            Self::SliderCrank(crank) => Held::SliderCrank(crank),
+        }
+    }
+}
+
+impl<'a> Held<'a> {
+    /// The body at `y`.
+    #[inline(always)]
+    pub(super) fn at<S: Real>(self, y: &State<S>) -> Posture<'a, S> {
+        match self {
+            Self::Struts(inertia) => Posture::Struts(inertia, inertia.at(y[2])),
+            Self::SliderCrank(crank) => Posture::SliderCrank(crank, crank.at(y)),
+        }
+    }
+
+    /// How fast the pin turns [rad/s].
+    #[inline(always)]
+    pub(super) fn spin<S: Real>(self, y: &State<S>) -> S {
+        match self {
+            Self::Struts(_) => y[5],
+            Self::SliderCrank(crank) => crank.at(y).phi_dot,
+        }
+    }
+}
+
+/// A joint and what hangs on it.
 ///
-/// Joint 1 and joint 2 differ in constants alone: with X = z02, Y = y02 the equations of joint 2
+/// Joint 1 and joint 2 of the struts differ in constants alone: with X = z02, Y = y02 the equations of joint 2
 /// are those of joint 1.
 #[derive(Clone, Debug)]
 pub struct Block {
     /// Number of the joint, 1 or 2.
     pub joint: usize,
-    /// Mass matrix.
-    pub inertia: BlockInertia,
-    /// Strut length `l` [m].
+    /// Masses, and how they move.
+    pub body: Body,
+    /// Length `l` of a strut, or of the rod [m].
     pub strut_length: f64,
-    /// Drive torque `M` on θ [N m].
+    /// Drive torque `M` on θ [N m]; zero where the drive holds a speed.
     pub torque: f64,
     /// Clearance `c` [m]; zero holds the pin.
     pub clearance: f64,
@@ -66,17 +122,34 @@ impl Block {
         PinPose::new([y[0], y[1]], [y[3], y[4]], self.clearance)
     }
 
-    /// Accelerations (Ẍ, Ÿ, θ̈) under a normal force and friction in the direction of `pose`.
+    /// Accelerations (Ẍ, Ÿ, and that of the turning pin) under a normal force and friction in the direction
+    /// of `pose`.
     #[inline(always)]
     pub(super) fn accelerations<S: Real>(
         &self,
         y: &State<S>,
-        arrow: &Arrow<S>,
+        posture: &Posture<'_, S>,
         pose: &PinPose<S>,
         forces: ContactForces<S>,
     ) -> [S; 3] {
-        let loads = self.loads(y, arrow, pose, forces);
-        self.inertia.accelerations(arrow, y[5] * y[5], loads)
+        match posture {
+            Posture::Struts(inertia, arrow) => {
+                let loads = self.loads(inertia, y, arrow, pose, forces);
+                inertia.accelerations(arrow, y[5] * y[5], loads)
+            }
+            Posture::SliderCrank(crank, at) => crank.accelerations(at, self.pin_load(pose, forces)),
+        }
+    }
+
+    /// The force on the pin and the torque of friction.
+    #[inline(always)]
+    pub(super) fn pin_load<S: Real>(&self, pose: &PinPose<S>, forces: ContactForces<S>) -> [S; 3] {
+        let ([n_x, n_y], ContactForces { normal, tangential }) = (pose.n, forces);
+        [
+            n_y * tangential - n_x * normal,
+            -(n_y * normal) - n_x * tangential,
+            tangential * self.pin_radius,
+        ]
     }
 
     /// `K`, where the law is `K δ + D δ̇` with Coulomb's friction and all of it acts at the pin, but for a torque of friction.
@@ -100,6 +173,7 @@ impl Block {
     #[inline(always)]
     fn plain_slip<S: Real>(
         &self,
+        inertia: &BlockInertia,
         (sigma, stiffness): (f64, f64),
         y: &State<S>,
         arrow: &Arrow<S>,
@@ -108,13 +182,14 @@ impl Block {
         let pull = -(pose.delta * stiffness + pose.delta_dot * self.normal.damping);
         let torque = pull * (sigma * self.mu * self.pin_radius) + self.torque;
         let loads = [pose.n[0] * pull, pose.n[1] * pull, torque];
-        self.inertia.accelerations(arrow, y[5] * y[5], loads)
+        inertia.accelerations(arrow, y[5] * y[5], loads)
     }
 
-    /// Generalised forces (Q_X, Q_Y, Q_θ); see [`Reading`].
+    /// Generalised forces (Q_X, Q_Y, Q_θ) on struts; see [`Reading`].
     #[inline(always)]
     pub(super) fn loads<S: Real>(
         &self,
+        inertia: &BlockInertia,
         y: &State<S>,
         arrow: &Arrow<S>,
         pose: &PinPose<S>,
@@ -125,7 +200,7 @@ impl Block {
         let on_pin = tangential * self.reading.tangential_force;
         let [along_cos, along_sin] = self.reading.normal_moment;
         let mut q = [
-            n_y * on_pin - n_x * normal + self.centrifugal_misprint(y, arrow),
+            n_y * on_pin - n_x * normal + self.centrifugal_misprint(inertia, y, arrow),
             -(n_y * normal) - n_x * on_pin,
             tangential * self.pin_radius + self.torque,
         ];
@@ -138,9 +213,93 @@ impl Block {
 
     /// `(κ − 1) S_x sin θ θ̇²` [N]: zero where the centrifugal term is as derived.
     #[inline(always)]
-    fn centrifugal_misprint<S: Real>(&self, y: &State<S>, arrow: &Arrow<S>) -> S {
-        let s_x = self.inertia.m_x * self.inertia.p;
+    fn centrifugal_misprint<S: Real>(
+        &self,
+        inertia: &BlockInertia,
+        y: &State<S>,
+        arrow: &Arrow<S>,
+    ) -> S {
+        let s_x = inertia.m_x * inertia.p;
         arrow.sin * y[5] * y[5] * (s_x * (self.reading.centrifugal - 1.0))
+    }
+
+    /// Writes the rates of `y` where struts hang on the joint.
+    #[inline(always)]
+    fn strut_rates<S: Real>(
+        &self,
+        inertia: &BlockInertia,
+        mode: Mode,
+        y: &State<S>,
+        dydt: &mut State<S>,
+    ) {
+        let zero = S::cst(0.0);
+        *dydt = match mode {
+            Mode::Pinned => {
+                let (sin, cos) = y[2].sin_cos();
+                let i_c = inertia.about_pin(0.0, 1.0) - inertia.about_pin(1.0, 0.0);
+                let moment = sin * cos * y[5] * y[5] * i_c + self.torque;
+                let about_pin = inertia.about_pin(sin, cos);
+                [zero, zero, y[5], zero, zero, moment / about_pin]
+            }
+            Mode::Apart | Mode::Relaxing(_) => {
+                let (arrow, omega_sq) = (inertia.at(y[2]), y[5] * y[5]);
+                let a = if self.reading.centrifugal == 1.0 {
+                    inertia.free_accelerations(&arrow, omega_sq, self.torque)
+                } else {
+                    let misprint = self.centrifugal_misprint(inertia, y, &arrow);
+                    inertia.accelerations(&arrow, omega_sq, [misprint, zero, S::cst(self.torque)])
+                };
+                [y[3], y[4], y[5], a[0], a[1], a[2]]
+            }
+            Mode::SlipPlus(_) | Mode::SlipMinus(_)
+                if let Some(stiffness) = self.plain_stiffness() =>
+            {
+                let (arrow, pose) = (inertia.at(y[2]), self.pose(y));
+                let sigma = if matches!(mode, Mode::SlipPlus(_)) { 1.0 } else { -1.0 };
+                let a = self.plain_slip(inertia, (sigma, stiffness), y, &arrow, &pose);
+                [y[3], y[4], y[5], a[0], a[1], a[2]]
+            }
+            Mode::SlipPlus(_) | Mode::SlipMinus(_) | Mode::Stick(_) => {
+                let posture = Posture::Struts(inertia, inertia.at(y[2]));
+                let pose = self.pose(y);
+                let forces = self.forces_among(Held::Struts(inertia), mode, y, &pose, None);
+                let a = self.accelerations(y, &posture, &pose, forces);
+                [y[3], y[4], y[5], a[0], a[1], a[2]]
+            }
+        };
+    }
+
+    /// (Ẍ, Ÿ) where a rod hangs on the joint.
+    fn slider_crank_accelerations<S: Real>(
+        &self,
+        crank: &SliderCrank,
+        mode: Mode,
+        y: &State<S>,
+    ) -> [S; 2] {
+        let zero = S::cst(0.0);
+        let [a_x, a_y, _] = match mode {
+            Mode::Pinned => [zero; 3],
+            Mode::Apart | Mode::Relaxing(_) => crank.accelerations(&crank.at(y), [zero; 3]),
+            Mode::SlipPlus(_) | Mode::SlipMinus(_) | Mode::Stick(_) => {
+                let (pose, held) = (self.pose(y), Held::SliderCrank(crank));
+                let load = self.pin_load(&pose, self.forces_among(held, mode, y, &pose, None));
+                crank.accelerations(&crank.at(y), load)
+            }
+        };
+        [a_x, a_y]
+    }
+
+    /// The rates of `y` where a rod hangs on the joint: the crank keeps its speed.
+    #[inline(always)]
+    pub(super) fn slider_crank_rates<S: Real>(
+        &self,
+        crank: &SliderCrank,
+        mode: Mode,
+        y: &State<S>,
+    ) -> State<S> {
+        // Apart: beside the struts' it would slow their series.
+        let [a_x, a_y] = S::all_apart(*y, &OfSliderCrank { block: self, crank, mode });
+        [y[3], y[4], y[5], a_x, a_y, S::cst(0.0)]
     }
 
     /// In the order of the paper's coordinates: joint 1 (x01, y01, θ1, …), joint 2 (y02, z02, θ2, …).
@@ -194,9 +353,41 @@ impl Block {
         before == Mode::Apart && after.touch().is_some_and(|touch| touch.impact_speed <= floor)
     }
 
-    /// The start of the paper: X = 0, Y = −c, θ = 0, at rest.
+    /// Whether it starts on δ = 0, where the first event's time has no digits.
+    pub fn starts_on_surface(&self) -> bool {
+        matches!(self.body, Body::Struts(_)) && self.clearance > 0.0
+    }
+
+    /// The start. Of struts that of the paper: X = 0, Y = −c, θ = 0, at rest. Of a slider-crank that of the
+    /// mechanism without clearance: the pin in the middle of the bush, moving with it.
     pub fn initial_state(&self) -> State<f64> {
-        [0.0, -self.clearance, 0.0, 0.0, 0.0, 0.0]
+        match &self.body {
+            Body::Struts(_) => [0.0, -self.clearance, 0.0, 0.0, 0.0, 0.0],
+            Body::SliderCrank(crank) => [0.0, 0.0, crank.start, 0.0, 0.0, crank.speed],
+        }
+    }
+}
+
+/// Functions of a state where a rod hangs on the joint; not inlined, for the sake of the struts'.
+struct OfSliderCrank<'a> {
+    block: &'a Block,
+    crank: &'a SliderCrank,
+    mode: Mode,
+}
+
+/// (Ẍ, Ÿ).
+impl Functions<6, 2> for OfSliderCrank<'_> {
+    #[inline(never)]
+    fn of<S: Real>(&self, y: State<S>) -> [S; 2] {
+        self.block.slider_crank_accelerations(self.crank, self.mode, &y)
+    }
+}
+
+/// The guards.
+impl Functions<6, 4> for OfSliderCrank<'_> {
+    #[inline(never)]
+    fn of<S: Real>(&self, y: State<S>) -> [S; 4] {
+        self.block.guards_of(Held::SliderCrank(self.crank), self.mode, &y, None)
     }
 }
 
@@ -252,44 +443,20 @@ impl System for Block {
 
     #[inline(always)]
     fn rhs<S: Real>(&self, mode: Mode, _t: S, y: &State<S>, dydt: &mut State<S>) {
-        let zero = S::cst(0.0);
-        *dydt = match mode {
-            Mode::Pinned => {
-                let (sin, cos) = y[2].sin_cos();
-                let i_c = self.inertia.about_pin(0.0, 1.0) - self.inertia.about_pin(1.0, 0.0);
-                let moment = sin * cos * y[5] * y[5] * i_c + self.torque;
-                let about_pin = self.inertia.about_pin(sin, cos);
-                [zero, zero, y[5], zero, zero, moment / about_pin]
-            }
-            Mode::Apart | Mode::Relaxing(_) => {
-                let (arrow, omega_sq) = (self.inertia.at(y[2]), y[5] * y[5]);
-                let a = if self.reading.centrifugal == 1.0 {
-                    self.inertia.free_accelerations(&arrow, omega_sq, self.torque)
-                } else {
-                    let load = [self.centrifugal_misprint(y, &arrow), zero, S::cst(self.torque)];
-                    self.inertia.accelerations(&arrow, omega_sq, load)
-                };
-                [y[3], y[4], y[5], a[0], a[1], a[2]]
-            }
-            Mode::SlipPlus(_) | Mode::SlipMinus(_)
-                if let Some(stiffness) = self.plain_stiffness() =>
-            {
-                let (arrow, pose) = (self.inertia.at(y[2]), self.pose(y));
-                let sigma = if matches!(mode, Mode::SlipPlus(_)) { 1.0 } else { -1.0 };
-                let a = self.plain_slip((sigma, stiffness), y, &arrow, &pose);
-                [y[3], y[4], y[5], a[0], a[1], a[2]]
-            }
-            Mode::SlipPlus(_) | Mode::SlipMinus(_) | Mode::Stick(_) => {
-                let (arrow, pose) = (self.inertia.at(y[2]), self.pose(y));
-                let a = self.accelerations(y, &arrow, &pose, self.forces(mode, y, &pose));
-                [y[3], y[4], y[5], a[0], a[1], a[2]]
-            }
-        };
+        match &self.body {
+            Body::Struts(inertia) => self.strut_rates(inertia, mode, y, dydt),
+            Body::SliderCrank(crank) => *dydt = self.slider_crank_rates(crank, mode, y),
+        }
     }
 
     #[inline(always)]
     fn guards<S: Real>(&self, mode: Mode, _t: S, y: &State<S>, g: &mut [S; 4]) {
-        *g = self.guards_of(mode, y, None);
+        match &self.body {
+            Body::Struts(inertia) => *g = self.guards_of(Held::Struts(inertia), mode, y, None),
+            Body::SliderCrank(crank) => {
+                *g = S::all_apart(*y, &OfSliderCrank { block: self, crank, mode });
+            }
+        }
     }
 
     fn guard_bounds(&self, mode: Mode, _t: f64, y: &State<f64>, bounds: &mut [f64; 4]) {
@@ -331,10 +498,10 @@ mod tests {
         let config = Config::table1().unwrap();
         for block in &Mechanism::new(&config).blocks {
             let y = [3e-5, -9.9e-5, 0.02, 2e-3, -1e-3, 0.3];
-            let (arrow, pose) = (block.inertia.at(y[2]), block.pose(&y));
+            let (posture, pose) = (block.body.held().at(&y), block.pose(&y));
             for mode in [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)] {
                 let forces = block.forces(mode, &y, &pose);
-                let general = block.accelerations(&y, &arrow, &pose, forces);
+                let general = block.accelerations(&y, &posture, &pose, forces);
                 let mut dydt = [0.0; 6];
                 block.rhs(mode, 0.0, &y, &mut dydt);
                 assert!(block.plain_stiffness().is_some());

@@ -1,8 +1,9 @@
 //! Energies and powers of one state of a block.
 
-use super::block::{Block, ContactForces, State};
+use super::block::{Block, Body, ContactForces, State};
 use super::contact::{PinPose, Touch};
 use super::mode::Mode;
+use super::slider_crank::{Slider, SliderCrank};
 
 /// Energies of a state [J].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -16,28 +17,31 @@ pub struct Energy {
 /// Powers at a state [W].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Power {
-    /// Of the drive torque, `M θ̇`.
+    /// Of the drive torque, `M θ̇`, or of that which holds the crank's speed.
     pub drive: f64,
     /// Taken by damping and friction; friction as a torque alone may give as well.
     pub dissipated: f64,
 }
 
 impl Block {
-    /// Energies of `y` in `mode`.
+    /// Energies of `y` in `mode`; the kinetic one of a slider-crank is at [`SliderCrank::kinetic`], of struts
     ///
     /// ```text
     /// T = ½ M_x (Ẋ + p̄ cos θ θ̇)² + ½ M_y (Ẏ − q̄ sin θ θ̇)² + ½ (j_0 + j_c cos²θ) θ̇²
     /// ```
     pub fn energy(&self, mode: Mode, y: &State<f64>) -> Energy {
         let [_, _, theta, v_x, v_y, omega] = *y;
-        let (sin, cos) = libm::sincos(theta);
-        let inertia = &self.inertia;
-        let u_x = v_x + inertia.p * cos * omega;
-        let u_y = v_y - inertia.q * sin * omega;
-        let kinetic = 0.5
-            * (inertia.m_x * u_x * u_x
-                + inertia.m_y * u_y * u_y
-                + inertia.schur(cos) * omega * omega);
+        let kinetic = match &self.body {
+            Body::Struts(inertia) => {
+                let (sin, cos) = libm::sincos(theta);
+                let u_x = v_x + inertia.p * cos * omega;
+                let u_y = v_y - inertia.q * sin * omega;
+                0.5 * (inertia.m_x * u_x * u_x
+                    + inertia.m_y * u_y * u_y
+                    + inertia.schur(cos) * omega * omega)
+            }
+            Body::SliderCrank(crank) => crank.kinetic(y),
+        };
         let elastic =
             if mode.is_contact() { self.normal.elastic.energy(self.pose(y).delta) } else { 0.0 };
         Energy { kinetic, elastic }
@@ -47,10 +51,39 @@ impl Block {
     /// force and a torque, `−F_T r θ̇` where as a torque alone.
     pub fn power(&self, mode: Mode, y: &State<f64>) -> Power {
         let (Some(touch), true) = (mode.touch(), mode.is_contact()) else {
-            return self.power_of(y, None);
+            return self.with_drive(mode, y, self.power_of(y, None));
         };
         let pose = self.pose(y);
-        self.power_of(y, Some((&pose, self.forces(mode, y, &pose), touch)))
+        let contact = Some((&pose, self.forces(mode, y, &pose), touch));
+        self.with_drive(mode, y, self.power_of(y, contact))
+    }
+
+    /// `power` with that of the torque which holds a crank's speed, where there is one.
+    fn with_drive(&self, mode: Mode, y: &State<f64>, power: Power) -> Power {
+        match self.slider(mode, y) {
+            Some(slider) => Power { drive: slider.torque * y[5], ..power },
+            None => power,
+        }
+    }
+
+    /// The load on the pin in `mode`, the one that holds it where it is held.
+    fn load_in(&self, crank: &SliderCrank, mode: Mode, y: &State<f64>) -> [f64; 3] {
+        match mode {
+            Mode::Pinned => crank.ideal_load(y),
+            Mode::Apart | Mode::Relaxing(_) => [0.0; 3],
+            _ => {
+                let pose = self.pose(y);
+                self.pin_load(&pose, self.forces(mode, y, &pose))
+            }
+        }
+    }
+
+    /// The slider at `y` in `mode`, where there is one.
+    pub fn slider(&self, mode: Mode, y: &State<f64>) -> Option<Slider> {
+        match &self.body {
+            Body::Struts(_) => None,
+            Body::SliderCrank(crank) => Some(crank.slider(y, self.load_in(crank, mode, y))),
+        }
     }
 
     /// The same with the forces of the contact given, and how it began.
@@ -64,7 +97,7 @@ impl Block {
             return Power { drive, dissipated: 0.0 };
         };
         let damping = self.normal.loss(pose.delta, pose.delta_dot, touch);
-        let turning = self.pin_radius * y[5];
+        let turning = self.pin_radius * self.body.held().spin(y);
         let speed = turning + self.reading.tangential_force * pose.w([y[3], y[4]]);
         let friction = forces.tangential * speed;
         Power { drive, dissipated: damping - friction }

@@ -2,9 +2,8 @@
 
 use deltazero_solvers::Real;
 
-use super::block::{Block, ContactForces, State};
+use super::block::{Block, Body, ContactForces, Held, Posture, State};
 use super::contact::{PinPose, Touch};
-use super::inertia::Arrow;
 use super::mode::Mode;
 use super::sliding::Shape;
 
@@ -20,23 +19,30 @@ fn with<S: Real>(extra: Extra<S>, [x, y, theta]: [S; 3]) -> [S; 3] {
 }
 
 impl Block {
-    /// `v_T = t·v + θ̇ r` [m/s]: tangential velocity of the pin's surface at the contact point.
+    /// `v_T = t·v + θ̇ r` [m/s], where a rod turns with the pin φ̇ for θ̇: tangential velocity of the pin's
+    /// surface at the contact point.
     #[inline(always)]
     pub fn v_t<S: Real>(&self, pose: &PinPose<S>, y: &State<S>) -> S {
-        pose.w([y[3], y[4]]) + y[5] * self.pin_radius
+        self.v_t_of(self.body.held(), pose, y)
+    }
+
+    #[inline(always)]
+    pub(super) fn v_t_of<S: Real>(&self, held: Held<'_>, pose: &PinPose<S>, y: &State<S>) -> S {
+        pose.w([y[3], y[4]]) + held.spin(y) * self.pin_radius
     }
 
     /// The forces of a contact in `mode`: `F_N` of the normal law, and `F_T = −σ m F_N` slipping,
     /// `F_T` of `v̇_T = 0` sticking; none where the mode is no contact.
     #[inline(always)]
     pub fn forces<S: Real>(&self, mode: Mode, y: &State<S>, pose: &PinPose<S>) -> ContactForces<S> {
-        self.forces_among(mode, y, pose, None)
+        self.forces_among(self.body.held(), mode, y, pose, None)
     }
 
     /// As [`forces`](Self::forces) where neighbours add the accelerations `extra`.
     #[inline(always)]
     pub(super) fn forces_among<S: Real>(
         &self,
+        held: Held<'_>,
         mode: Mode,
         y: &State<S>,
         pose: &PinPose<S>,
@@ -49,19 +55,19 @@ impl Block {
         let tangential = match mode.sigma() {
             Some(sigma) if matches!(self.sliding, Shape::Constant) => normal * (-sigma * self.mu),
             Some(sigma) => {
-                let s = self.v_t(pose, y) * sigma;
+                let s = self.v_t_of(held, pose, y) * sigma;
                 normal * self.sliding.ratio(self.mu, touch.piece, s) * -sigma
             }
             None => {
-                let arrow = self.inertia.at(y[2]);
-                let (per_force, _) = self.friction_response(&arrow, pose);
-                -(self.frictionless_v_t_dot(y, &arrow, pose, touch, extra) / per_force)
+                let posture = held.at(y);
+                let (per_force, _) = self.friction_response(&posture, pose);
+                -(self.frictionless_v_t_dot(y, &posture, pose, touch, extra) / per_force)
             }
         };
         ContactForces { normal, tangential }
     }
 
-    /// `v̇_T` under the accelerations `a` [m/s²].
+    /// `v̇_T` under the accelerations `a` [m/s²], the third that of the turning pin.
     ///
     /// ```text
     /// v̇_T = t·(Ẍ, Ÿ) − (t·v) δ̇/ρ + θ̈ r
@@ -77,26 +83,29 @@ impl Block {
     pub(super) fn frictionless_v_t_dot<S: Real>(
         &self,
         y: &State<S>,
-        arrow: &Arrow<S>,
+        posture: &Posture<'_, S>,
         pose: &PinPose<S>,
         touch: Touch,
         extra: Extra<S>,
     ) -> S {
         let normal = self.normal.force(pose.delta, pose.delta_dot, touch);
         let forces = ContactForces::frictionless(normal);
-        self.v_t_dot(y, pose, with(extra, self.accelerations(y, arrow, pose, forces)))
+        self.v_t_dot(y, pose, with(extra, self.accelerations(y, posture, pose, forces)))
     }
 
     /// `∂v̇_T/∂F_T` [1/kg], and the accelerations that a unit of `F_T` adds.
     #[inline(always)]
     pub(super) fn friction_response<S: Real>(
         &self,
-        arrow: &Arrow<S>,
+        posture: &Posture<'_, S>,
         pose: &PinPose<S>,
     ) -> (S, [S; 3]) {
         let on_pin = self.reading.tangential_force;
         let load = [pose.n[1] * on_pin, -(pose.n[0] * on_pin), S::cst(self.pin_radius)];
-        let a = self.inertia.accelerations(arrow, S::cst(0.0), load);
+        let a = match posture {
+            Posture::Struts(inertia, arrow) => inertia.accelerations(arrow, S::cst(0.0), load),
+            Posture::SliderCrank(crank, at) => crank.response(at, load),
+        };
         (pose.n[1] * a[0] - pose.n[0] * a[1] + a[2] * self.pin_radius, a)
     }
 
@@ -108,8 +117,9 @@ impl Block {
         pose: &PinPose<S>,
         extra: Extra<S>,
     ) -> f64 {
-        let forces = self.forces_among(mode, y, pose, extra);
-        let a = self.accelerations(y, &self.inertia.at(y[2]), pose, forces);
+        let held = self.body.held();
+        let forces = self.forces_among(held, mode, y, pose, extra);
+        let a = self.accelerations(y, &held.at(y), pose, forces);
         self.v_t_dot(y, pose, with(extra, a)).value()
     }
 
@@ -117,7 +127,15 @@ impl Block {
     pub(super) fn project_v_t<S: Real>(&self, y: &mut State<S>) {
         let pose = self.pose(y);
         let v_t = self.v_t(&pose, y);
-        y[3] = y[3] - pose.n[1] * v_t;
-        y[4] = y[4] + pose.n[0] * v_t;
+        let along_t = match &self.body {
+            Body::Struts(_) => v_t,
+            // A rod turns with Ẏ: v_T goes with the change as 1 + (∂φ̇/∂Ẏ) r t_Y.
+            Body::SliderCrank(crank) => {
+                let turned = crank.turned_by_y(&crank.at(y), self.pin_radius);
+                v_t / (-(turned * pose.n[0]) + 1.0)
+            }
+        };
+        y[3] = y[3] - pose.n[1] * along_t;
+        y[4] = y[4] + pose.n[0] * along_t;
     }
 }

@@ -1,9 +1,12 @@
-//! The analytic Jacobian of a block.
+//! The Jacobian of a block: of struts in closed form, of a slider-crank by dual numbers.
 
-use super::block::{Block, ContactForces, State};
+use num_dual::Dual64;
+
+use super::block::{Block, Body, ContactForces, Posture, State};
 use super::contact::{PinPose, Touch};
-use super::inertia::Arrow;
+use super::inertia::BlockInertia;
 use super::mode::Mode;
+use super::slider_crank::SliderCrank;
 
 /// A gradient with respect to the six states.
 pub(super) type Gradient = [f64; 6];
@@ -55,54 +58,92 @@ impl PoseGradient {
 impl Block {
     /// `∂(ẏ_i)/∂(y_j)` in `mode`, row by row.
     pub(super) fn jacobian_rows(&self, mode: Mode, y: &State<f64>) -> [[f64; 6]; 6] {
+        match &self.body {
+            Body::Struts(inertia) => self.strut_jacobian(inertia, mode, y),
+            Body::SliderCrank(crank) => self.slider_crank_jacobian(crank, mode, y),
+        }
+    }
+
+    /// Six evaluations of the rates, exact to rounding.
+    fn slider_crank_jacobian(
+        &self,
+        crank: &SliderCrank,
+        mode: Mode,
+        y: &State<f64>,
+    ) -> [[f64; 6]; 6] {
+        let mut rows = [[0.0; 6]; 6];
+        for j in 0..6 {
+            let seeded = std::array::from_fn(|i| Dual64::new(y[i], if i == j { 1.0 } else { 0.0 }));
+            let rates = self.slider_crank_rates(crank, mode, &seeded);
+            for (row, rate) in rows.iter_mut().zip(rates) {
+                row[j] = rate.eps;
+            }
+        }
+        rows
+    }
+
+    pub(super) fn strut_jacobian(
+        &self,
+        inertia: &BlockInertia,
+        mode: Mode,
+        y: &State<f64>,
+    ) -> [[f64; 6]; 6] {
         let unit = |i: usize| gradient(|j| if i == j { 1.0 } else { 0.0 });
         let [a_x, a_y, a_theta] = match mode {
             Mode::Pinned => {
                 let nothing = [0.0; 6];
-                return [nothing, nothing, unit(5), nothing, nothing, self.pinned_gradient(y)];
+                let pinned = self.pinned_gradient(inertia, y);
+                return [nothing, nothing, unit(5), nothing, nothing, pinned];
             }
             Mode::Apart | Mode::Relaxing(_) => {
                 let none = ContactForces { normal: 0.0, tangential: 0.0 };
                 // Without force any direction serves; the pin may be at the centre.
                 let pose = PinPose::new([0.0, -self.clearance], [0.0, 0.0], self.clearance);
                 let still = PoseGradient::new(&pose, 0.0);
-                self.gradients(y, &pose, &still, none, [[0.0; 6]; 2])
+                self.gradients(inertia, y, &pose, &still, none, [[0.0; 6]; 2])
             }
             Mode::SlipPlus(touch) | Mode::SlipMinus(touch) | Mode::Stick(touch) => {
-                self.contact_gradients(mode, touch, y)
+                self.contact_gradients(inertia, mode, touch, y)
             }
         };
         [unit(3), unit(4), unit(5), a_x, a_y, a_theta]
     }
 
     /// `∇θ̈` with the pin held: `θ̈ = (M + I_c sin θ cos θ θ̇²)/(I_0 + I_c cos²θ)`.
-    fn pinned_gradient(&self, y: &State<f64>) -> Gradient {
+    fn pinned_gradient(&self, inertia: &BlockInertia, y: &State<f64>) -> Gradient {
         let (sin, cos) = libm::sincos(y[2]);
-        let i_c = self.inertia.about_pin(0.0, 1.0) - self.inertia.about_pin(1.0, 0.0);
-        let about_pin = self.inertia.about_pin(sin, cos);
+        let i_c = inertia.about_pin(0.0, 1.0) - inertia.about_pin(1.0, 0.0);
+        let about_pin = inertia.about_pin(sin, cos);
         let theta_dd = (self.torque + i_c * sin * cos * y[5] * y[5]) / about_pin;
         let by_theta =
             i_c * (cos * cos - sin * sin) * y[5] * y[5] + 2.0 * i_c * sin * cos * theta_dd;
         [0.0, 0.0, by_theta / about_pin, 0.0, 0.0, 2.0 * i_c * sin * cos * y[5] / about_pin]
     }
 
-    fn contact_gradients(&self, mode: Mode, touch: Touch, y: &State<f64>) -> [Gradient; 3] {
+    fn contact_gradients(
+        &self,
+        inertia: &BlockInertia,
+        mode: Mode,
+        touch: Touch,
+        y: &State<f64>,
+    ) -> [Gradient; 3] {
         let pose = self.pose(y);
         let forces = self.forces(mode, y, &pose);
-        let contact = self.frozen_contact((mode, touch), y, &pose, forces);
+        let contact = self.frozen_contact(inertia, (mode, touch), y, &pose, forces);
         if mode.sigma().is_some() {
             return contact.accelerations;
         }
-        let arrow = self.inertia.at(y[2]);
-        let a = self.accelerations(y, &arrow, &pose, forces);
+        let posture = Posture::Struts(inertia, inertia.at(y[2]));
+        let a = self.accelerations(y, &posture, &pose, forces);
         let v_t_dot = self.v_t_dot_gradient(&pose, &contact, a, &contact.accelerations);
-        let by = self.stuck_response(&arrow, &pose, v_t_dot);
+        let by = self.stuck_response(&posture, &pose, v_t_dot);
         std::array::from_fn(|i| gradient(|j| contact.accelerations[i][j] - by[i][j]))
     }
 
     /// The gradients of a contact, F_T held where it sticks.
     pub(super) fn frozen_contact(
         &self,
+        inertia: &BlockInertia,
         (mode, touch): (Mode, Touch),
         y: &State<f64>,
         pose: &PinPose<f64>,
@@ -122,7 +163,7 @@ impl Block {
                 -sigma * ratio * normal[j] - slope * forces.normal * v_t
             })
         });
-        let accelerations = self.gradients(y, pose, &d, forces, [normal, tangential]);
+        let accelerations = self.gradients(inertia, y, pose, &d, forces, [normal, tangential]);
         FrozenContact { w, pose: d, normal, accelerations }
     }
 
@@ -149,11 +190,11 @@ impl Block {
     /// `∇F_T = −∇v̇_T|F_T / (∂v̇_T/∂F_T)`.
     pub(super) fn stuck_response(
         &self,
-        arrow: &Arrow<f64>,
+        posture: &Posture<'_, f64>,
         pose: &PinPose<f64>,
         v_t_dot: Gradient,
     ) -> [Gradient; 3] {
-        let (by_force, response) = self.friction_response(arrow, pose);
+        let (by_force, response) = self.friction_response(posture, pose);
         std::array::from_fn(|i| gradient(|j| response[i] * v_t_dot[j] / by_force))
     }
 
@@ -162,17 +203,18 @@ impl Block {
     /// differentiated term by term.
     fn gradients(
         &self,
+        inertia: &BlockInertia,
         y: &State<f64>,
         pose: &PinPose<f64>,
         d: &PoseGradient,
         forces: ContactForces<f64>,
         [normal, tangential]: [Gradient; 2],
     ) -> [Gradient; 3] {
-        let (inertia, reading) = (&self.inertia, &self.reading);
+        let reading = &self.reading;
         let arrow = inertia.at(y[2]);
         let (sin, cos) = (arrow.sin, arrow.cos);
         let (omega, omega_sq) = (y[5], y[5] * y[5]);
-        let q = self.loads(y, &arrow, pose, forces);
+        let q = self.loads(inertia, y, &arrow, pose, forces);
         let [_, _, theta_dd] = inertia.accelerations(&arrow, omega_sq, q);
         let schur = inertia.schur(cos);
 

@@ -5,7 +5,7 @@ use std::fmt;
 
 use deltazero_solvers::{Next, Real};
 
-use super::block::{Block, State};
+use super::block::{Block, Body, Held, State};
 use super::contact::Touch;
 use super::friction::Extra;
 
@@ -115,7 +115,13 @@ impl fmt::Display for Mode {
 impl Block {
     /// The guards of `mode`: positive inside it, one where it does not use them.
     #[inline(always)]
-    pub(super) fn guards_of<S: Real>(&self, mode: Mode, y: &State<S>, extra: Extra<S>) -> [S; 4] {
+    pub(super) fn guards_of<S: Real>(
+        &self,
+        held: Held<'_>,
+        mode: Mode,
+        y: &State<S>,
+        extra: Extra<S>,
+    ) -> [S; 4] {
         let mut g = [S::cst(1.0); 4];
         g[GUARD_END] = self.before_end(mode, y);
         match mode {
@@ -126,7 +132,7 @@ impl Block {
                 g[GUARD_CONTACT] = -(rho_sq - self.clearance * self.clearance);
             }
             // (ρ + c) δ and ρ v_T: guards are evaluated at every step, and quotients are dear.
-            Mode::SlipPlus(_) | Mode::SlipMinus(_) if self.has_products() => {
+            Mode::SlipPlus(_) | Mode::SlipMinus(_) if self.has_products(held) => {
                 let rho_sq = y[0] * y[0] + y[1] * y[1];
                 let rho_v_t = y[1] * y[3] - y[0] * y[4] + rho_sq.sqrt() * y[5] * self.pin_radius;
                 g[GUARD_CONTACT] = rho_sq - self.clearance * self.clearance;
@@ -147,14 +153,14 @@ impl Block {
                 match mode.sigma() {
                     Some(sigma) => {
                         let (s, [low, high]) =
-                            (self.v_t(&pose, y) * sigma, self.sliding.span(touch.piece));
+                            (self.v_t_of(held, &pose, y) * sigma, self.sliding.span(touch.piece));
                         g[GUARD_UPPER] = s - low;
                         if high < f64::INFINITY {
                             g[GUARD_LOWER] = -(s - high);
                         }
                     }
                     None => {
-                        let forces = self.forces_among(mode, y, &pose, extra);
+                        let forces = self.forces_among(held, mode, y, &pose, extra);
                         let mu = self.sliding.at_rest(self.mu);
                         g[GUARD_UPPER] = forces.normal * mu - forces.tangential;
                         g[GUARD_LOWER] = forces.normal * mu + forces.tangential;
@@ -167,8 +173,8 @@ impl Block {
 
     /// Whether the guards of slipping are `(ρ + c) δ` and `ρ v_T`.
     #[inline(always)]
-    fn has_products(&self) -> bool {
-        self.normal.adhesion && self.sliding.is_whole()
+    fn has_products(&self, held: Held<'_>) -> bool {
+        self.normal.adhesion && self.sliding.is_whole() && matches!(held, Held::Struts(_))
     }
 
     /// `π/2 − θ` [rad] where the block ends at 90°.
@@ -194,17 +200,26 @@ impl Block {
         (1.0 - delta / deepest < self.below_90(y)).then_some(delta)
     }
 
+    /// The sizes of the terms that make the pin's turning, added [rad/s].
+    fn spin_bound(&self, y: &State<f64>) -> f64 {
+        match &self.body {
+            Body::Struts(_) => y[5].abs(),
+            Body::SliderCrank(crank) => crank.spin_bound(y),
+        }
+    }
+
     /// Bounds of the guards' rounding errors.
     pub(super) fn guard_bounds_of(&self, mode: Mode, y: &State<f64>) -> [f64; 4] {
         let eps = 4.0 * f64::EPSILON;
         let delta = delta_bound(self.clearance);
         // Above zero at rest too: a bound of zero would have an event sought to the last bit.
         let least = self.rounding_floor();
-        let speed = (y[3].abs() + y[4].abs() + y[5].abs() * self.pin_radius).max(least.speed);
+        let speed =
+            (y[3].abs() + y[4].abs() + self.spin_bound(y) * self.pin_radius).max(least.speed);
         let area = 2.0 * self.clearance * delta;
         let mut bounds = [END_BOUND, area, delta, delta];
         if let Some(touch) = mode.touch() {
-            let pose = self.pose(y);
+            let (pose, has_products) = (self.pose(y), self.has_products(self.body.held()));
             // The slope of a law may be zero at the surface, not so beside it.
             let beside = pose.delta.abs() + delta;
             let [slope, damping] = self.normal.gradient(beside, pose.delta_dot, touch);
@@ -214,15 +229,15 @@ impl Block {
             let is_stick = matches!(mode, Mode::Stick(_));
             if !mode.is_contact() || !self.normal.adhesion {
                 bounds[GUARD_CONTACT] = force;
-            } else if is_stick || !self.has_products() {
+            } else if is_stick || !has_products {
                 bounds[GUARD_CONTACT] = delta;
             }
             if mode.sigma().is_some() {
-                let arm = if self.has_products() { pose.rho } else { 1.0 };
+                let arm = if has_products { pose.rho } else { 1.0 };
                 bounds[GUARD_UPPER] = arm * eps * speed;
                 bounds[GUARD_LOWER] = eps * speed;
             } else if is_stick {
-                let drive = self.torque.abs() / self.pin_radius;
+                let drive = self.drive_force();
                 let load = self.normal.force(pose.delta, pose.delta_dot, touch).abs() + drive;
                 let friction = force * (1.0 + self.sliding.at_rest(self.mu)) + 4.0 * eps * load;
                 bounds[GUARD_UPPER] = friction;
@@ -288,8 +303,8 @@ impl Block {
         if v_t != 0.0 {
             return Mode::slip(v_t, touch);
         }
-        let arrow = self.inertia.at(y[2]);
-        Mode::slip(self.frictionless_v_t_dot(y, &arrow, &pose, touch, extra).value(), touch)
+        let posture = self.body.held().at(y);
+        Mode::slip(self.frictionless_v_t_dot(y, &posture, &pose, touch, extra).value(), touch)
     }
 
     /// The mode that a contact falls back to when its guard is violated at `y`.

@@ -1,25 +1,46 @@
 //! Natural scales of a block's states, from which absolute tolerances follow.
 
-use super::block::{Block, State};
+use super::block::{Block, Body, State};
 
 impl Block {
     /// The scale of each state [m, m, rad, m/s, m/s, rad/s].
     ///
     /// Displacements go with the clearance c (0.1 mm where there is none), their rates with the
     /// speed `√(2 a c)` that the drive's acceleration `a = M p̄/I` gives the pin across it. The
-    /// angle and its rate are those displacements and rates over a strut length.
+    /// angle and its rate are those displacements and rates over a strut length. A slider-crank has `a = r ω²`,
+    /// its rod's length, and where that is less than c the penetration `c F/F(c)`, F = (m_r + m_s) a: beside
+    /// such loads an error of δ that is small against c is a large one in force and energy.
     pub fn scale(&self) -> State<f64> {
         let c = if self.clearance > 0.0 { self.clearance } else { 1e-4 };
-        let pull = self.torque.abs().max(1e-3) * self.inertia.p / self.inertia.about_pin(0.0, 1.0);
-        let v = (2.0 * pull * c).sqrt();
+        let (pull, d) = match &self.body {
+            Body::Struts(inertia) => {
+                (self.torque.abs().max(1e-3) * inertia.p / inertia.about_pin(0.0, 1.0), c)
+            }
+            Body::SliderCrank(crank) => {
+                let part = crank.force_scale() / self.normal.elastic.force(c);
+                (crank.acceleration_scale(), c * part.min(1.0))
+            }
+        };
+        let v = (2.0 * pull * d).sqrt();
         let l = self.strut_length;
-        [c, c, c / l, v, v, v / l]
+        [d, d, d / l, v, v, v / l]
     }
 
     /// Speed and force that are nothing beside those of the motion: a millionth of their scales.
     pub(super) fn rounding_floor(&self) -> RoundingFloor {
-        let force = self.torque.abs().max(1e-3) / self.strut_length;
+        let force = match &self.body {
+            Body::Struts(_) => self.torque.abs().max(1e-3) / self.strut_length,
+            Body::SliderCrank(crank) => crank.force_scale(),
+        };
         RoundingFloor { speed: 1e-6 * self.scale()[3], force: 1e-6 * force }
+    }
+
+    /// What the drive alone may ask of a pin that sticks [N].
+    pub(super) fn drive_force(&self) -> f64 {
+        match &self.body {
+            Body::Struts(_) => self.torque.abs() / self.pin_radius,
+            Body::SliderCrank(crank) => crank.force_scale(),
+        }
     }
 }
 

@@ -134,11 +134,10 @@ pub struct ReferenceSummary {
     pub energy: Balance,
 }
 
-/// The events of a joint that count: all but the one at the start on the surface, where the pin
+/// The events of a joint that count: all but the one of a start on the surface, where the pin
 /// leaves it as δ ≈ a t⁴ and the time has no digits.
 pub fn counted(events: &[ModeChange], block: &Block) -> Vec<ModeChange> {
-    let starts_on_surface = block.clearance > 0.0;
-    events[usize::from(starts_on_surface && !events.is_empty())..].to_vec()
+    events[usize::from(block.starts_on_surface() && !events.is_empty())..].to_vec()
 }
 
 impl Reference {

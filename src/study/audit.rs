@@ -134,9 +134,9 @@ pub fn audit(
     let limits = Limits { max_rhs: config.study.max_rhs, stop };
     let ideals = without_clearance(config, config.strut.inertia);
     let mut jobs: Vec<(Option<ReadingName>, Block)> = Vec::new();
-    jobs.extend(ideals.blocks.into_iter().map(|block| (None, block)));
+    jobs.extend(ideals.into_iter().map(|block| (None, block)));
     for &reading in ReadingName::ALL {
-        let blocks = under(config, reading).blocks;
+        let blocks = under(config, reading);
         jobs.extend(blocks.into_iter().map(|block| (Some(reading), block)));
     }
     progress(Progress::Runs(jobs.len() + super::torque_ratio::jobs(config).len()));
@@ -159,12 +159,12 @@ pub fn audit(
     })
 }
 
-/// The mechanism of `config` under `reading`, its blocks ending at 90°.
-pub(super) fn under(config: &Config, reading: ReadingName) -> Mechanism {
+/// The struts of `config` under `reading`, its blocks ending at 90°.
+pub(super) fn under(config: &Config, reading: ReadingName) -> [Block; 2] {
     let mut config = config.clone();
     (config.reading, config.bays) = (reading, 1);
     config.run.stop_at_90 = true;
-    Mechanism::new(&config)
+    Mechanism::struts(&config)
 }
 
 /// How long `block` is given to reach 90° [s].

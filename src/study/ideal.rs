@@ -15,7 +15,7 @@ use deltazero_solvers::Method;
 use serde::{Deserialize, Serialize};
 
 use crate::config::{Config, Events, Inertia};
-use crate::model::{Block, Mechanism};
+use crate::model::{Block, Body, Mechanism};
 use crate::quadrature::GAUSS;
 use crate::run::{Accuracy, Setting, integrate};
 
@@ -29,16 +29,17 @@ const INTEGRATED_BY: (&str, f64) = ("vern98", 1e-12);
 /// Runs to compare with last this many times the time by quadrature.
 const MARGIN: f64 = 1.1;
 
-/// Time from rest at θ = 0 to `theta` [rad] with the pin held [s]; none without a torque that opens.
+/// Time of struts from rest at θ = 0 to `theta` [rad] with the pin held [s]; none without a torque that opens.
 ///
 /// The five-point Gauss rule on twice as many panels until a sum repeats itself to rounding.
 pub fn time_to(block: &Block, theta: f64) -> Option<f64> {
+    let Body::Struts(inertia) = &block.body else { return None };
     if block.torque <= 0.0 {
         return None;
     }
     let integrand = |s: f64| {
         let (sin, cos) = libm::sincos(s * s);
-        (block.inertia.about_pin(sin, cos) / (2.0 * block.torque)).sqrt()
+        (inertia.about_pin(sin, cos) / (2.0 * block.torque)).sqrt()
     };
     let end = theta.sqrt();
     let sum = |panels: u32| {
@@ -78,7 +79,7 @@ pub struct IdealRow {
 pub fn ideal(config: &Config) -> Vec<IdealRow> {
     let mut rows = Vec::new();
     for inertia in [Inertia::Axial, Inertia::Transverse] {
-        for block in &without_clearance(config, inertia).blocks {
+        for block in &without_clearance(config, inertia) {
             let quadrature_s = time_to(block, RIGHT_ANGLE);
             let integrated_s = quadrature_s.and_then(|t| integrated(block, MARGIN * t));
             rows.push(IdealRow { inertia, joint: block.joint, quadrature_s, integrated_s });
@@ -87,15 +88,15 @@ pub fn ideal(config: &Config) -> Vec<IdealRow> {
     rows
 }
 
-/// The mechanism of `config` with this inertia, its pins held, its blocks ending at 90°.
-pub(super) fn without_clearance(config: &Config, inertia: Inertia) -> Mechanism {
+/// The struts of `config` with this inertia, its pins held, its blocks ending at 90°.
+pub(super) fn without_clearance(config: &Config, inertia: Inertia) -> [Block; 2] {
     let mut config = config.clone();
     config.strut.inertia = inertia;
     (config.bays, config.run.stop_at_90) = (1, true);
     for joint in &mut config.joints {
         joint.joint.clearance = 0.0;
     }
-    Mechanism::new(&config)
+    Mechanism::struts(&config)
 }
 
 fn integrated(block: &Block, t_end: f64) -> Option<f64> {

@@ -39,11 +39,26 @@ pub struct MotionRow {
     pub f_t_n: f64,
 }
 
+/// A slider at one time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SliderRow {
+    /// Time [s].
+    pub t_s: f64,
+    /// Angle of the crank [rad].
+    pub crank_rad: f64,
+    /// Acceleration of the slider [m/s²].
+    pub slider_m_s2: f64,
+    /// The same without clearance [m/s²].
+    pub ideal_m_s2: f64,
+}
+
 /// The motion of a mechanism.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
     /// The whole run, joint by joint.
     pub rows: Vec<MotionRow>,
+    /// The slider over the whole run, where there is one.
+    pub slider: Vec<SliderRow>,
     /// Joint 1 around its first flight: the end of a contact, the flight, and the contact after it;
     /// the first part of the run if there is none.
     pub zoom: Vec<MotionRow>,
@@ -69,12 +84,13 @@ pub fn motion(config: &Config, limits: Limits<'_>) -> Option<Motion> {
         integrate(block, &setting, block.initial_state(), t_end, &mut record);
         record.0
     };
-    let mut rows = Vec::new();
+    let (mut rows, mut slider) = (Vec::new(), Vec::new());
     for block in &mechanism.blocks {
         let spacing = t_end / f64::from(POINTS);
         let times = (1..=POINTS).map(|k| (spacing * f64::from(k)).min(t_end)).collect();
         let trajectory = run(block, times, t_end);
         rows.extend(trajectory.samples.iter().map(|sample| row(block, sample)));
+        slider.extend(trajectory.samples.iter().filter_map(|sample| slider_row(block, sample)));
     }
     let joint_1 = &mechanism.blocks[0];
     let events = mode_changes(&run(joint_1, Vec::new(), t_end));
@@ -86,6 +102,7 @@ pub fn motion(config: &Config, limits: Limits<'_>) -> Option<Motion> {
     let inside = events.iter().filter(|event| from <= event.t && event.t <= to);
     Some(Motion {
         rows,
+        slider,
         zoom: trajectory.samples.iter().map(|sample| row(joint_1, sample)).collect(),
         zooms_on_flight: flight.is_some(),
         zoom_modes: inside.map(|event| (event.t, event.after)).collect(),
@@ -99,6 +116,16 @@ fn flight_window(events: &[ModeChange], t_end: f64) -> Option<(f64, f64)> {
     let flight = events.windows(2).find(|pair| pair[0].after == 0 && pair[1].before == 0)?;
     let margin = MARGIN * (flight[1].t - flight[0].t);
     Some(((flight[0].t - margin).max(0.0), (flight[1].t + 2.0 * margin).min(t_end)))
+}
+
+fn slider_row(block: &Block, sample: &Sample<State<f64>, Mode>) -> Option<SliderRow> {
+    let slider = block.slider(sample.mode, &sample.y)?;
+    Some(SliderRow {
+        t_s: sample.t,
+        crank_rad: sample.y[2],
+        slider_m_s2: slider.acceleration,
+        ideal_m_s2: slider.ideal_acceleration,
+    })
 }
 
 fn row(block: &Block, sample: &Sample<State<f64>, Mode>) -> MotionRow {

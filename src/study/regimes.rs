@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::work_precision::sample_times;
 use crate::config::{Config, Events, ReadingName};
 use crate::contest::{Arena, Candidate, Contest, Entry, Standings};
-use crate::model::Mechanism;
+use crate::model::inertia::BlockInertia;
 
 /// The trial before the map runs this part of the time …
 const TRIAL_PART: f64 = 0.02;
@@ -132,14 +132,14 @@ pub struct Site {
 
 impl Site {
     /// `D = 2ζ√(K m_ref)` [N s/m], m_ref the mass M_y of joint 1's struts 1, 2, 5 and 6 (6.126 kg).
-    fn damping(&self, mechanism: &Mechanism) -> f64 {
-        let m_ref = mechanism.blocks[0].inertia.m_y;
+    fn damping(&self, config: &Config) -> f64 {
+        let m_ref = BlockInertia::joint_1(&config.strut).m_y;
         2.0 * self.damping_ratio * (self.stiffness * m_ref).sqrt()
     }
 
     /// `config` with this reading, stiffness and damping at both joints.
     fn config(&self, config: &Config) -> Config {
-        let damping = self.damping(&Mechanism::new(config));
+        let damping = self.damping(config);
         let mut own = config.clone();
         own.reading = self.reading;
         for joint in &mut own.joints {

@@ -162,6 +162,7 @@ fn stiffness(block: &Block, run: &BlockTrajectory) -> Option<StiffnessRow> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Body;
     use crate::model::contact::Touch;
 
     #[test]
@@ -187,7 +188,8 @@ mod tests {
         // At θ = 0 below the centre, Y is alone: M_y ÿ = −K δ − D δ̇.
         let block = &Mechanism::new(&Config::table1().unwrap()).blocks[0];
         let y = [0.0, -block.clearance - 1e-9, 0.0, 0.0, 0.0, 0.0];
-        let (k, d, m) = (block.normal.elastic.slope(0.0), block.normal.damping, block.inertia.m_y);
+        let Body::Struts(inertia) = &block.body else { panic!("joint 1 holds struts") };
+        let (k, d, m) = (block.normal.elastic.slope(0.0), block.normal.damping, inertia.m_y);
         let (decay, omega) = (0.5 * d / m, (k / m).sqrt());
         let exact = Complex::new(-decay, (omega * omega - decay * decay).sqrt());
         let found = spectrum(block, Mode::SlipPlus(Touch::PLAIN), 0.0, &y);

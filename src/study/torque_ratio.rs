@@ -129,8 +129,8 @@ impl<'a> Arrivals<'a> {
         let mut config = config.clone();
         config.strut.inertia = inertia;
         let blocks = match reading {
-            None => without_clearance(&config, inertia).blocks,
-            Some(reading) => under(&config, reading).blocks,
+            None => without_clearance(&config, inertia),
+            Some(reading) => under(&config, reading),
         };
         let own = Self { blocks, is_ideal: reading.is_none(), limits, theta1_90_s: None };
         Self { theta1_90_s: own.reached_90(&own.blocks[0]), ..own }

@@ -38,9 +38,18 @@ fn the_schema_is_json_and_knows_every_table() {
     let scratch = Scratch::new();
     let schema: Value =
         serde_json::from_str(&scratch.succeed(&["config", "--schema"]).stdout).unwrap();
-    for table in
-        ["strut", "drive", "joint", "contact", "friction", "run", "solver", "contest", "regimes"]
-    {
+    for table in [
+        "strut",
+        "drive",
+        "slider_crank",
+        "joint",
+        "contact",
+        "friction",
+        "run",
+        "solver",
+        "contest",
+        "regimes",
+    ] {
         assert!(schema["properties"][table].is_object(), "{table}");
     }
 }

@@ -40,6 +40,44 @@ fn check_files(trajectory: &Table, events: &Table) {
     }
 }
 
+#[test]
+fn a_slider_crank_writes_its_own_columns_and_its_energy_balances() {
+    let scratch = Scratch::new();
+    let sets = ["mechanism=slider-crank", "run.t_end=0.003", "solver.rtol=1e-10"];
+    scratch.simulate("out", &sets);
+    let (table, run) = (scratch.table("out/trajectory.csv"), scratch.json("out/run.json"));
+    assert_eq!(table.header[..6], ["bay", "joint", "t_s", "mode", "d1_m", "d2_m"]);
+    assert_eq!(table.rows.len(), 30);
+    for row in &table.rows {
+        let [s_dd, f_n, f_t] = ["slider_m_s2", "f_n_n", "f_t_n"].map(|name| number(row, name));
+        let [d1, d2, crank, rod] =
+            ["d1_m", "d2_m", "crank_rad", "rod_rad"].map(|name| number(row, name));
+        // m_s s̈ = F_N n_X − F_T n_Y, and the pin is where crank and rod end.
+        let rho = d1.hypot(d2);
+        let pushed = (f_n * d1 - f_t * d2) / rho / 0.14;
+        assert!((s_dd - pushed).abs() <= 1e-12 * pushed.abs(), "{s_dd} for {pushed}");
+        let (x, y) = (0.05 * crank.cos() + 0.12 * rod.cos(), 0.05 * crank.sin() - 0.12 * rod.sin());
+        assert!((x - d1 - number(row, "slider_m")).abs() < 1e-15 && (y - d2).abs() < 1e-15);
+    }
+    assert!(table.rows.iter().any(|row| row["mode"] != "0"), "no contact");
+    let energy = &run["energy"];
+    let [residual, work] = ["residual", "work"].map(|name| energy[name].as_f64().unwrap());
+    assert!(residual.abs() < 1e-7 * work.abs(), "{energy}");
+    assert_eq!((&run["reached_90_s"], &run["outcome"]), (&json!([]), &json!("finished")));
+    // The start is in the middle of the bush: every event counts.
+    assert_eq!(counts(&run, "n_events"), scratch.table("out/events.csv").rows.len());
+}
+
+#[test]
+fn commands_about_the_struts_refuse_a_slider_crank() {
+    let scratch = Scratch::new();
+    for command in ["audit", "regimes"] {
+        let ran = scratch.run(&[command, "--set", "mechanism=slider-crank"]);
+        assert_eq!(ran.code, Some(2), "{}", ran.stderr);
+        assert!(ran.stderr.contains("mechanism = slider-crank: the "), "{}", ran.stderr);
+    }
+}
+
 fn counts(run: &Value, name: &str) -> usize {
     run["counts"][name].as_u64().unwrap() as usize
 }

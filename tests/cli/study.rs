@@ -214,3 +214,32 @@ fn other_axes_are_no_other_study_and_a_wrong_one_is_told_the_right_ones() {
     assert_eq!(ran.code, Some(2));
     assert!(ran.stderr.contains("study.x") && ran.stderr.contains("n_accepted"), "{}", ran.stderr);
 }
+
+#[test]
+fn a_slider_crank_is_studied_with_figures_of_its_own() {
+    let scratch = Scratch::new();
+    let sets = [
+        "mechanism=slider-crank",
+        "run.t_end=0.003",
+        "study.methods=[\"rk45\", \"rk4\", \"radau5\"]",
+        "study.rtol=[1e-5]",
+        "study.steps=[2e-6]",
+        "study.repeats=1",
+    ];
+    scratch.study("out", &sets, &["--quiet"]);
+    let table = scratch.table("out/study.csv");
+    // No blind runs: its contact law remembers the speed of each impact.
+    assert_eq!(table.rows.len(), 3);
+    for row in &table.rows {
+        assert_eq!((row["status"].as_str(), row["missed"].as_str()), ("ok", "0"), "{row:?}");
+        assert!(number(row, "e") < 1e-2, "{row:?}");
+    }
+    let (page, text) = (scratch.text("out/report.html"), scratch.text("out/study.md"));
+    assert!(page.contains("slider-crank: crank 0.05 m at 523.5987755982989 rad/s"));
+    assert!(text.contains("Mechanism `slider-crank`."));
+    for name in ["slider_acceleration", "orbit"] {
+        assert!(text.contains(&format!("figures/{name}.png")), "{name}");
+    }
+    let motion = scratch.table("out/slider.csv");
+    assert_eq!(motion.rows.len(), 4000);
+}

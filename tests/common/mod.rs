@@ -120,12 +120,13 @@ pub fn located(method: &str, rtol: f64) -> Setting {
     setting(method, Events::Located, Accuracy::Rtol(rtol, None))
 }
 
-/// Both blocks of a configuration, sampled every 0.01 s.
+/// The blocks of a configuration, sampled as it asks.
 pub fn run(config: &Config, setting: &Setting) -> (Mechanism, Run) {
     let mechanism = Mechanism::new(config);
     let t_end = config.run.t_end;
     let limits = Limits { max_rhs: u64::MAX, stop: &AtomicBool::new(false) };
-    let run = Run::new(&mechanism, setting, t_end, &Grid::uniform(0.01, t_end), limits);
+    let run =
+        Run::new(&mechanism, setting, t_end, &Grid::uniform(config.run.sample, t_end), limits);
     (mechanism, run)
 }
 

@@ -116,8 +116,7 @@ impl Problem {
         &self,
         mut run: impl FnMut(&Block) -> Result<Track, Box<dyn Error>>,
     ) -> Result<[Track; 2], Box<dyn Error>> {
-        let [one, two] = &self.mechanism.blocks;
-        Ok([run(one)?, run(two)?])
+        Ok([run(&self.mechanism.blocks[0])?, run(&self.mechanism.blocks[1])?])
     }
 }
 

@@ -9,6 +9,7 @@ fn configurations() -> Vec<Config> {
         "reading = 'cosine'\nstrut.inertia = 0.79767\ncontact.damping = 0",
         "joint1.contact.stiffness = 2e7\njoint2.friction.coefficient = 0",
         "solver.atol = 1e-12\nrun.sample = 0\nstrut.inertia = 'transverse'",
+        "mechanism = 'slider-crank'\njoint.clearance = 0\nslider_crank.start_angle = -1.5",
         "solver.atol = [1e-12, 1e-12, 1e-9, 1e-9, 1e-9, 1e-6]\nstudy.events = ['blind']",
         // Numbers whose shortest decimal form a careless reader misses by one bit.
         "drive = { m1 = 0.1000000000000000055511151231257827, m4 = 2.2250738585072014e-308 }\n\
@@ -66,11 +67,14 @@ fn the_json_of_the_default_is_this_text() {
         \"friction\":{\"coefficient\":0.1,\"dead_ratio\":0.1,\"law\":\"coulomb\",\
         \"regularisation_speed\":0.0001,\"static_coefficient\":0.15,\"stribeck_speed\":0.001},\
         \"joint\":{\"clearance\":0.0001,\"pin_radius\":0.0049},\
+        \"mechanism\":\"strut\",\
         \"reading\":\"pin\",\
         \"regimes\":{\"accuracy\":[0.001,1e-6],\"damping_ratio\":[0.0,0.01,0.1,1.0,3.0],\"max_events\":100,\
         \"stiffness\":[100000.0,1000000.0,10000000.0,100000000.0,1000000000.0,10000000000.0,\
         100000000000.0,1000000000000.0],\"threads\":2},\
         \"run\":{\"sample\":0.01,\"stop_at_90\":true,\"t_end\":2.0},\
+        \"slider_crank\":{\"crank_length\":0.05,\"crank_speed\":523.5987755982989,\"rod_inertia\":0.00025,\
+        \"rod_length\":0.12,\"rod_mass\":0.21,\"slider_mass\":0.14,\"start_angle\":0.0},\
         \"solver\":{\"events\":\"located\",\"method\":\"rk45\",\"rtol\":1e-8,\"step\":0.00001},\
         \"strut\":{\"density\":7800.0,\"inertia\":\"axial\",\"length\":2.5,\"radius\":0.005},\
         \"study\":{\"events\":[\"located\",\"blind\"],\"max_rhs\":50000000,\

@@ -4,6 +4,7 @@ mod defaults;
 mod files;
 mod joints;
 mod json;
+mod mechanisms;
 mod messages;
 mod numbers;
 

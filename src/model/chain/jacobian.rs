@@ -1,7 +1,7 @@
 //! The analytic Jacobian of a chain, block-tridiagonal where no joint sticks.
 
 use super::{Chain, Motion, STATES};
-use crate::model::block::{ContactForces, State};
+use crate::model::block::{ContactForces, Posture, State};
 use crate::model::contact::PinPose;
 use crate::model::jacobian::{FrozenContact, Gradient, gradient};
 use crate::model::mode::Mode;
@@ -68,7 +68,7 @@ impl Chain {
         let y = Self::state_of(y, k);
         let normal = self.bay.normal.force(pose.delta, pose.delta_dot, touch);
         let forces = ContactForces::frictionless(normal);
-        let by = self.bay.frozen_contact((modes[k], touch), &y, &pose, forces);
+        let by = self.bay.frozen_contact(&self.inertia, (modes[k], touch), &y, &pose, forces);
         let turned = |i: usize| gradient(|j| by.normal[j] * pose.n[i] + normal * by.pose.n[i][j]);
         Some((self.push(&pose, touch), [turned(0), turned(1)]))
     }
@@ -83,7 +83,10 @@ impl Chain {
         bush: &Band<2>,
     ) -> (Band<3>, Band<2>) {
         let contact = motion.contact.as_ref().map(|(pose, forces, touch)| {
-            (*pose, self.bay.frozen_contact((mode, *touch), &motion.y, pose, *forces))
+            (
+                *pose,
+                self.bay.frozen_contact(&self.inertia, (mode, *touch), &motion.y, pose, *forces),
+            )
         });
         let mut absolute =
             Band { first: k, blocks: vec![self.own_gradients(mode, motion, &contact)] };
@@ -103,7 +106,7 @@ impl Chain {
         };
         let mut relative = Band { first, blocks: (first..=last).map(minus_bush).collect() };
         if let (Mode::Stick(_), Some((pose, contact))) = (mode, &contact) {
-            let arrow = self.bay.inertia.at(motion.y[2]);
+            let posture = Posture::Struts(&self.inertia, self.inertia.at(motion.y[2]));
             let mut stuck = Vec::new();
             for (b, block) in (first..).zip(&mut relative.blocks) {
                 let v_t_dot = if b == k {
@@ -112,7 +115,7 @@ impl Chain {
                     let along_t = |j| pose.n[1] * block[0][j] - pose.n[0] * block[1][j];
                     gradient(|j| along_t(j) + self.bay.pin_radius * block[2][j])
                 };
-                let taken = self.bay.stuck_response(&arrow, pose, v_t_dot);
+                let taken = self.bay.stuck_response(&posture, pose, v_t_dot);
                 let before = absolute.of(b);
                 stuck.push(std::array::from_fn(|i| gradient(|j| before[i][j] - taken[i][j])));
                 *block = std::array::from_fn(|i| gradient(|j| block[i][j] - taken[i][j]));
@@ -133,7 +136,7 @@ impl Chain {
         match contact {
             Some((_, contact)) => contact.accelerations,
             None => {
-                let [.., x, y, theta] = self.bay.jacobian_rows(mode, &motion.y);
+                let [.., x, y, theta] = self.bay.strut_jacobian(&self.inertia, mode, &motion.y);
                 [x, y, theta]
             }
         }
@@ -146,7 +149,7 @@ impl Chain {
     /// Ẍ = P_X/M_x − p̄ cos θ θ̈,   Ÿ = P_Y/M_y + q̄ sin θ θ̈
     /// ```
     fn response_gradient(&self, y: &State<f64>, push: [f64; 2]) -> [[f64; 3]; 3] {
-        let inertia = &self.bay.inertia;
+        let inertia = &self.inertia;
         let arrow = inertia.at(y[2]);
         let (sin, cos) = (arrow.sin, arrow.cos);
         let (p, q) = (inertia.p, inertia.q);

@@ -23,8 +23,9 @@ use deltazero_solvers::{Next, Real, System};
 
 use super::Mechanism;
 use super::block::{Block, ContactForces, State};
+use super::block::{Held, Posture};
 use super::contact::{PinPose, Touch};
-use super::inertia::Arrow;
+use super::inertia::{Arrow, BlockInertia};
 use super::mode::Mode;
 use crate::config::Config;
 
@@ -42,6 +43,8 @@ const STATES: usize = 6;
 pub struct Chain {
     /// A bay on its own. Its reading is `pin`, its clearance above zero.
     pub bay: Block,
+    /// Its mass matrix.
+    inertia: BlockInertia,
     /// Number of bays, at least one.
     pub bays: usize,
 }
@@ -67,8 +70,8 @@ impl Chain {
 
     /// The chain of a configuration: joint 1 in each of its bays.
     pub fn new(config: &Config) -> Self {
-        let [bay, _] = Mechanism::new(config).blocks;
-        Self { bay, bays: config.bays as usize }
+        let ([bay, _], bays) = (Mechanism::struts(config), config.bays as usize);
+        Self { bay, inertia: BlockInertia::joint_1(&config.strut), bays }
     }
 
     /// The bay, counted from zero, that a guard belongs to.
@@ -121,7 +124,7 @@ impl Chain {
     /// `(Ẍ, Ÿ, θ̈)` of a bay by the force `push` on the bush at its end.
     fn response<S: Real>(&self, arrow: &Arrow<S>, push: [S; 2]) -> [S; 3] {
         let load = [push[0], push[1], arrow.cos * push[0] * self.reach()];
-        self.bay.inertia.accelerations(arrow, S::cst(0.0), load)
+        self.inertia.accelerations(arrow, S::cst(0.0), load)
     }
 
     /// Shows the bays of `range` to `see`, from the root on; the first one is the chain's, or does not
@@ -156,17 +159,19 @@ impl Chain {
         bush: [S; 2],
     ) -> Motion<S> {
         let bay = &self.bay;
-        let (arrow, omega_sq) = (bay.inertia.at(y[2]), y[5] * y[5]);
+        let (arrow, omega_sq) = (self.inertia.at(y[2]), y[5] * y[5]);
         let none = [S::cst(0.0); 3];
         let response =
             next.map_or(none, |(pose, touch)| self.response(&arrow, self.push(&pose, touch)));
         let extra = [response[0] - bush[0], response[1] - bush[1], response[2]];
         let (contact, alone) = match own {
             Some((pose, touch)) => {
-                let forces = bay.forces_among(mode, y, &pose, Some(extra));
-                (Some((pose, forces, touch)), bay.accelerations(y, &arrow, &pose, forces))
+                let held = Held::Struts(&self.inertia);
+                let forces = bay.forces_among(held, mode, y, &pose, Some(extra));
+                let posture = Posture::Struts(&self.inertia, arrow);
+                (Some((pose, forces, touch)), bay.accelerations(y, &posture, &pose, forces))
             }
-            None => (None, bay.inertia.free_accelerations(&arrow, omega_sq, bay.torque)),
+            None => (None, self.inertia.free_accelerations(&arrow, omega_sq, bay.torque)),
         };
         let [a_x, a_y, theta]: [S; 3] = std::array::from_fn(|i| alone[i] + response[i]);
         let swing = (arrow.cos * theta - arrow.sin * omega_sq) * self.reach();
@@ -231,7 +236,9 @@ impl System for Chain {
         for (k, g) in g.chunks_exact_mut(GUARDS).enumerate() {
             // Where nothing sticks they go with no acceleration.
             let extra = extra.get(k).copied().unwrap_or([none; 3]);
-            g.copy_from_slice(&self.bay.guards_of(modes[k], &Self::state_of(y, k), Some(extra)));
+            let held = Held::Struts(&self.inertia);
+            let own = Self::state_of(y, k);
+            g.copy_from_slice(&self.bay.guards_of(held, modes[k], &own, Some(extra)));
         }
     }
 

@@ -3,7 +3,7 @@
 use deltazero_solvers::Method;
 
 use super::{Heading, Page, Part, Section, Table};
-use crate::config::{Config, JointConfig};
+use crate::config::{Config, JointConfig, MechanismName, SliderCrank};
 use crate::figures::Picture;
 use crate::reference::{HORIZON_ERROR, ReferenceSummary};
 use crate::report::{ANSWER, answer_rows};
@@ -43,9 +43,14 @@ fn fact(name: &str, what: impl Into<String>) -> (String, String) {
 
 fn contact(config: &Config) -> Vec<(String, String)> {
     let [one, two] = &config.joints;
+    let time = fact("Time", format!("0 to {} s", config.run.t_end));
+    if config.mechanism == MechanismName::SliderCrank {
+        let mechanism = fact("Mechanism", slider_crank(&config.slider_crank));
+        return vec![mechanism, time, fact("Joint of rod and slider", joint(one))];
+    }
     let mut facts = vec![
         fact("Reading", config.reading.name()),
-        fact("Time", format!("0 to {} s", config.run.t_end)),
+        time,
         fact("Torques", format!("M1 = {} N m, M4 = {} N m", config.drive.m1, config.drive.m4)),
     ];
     if one == two {
@@ -54,6 +59,18 @@ fn contact(config: &Config) -> Vec<(String, String)> {
         facts.extend([fact("Joint 1", joint(one)), fact("Joint 2", joint(two))]);
     }
     facts
+}
+
+fn slider_crank(own: &SliderCrank) -> String {
+    format!(
+        "slider-crank: crank {} m at {} rad/s, rod {} m, {} kg, {} kg m², slider {} kg",
+        own.crank_length,
+        own.crank_speed,
+        own.rod_length,
+        own.rod_mass,
+        own.rod_inertia,
+        own.slider_mass
+    )
 }
 
 fn joint(JointConfig { joint, contact, friction }: &JointConfig) -> String {

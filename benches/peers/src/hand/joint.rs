@@ -1,6 +1,6 @@
 //! One joint under the reading `pin` of Table 1 (n = 1, adhesion): its equations and guards.
 
-use deltazero::model::Block;
+use deltazero::model::{Block, Body};
 
 /// X, Y [m], θ [rad] and their rates.
 pub(crate) type Y = [f64; 6];
@@ -44,8 +44,11 @@ impl Mode {
 
 impl Joint {
     /// The constants of `block`.
+    ///
+    /// # Panics
+    /// Where no struts hang on it.
     pub(crate) fn new(block: &Block) -> Self {
-        let inertia = &block.inertia;
+        let Body::Struts(inertia) = &block.body else { panic!("a joint with struts") };
         Self {
             per_m_x: 1.0 / inertia.m_x,
             per_m_y: 1.0 / inertia.m_y,

@@ -1,0 +1,64 @@
+//! The slider-crank: defaults of its own, and what does not go with it.
+
+use super::super::*;
+use super::{load, refusal};
+
+#[test]
+fn a_slider_crank_has_its_own_defaults_for_what_is_not_given() {
+    let config = load("mechanism = 'slider-crank'\nrun.t_end = 0.1", &[]).unwrap();
+    let [one, two] = &config.joints;
+    assert_eq!(
+        (config.reading, config.run.t_end, config.run.sample),
+        (ReadingName::Full, 0.1, 1e-4)
+    );
+    assert_eq!(one.joint, Joint { clearance: 5e-4, pin_radius: 9.5e-3 });
+    assert_eq!((one.contact.law, one.contact.exponent), (ContactLaw::LankaraniNikravesh, 1.5));
+    assert_eq!((one.contact.stiffness, one.friction.coefficient), (6.61e10, 0.03));
+    assert_eq!(one, two);
+    // As given, wherever the mechanism is chosen.
+    let given = load("joint.clearance = 1e-4", &["mechanism=slider-crank"]).unwrap();
+    assert_eq!(given.joints[0].joint.clearance, 1e-4);
+    assert_eq!(load("", &[]).unwrap(), Config::table1().unwrap());
+}
+
+#[test]
+fn every_default_of_the_slider_crank_is_of_a_key_and_printed() {
+    let text = default_toml();
+    for (path, value) in SLIDER_CRANK_DEFAULTS {
+        assert!(find(path).is_some(), "{path}");
+        assert!(text.contains(&format!("# {path} = {value}\n")), "{path}");
+    }
+}
+
+#[test]
+fn the_stiffness_of_the_slider_crank_is_that_of_its_steel_and_radii() {
+    let [JointConfig { joint, contact, .. }, _] =
+        load("mechanism = 'slider-crank'", &[]).unwrap().joints;
+    // Lankarani and Nikravesh: K = 4/(3 (σ_1 + σ_2)) √(R_1 R_2/c), σ = (1 − ν²)/E.
+    let sigma = (1.0 - contact.poisson_ratio * contact.poisson_ratio) / contact.young_modulus;
+    let bush = joint.pin_radius + joint.clearance;
+    let stiffness = 2.0 / (3.0 * sigma) * (joint.pin_radius * bush / joint.clearance).sqrt();
+    assert!((contact.stiffness / stiffness - 1.0).abs() < 1e-4, "{stiffness:e}");
+}
+
+#[test]
+fn what_a_slider_crank_cannot_have_is_refused_with_the_reason() {
+    for (text, line, reason) in [
+        (
+            "bays = 2",
+            2,
+            "bays = 2 does not go with mechanism = slider-crank: a chain is one of strut",
+        ),
+        (
+            "reading = 'pin'",
+            2,
+            "reading = pin does not go with mechanism = slider-crank: readings are",
+        ),
+        ("joint2.contact.stiffness = 1e9", 2, "it has one joint"),
+        ("slider_crank.rod_length = 0.05", 2, "the rod must be longer"),
+    ] {
+        let message = refusal(&format!("mechanism = 'slider-crank'\n{text}"));
+        assert!(message.starts_with(&format!("bad.toml:{line}: ")), "{message}");
+        assert!(message.contains(reason), "{message}");
+    }
+}
