@@ -197,11 +197,16 @@ fn auto_is_its_explicit_pair_bit_for_bit_where_nothing_is_stiff() {
     }
 }
 
-/// `ẍ = −ω² x − 2 ζ ω ẋ` with a large ω, far below the tolerance from the start: all that is seen of it is the
-/// bound of stability.
-struct Ringing;
+/// Two that are bound by stability first, or all the time.
+enum Bound {
+    /// `ẍ = −ω² x − 2 ζ ω ẋ` with a large ω, far below the tolerance from the start: all that is seen of it is
+    /// the bound.
+    Ringing,
+    /// `ẏ = −y³`, at first so steep that a bound kept from there is one of 1e7 steps.
+    Cubic,
+}
 
-impl System for Ringing {
+impl System for Bound {
     type Mode = ();
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 0];
@@ -218,7 +223,10 @@ impl System for Ringing {
 
     fn rhs<S: Real>(&self, (): (), _t: S, y: &[S; 2], dydt: &mut [S; 2]) {
         let (omega, zeta) = (1e3, 0.1);
-        *dydt = [y[1], -(y[0] * (omega * omega)) - y[1] * (2.0 * zeta * omega)];
+        *dydt = match self {
+            Self::Ringing => [y[1], -(y[0] * (omega * omega)) - y[1] * (2.0 * zeta * omega)],
+            Self::Cubic => y.map(|y| -(y * y * y)),
+        };
     }
 
     fn guards<S: Real>(&self, (): (), _t: S, _y: &[S; 2], _g: &mut [S; 0]) {}
@@ -230,19 +238,30 @@ impl System for Ringing {
     }
 }
 
+impl Bound {
+    fn run(&self, method: &str, start: [f64; 2], t_end: f64) -> ([f64; 2], Stats) {
+        let mut solver = Method::named(method).unwrap().solver(self, tolerance(1e-3)).unwrap();
+        let mut run = Integration::new(self, 0.0, start);
+        run.run(t_end, &mut *solver, &mut ()).unwrap();
+        (run.point.y, run.stats)
+    }
+}
+
 #[test]
 fn explicit_steps_of_auto_keep_within_their_bound_of_stability() {
-    let run = |name: &str| {
-        let mut solver = Method::named(name).unwrap().solver(&Ringing, tolerance(1e-3)).unwrap();
-        let mut run = Integration::new(&Ringing, 0.0, [1e-9, 0.0]);
-        // Fewer right-hand sides than a look at the Jacobian waits for.
-        run.run(0.1, &mut *solver, &mut ()).unwrap();
-        run.stats
-    };
+    // Fewer right-hand sides than a look at the Jacobian waits for.
+    let run = |name| Bound::Ringing.run(name, [1e-9, 0.0], 0.1).1;
     let (auto, alone) = (run("auto"), run("rk45"));
     assert_eq!((auto.n_implicit, auto.n_rejected), (0, 0));
     // Measured: 5.
     assert!(alone.n_rejected > 2, "{}", alone.n_rejected);
+}
+
+#[test]
+fn explicit_steps_of_auto_grow_where_the_stiffness_of_their_start_is_gone() {
+    let (y, stats) = Bound::Cubic.run("auto", [1e3, 1e3], 10.0);
+    assert!((y[0] * 20.0_f64.sqrt() - 1.0).abs() < 0.1, "{y:?}");
+    at_most("n_rhs", stats.work.n_rhs as f64, 4e4);
 }
 
 #[test]

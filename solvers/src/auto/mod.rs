@@ -14,7 +14,9 @@
 //! Work is counted in right-hand sides; an attempt of an implicit step is taken for 40 of them. With ρ, the
 //! spectral radius of the Jacobian at the start of the phase, by power iteration:
 //!
-//! - An explicit step is not longer than `1.7/ρ` (fifth-order pair) or `2.5/ρ`, inside its bound of stability.
+//! - An explicit step is not longer than `1.7/ρ` (fifth-order pair) or `2.5/ρ`, inside its bound of stability
+//!   there; a look at ρ that finds it halved lets steps grow, one that finds it grown is no bound before
+//!   the next turn.
 //!   At the bound, error control would keep errors of the size of the tolerance alive: a contact stiffer than
 //!   the tolerance resolves then opens and closes by noise, and every second step is rejected.
 //! - A run begins explicit. Every 512 right-hand sides, those of earlier phases with them, where `hρ > 1`
@@ -28,7 +30,7 @@
 //!   steps that paid they are 128.
 //!
 //! So a trial that fails costs some 300 right-hand sides, and all of them together a small part of a run.
-//! A system whose `hρ` stays below one is integrated by the explicit pair, bit for bit; the only price is one
+//! A system whose `hρ` stays below one, ρ that of the phase's start, is integrated by the explicit pair, bit for bit; the only price is one
 //! Jacobian a phase, and one for 512 right-hand sides. No decision looks at a clock: a run repeats.
 //!
 //! What was chosen: [`Stats::n_implicit`] counts the implicit ones among the accepted steps.
@@ -50,8 +52,8 @@ use pilot::{Leg, Pilot, Turn};
 pub(crate) const LOOSE: f64 = 1e-4;
 
 /// `hρ` of the longest step of the fifth-order pair, and of the eighth-order one: both are stable there for
-/// decay and, with the least damping, for oscillation. Of 1 to 3, measured on contacts at e ≤ 1e-3 and 1e-6,
-/// they need the least work.
+/// decay, the fifth-order pair for oscillation from a damping ratio of 0.005 on. Of 1 to 3, measured on contacts
+/// at e ≤ 1e-3 and 1e-6, they need the least work.
 pub(crate) const REACH_5: f64 = 1.7;
 pub(crate) const REACH_8: f64 = 2.5;
 

@@ -22,7 +22,7 @@ const WAIT: u64 = 512;
 const LONGEST_WAIT: u64 = 8_192;
 const SHORTEST_WAIT: u64 = 128;
 /// A phase begins implicit where ρ is at least this part of what it was where implicit steps were tried or
-/// paid last.
+/// paid last; explicit steps are let grow where it has fallen below this part.
 const AS_STIFF: f64 = 0.5;
 /// Attempts over which implicit steps must pay, and in which those of a trial may grow until they do; and from
 /// one look at the Jacobian to the next.
@@ -119,7 +119,8 @@ impl Pilot {
         self.consider(point.t, stats, |_| radius).unwrap_or(Turn::Explicit { h: None })
     }
 
-    /// After explicit steps up to `t`: tries implicit ones where they may pay.
+    /// After explicit steps up to `t`: tries implicit ones where they may pay, lets explicit ones grow where
+    /// the stiffness that held them is gone.
     fn consider(
         &mut self,
         t: f64,
@@ -142,10 +143,12 @@ impl Pilot {
         let forward = (t - since.t).abs();
         let h = forward / (now.n_accepted - since.n_accepted).max(1) as f64;
         let radius = radius(&mut self.spectrum);
-        self.radius = radius;
+        let held = std::mem::replace(&mut self.radius, radius);
         if h * radius <= STABILITY {
             self.wait = self.wait.max(WAIT);
-            return None;
+            // Steps that were kept short for a stiffness that is gone may grow.
+            let is_held_back = radius < AS_STIFF * held && h * held > STABILITY;
+            return is_held_back.then_some(Turn::Explicit { h: None });
         }
         let rate = forward / work as f64;
         let bound = Bound { rate, h, radius };

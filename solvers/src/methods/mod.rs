@@ -301,7 +301,9 @@ impl Method {
     ) -> Result<Vec<Result<Outcome, Error>>, Error> {
         assert!(records.len() >= runs.len(), "a recorder for each run is needed");
         let Some(problem) = runs.first().map(|run| run.problem) else { return Ok(Vec::new()) };
-        self.check(problem.dim(), control)?;
+        for run in runs.iter() {
+            self.check(run.problem.dim(), control)?;
+        }
         if P::IN_LANES && runs.iter().all(|run| std::ptr::eq(run.problem, problem)) {
             by_scheme!(
                 self.scheme,
