@@ -1,13 +1,14 @@
 //! Where a contest takes place: a mechanism, its time, and the reference that judges.
 
+use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
 
-use crate::config::Config;
+use crate::config::{Config, MechanismName};
 use crate::model::Mechanism;
 use crate::reference::{Reference, ReferenceError, counted};
 use crate::run::Limits;
 
-/// A problem that is predictable for less than this is ill-posed [s].
+/// A problem that is predictable for less than this is ill-posed \[[units of time](Arena::unit_s)\].
 pub const ILL_POSED_BELOW_S: f64 = 0.2;
 
 /// A mechanism with the time over which methods are compared on it.
@@ -21,6 +22,8 @@ pub struct Arena {
     pub times: Vec<f64>,
     /// The end of the runs [s].
     pub t_end: f64,
+    /// In what the mechanism's time is counted [s]: a second, or the turn of a crank.
+    pub unit_s: f64,
     /// The time at which a change of the start's last bit is seen [s]; none where it is beyond the time
     /// looked at.
     pub horizon: Option<f64>,
@@ -54,7 +57,11 @@ impl Arena {
             reference = Reference::new(&mechanism, t_end, &times, limits)?;
         }
         let n_events = n_counted(&mechanism, &reference);
-        Ok(Self { mechanism, reference, times, t_end, horizon, n_events })
+        let unit_s = match config.mechanism {
+            MechanismName::Strut => 1.0,
+            MechanismName::SliderCrank => TAU / config.slider_crank.crank_speed,
+        };
+        Ok(Self { mechanism, reference, times, t_end, unit_s, horizon, n_events })
     }
 
     /// Its first part with the first `most` events, up to a sample; itself where it has no more.
@@ -77,7 +84,7 @@ impl Arena {
 
     /// Whether it is predictable for too short a time to compare methods on it.
     pub fn is_ill_posed(&self) -> bool {
-        self.horizon.is_some_and(|horizon| horizon < ILL_POSED_BELOW_S)
+        self.horizon.is_some_and(|horizon| horizon < ILL_POSED_BELOW_S * self.unit_s)
     }
 }
 

@@ -8,7 +8,7 @@ impl Block {
     /// Displacements go with the clearance c (0.1 mm where there is none), their rates with the
     /// speed `√(2 a c)` that the drive's acceleration `a = M p̄/I` gives the pin across it. The
     /// angle and its rate are those displacements and rates over a strut length. A slider-crank has `a = r ω²`,
-    /// its rod's length, and where that is less than c the penetration `c F/F(c)`, F = (m_r + m_s) a: beside
+    /// its rod's length, and where that is less than c a lower bound of the penetration, `c F/F(c)`, F = (m_r + m_s) a: beside
     /// such loads an error of δ that is small against c is a large one in force and energy.
     pub fn scale(&self) -> State<f64> {
         let c = if self.clearance > 0.0 { self.clearance } else { 1e-4 };
@@ -17,8 +17,10 @@ impl Block {
                 (self.torque.abs().max(1e-3) * inertia.p / inertia.about_pin(0.0, 1.0), c)
             }
             Body::SliderCrank(crank) => {
+                // A pin that is held penetrates nothing, and its law may have no force at that depth.
+                let is_held = self.clearance == 0.0;
                 let part = crank.force_scale() / self.normal.elastic.force(c);
-                (crank.acceleration_scale(), c * part.min(1.0))
+                (crank.acceleration_scale(), if is_held { c } else { c * part.min(1.0) })
             }
         };
         let v = (2.0 * pull * d).sqrt();

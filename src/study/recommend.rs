@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use serde::{Deserialize, Serialize};
 
 use super::work_precision::{Progress, sample_times};
-use crate::config::{Config, Events, MechanismName};
+use crate::config::{Config, Events};
 use crate::contest::{
     Arena, CUT, Candidate, Contest, Entry, Failure, FailureKind, ILL_POSED_BELOW_S, Standings,
 };
@@ -100,10 +100,11 @@ pub fn recommend(
         warnings.push(Warning { code: Code::Horizon, message });
     }
     if arena.is_ill_posed() {
-        let reason = format!("ill-posed: predictable for less than {ILL_POSED_BELOW_S} s");
+        let least = (1e6 * ILL_POSED_BELOW_S * arena.unit_s).round() / 1e6;
+        let reason = format!("ill-posed: predictable for less than {least} s");
         return Recommendation::none(accuracy, arena.t_end, reason, warnings);
     }
-    let rate = arena.n_events as f64 / (arena.t_end * per_second(config));
+    let rate = arena.n_events as f64 / (arena.t_end / arena.unit_s);
     if rate > CHATTER_RATE {
         let message = format!("{} mode changes in {} s", arena.n_events, arena.t_end);
         warnings.push(Warning { code: Code::Chatter, message });
@@ -131,14 +132,6 @@ pub fn recommend(
     let reason = reason(&standings, arena.n_events);
     let (t_end, n_events) = (arena.t_end, arena.n_events);
     Recommendation { accuracy, t_end, n_events, standings, reason, warnings }
-}
-
-/// How often what a mechanism does in its course repeats: of a crank its turns \[1/s\].
-fn per_second(config: &Config) -> f64 {
-    match config.mechanism {
-        MechanismName::Strut => 1.0,
-        MechanismName::SliderCrank => config.slider_crank.crank_speed / std::f64::consts::TAU,
-    }
 }
 
 /// The warning that a reference broke down in events.
