@@ -17,7 +17,7 @@ const FASTER: f64 = 1e-5;
 const T_END: f64 = 2.0;
 const SAMPLE: f64 = 0.01;
 /// Rounds, in each of which both ways have their turn.
-const ROUNDS: usize = 9;
+const ROUNDS: usize = 7;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let config = Config::table1()?;
