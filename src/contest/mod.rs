@@ -27,7 +27,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use deltazero_solvers::{METHODS, Method, Stats};
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Atol, Events};
+use crate::config::{Atol, Config, Events};
 use crate::run::{Accuracy, Setting};
 
 pub use arena::{Arena, ILL_POSED_BELOW_S};
@@ -202,6 +202,15 @@ pub struct Standings {
     pub failures: Vec<Failure>,
     /// Runs made, the repeats for time left out.
     pub n_trials: usize,
+}
+
+impl<'a> Contest<'a> {
+    /// The contest at `accuracy` that a configuration asks for.
+    pub fn of(config: &Config, arena: &'a Arena, accuracy: f64, stop: &'a AtomicBool) -> Self {
+        let Config { solver, contest, .. } = config;
+        let (atol, repeats, max_work) = (solver.atol, contest.repeats, contest.max_work);
+        Self { arena, accuracy, atol, repeats, max_work, stop }
+    }
 }
 
 impl Contest<'_> {

@@ -109,14 +109,7 @@ pub fn recommend(
         let message = format!("{} mode changes in {} s", arena.n_events, arena.t_end);
         warnings.push(Warning { code: Code::Chatter, message });
     }
-    let contest = Contest {
-        arena: &arena,
-        accuracy,
-        atol: config.solver.atol,
-        repeats: config.contest.repeats,
-        max_work: config.contest.max_work,
-        stop,
-    };
+    let contest = Contest::of(config, &arena, accuracy, stop);
     if !contest.is_decidable() {
         let reason = format!(
             "not decidable: the reference is good to e = {:.1e} only",

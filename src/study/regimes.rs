@@ -319,14 +319,7 @@ fn cells(config: &Config, site: &Site, stop: &AtomicBool) -> Vec<Cell> {
             n_events: Some(arena.n_events),
             ..empty(accuracy)
         };
-        let contest = Contest {
-            arena: &arena,
-            accuracy,
-            atol: config.solver.atol,
-            repeats: config.contest.repeats,
-            max_work: config.contest.max_work,
-            stop,
-        };
+        let contest = Contest::of(config, &arena, accuracy, stop);
         if arena.is_ill_posed() {
             let error = Some("predictable for less than 0.2 s".to_owned());
             return Cell { status: CellStatus::IllPosed, error, ..cell };
