@@ -115,7 +115,7 @@ impl Energetic for Chain {
     }
 }
 
-/// Integrates the powers of one block or chain along its run: five-point Gauss quadrature on the dense
+/// Integrates the powers of one block or chain along its run: Gauss quadrature on the dense
 /// output of every step.
 #[derive(Clone, Debug)]
 pub struct EnergyBalance<'a, P = Block> {

@@ -31,7 +31,7 @@ const MARGIN: f64 = 1.1;
 
 /// Time of struts from rest at θ = 0 to `theta` [rad] with the pin held [s]; none without a torque that opens.
 ///
-/// The five-point Gauss rule on twice as many panels until a sum repeats itself to rounding.
+/// The Gauss rule on twice as many panels until a sum repeats itself to rounding.
 pub fn time_to(block: &Block, theta: f64) -> Option<f64> {
     let Body::Struts(inertia) = &block.body else { return None };
     if block.torque <= 0.0 {
