@@ -9,7 +9,8 @@ use crate::script::{Script, floor, guard, unused};
 
 #[test]
 fn a_mass_that_sticks_stays() {
-    let oscillator = FrictionOscillator { mass: 1.0, stiffness: 9.0, friction: 1.0, release: 1.0 };
+    // From 1 m it would come to rest just where friction holds it, to rounding.
+    let oscillator = FrictionOscillator { mass: 1.0, stiffness: 9.0, friction: 1.0, release: 0.95 };
     for setting in settings() {
         let name = setting.0.name;
         let start = (0.0, oscillator.start());
@@ -18,8 +19,8 @@ fn a_mass_that_sticks_stays() {
         assert_eq!(log.events.len(), oscillator.n_half_periods(), "{name}");
         assert_eq!(log.events.last().unwrap().3, Next::Mode(FrictionMode::Stick));
         let exact = oscillator.state(20.0);
-        // Measured: 8.6e-2 m for bs32, 1.0e-2 m for rk4 and 1.8e-4 m for rk45 at ω h = 0.75; with rtol = 1e-8
-        // 2.2e-8 m for rk45, 4.4e-7 m for bdf and 3.5e-6 m for esdirk34.
+        // Measured: 7.9e-2 m for bs32, 9.2e-3 m for rk4 and 1.6e-4 m for rk45 at ω h = 0.75; with rtol = 1e-8
+        // 2.2e-8 m for rk45, 5.0e-7 m for bdf and 3.5e-6 m for esdirk34.
         let is_fixed = matches!(setting.1, Control::Fixed(_));
         let bound = if is_fixed { 0.5 } else { 2e-5 };
         at_most(name, (y[0] - exact[0]).abs(), bound);
