@@ -76,6 +76,7 @@ impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
     /// g_0 + Σ min(0, g_k hᵏ) > |g_N hᴺ| + |g_(N−1) hᴺ⁻¹| + 2 |Σ g_k hᵏ − g(t_1, y_1)|
     /// ```
     ///
+    /// first of its terms to order six, where a dip by higher ones that cancel at the end is not seen, then of all;
     /// and else its [first fall](Polynomial::first_fall) below `−bound/2` counts, if it is followed by a
     /// violation. None is missed, of the polynomial: where the guard is less smooth than the solution
     /// it may differ from that by more than the last terms. Where a coefficient is not finite, all guards

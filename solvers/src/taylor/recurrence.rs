@@ -2,7 +2,7 @@
 //!
 //! With `a(s) = Σ a_k sᵏ` and so on, each gives coefficient `k ≥ 1` of a result from those of its
 //! arguments up to order `k` and its own below. An argument's coefficient of order `k` is passed by
-//! value: it is new, and sums run from the middle outwards so that the newest terms come last.
+//! value: it is new, and short sums run from the middle outwards so that the newest terms come last.
 //!
 //! A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd ed., SIAM (2008), table 13.1 and 13.2;
 //! E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, I.8.
@@ -10,9 +10,8 @@
 use super::base::Base;
 use super::rows::Row;
 
-/// The highest order whose sums are taken from the middle outwards, as straight code does best; longer ones
-/// are four sums beside each other.
-const SHORT: usize = 8;
+/// The highest order whose sums are taken from the middle outwards, as straight code does best.
+const SHORT: usize = 5;
 
 /// `1/k`, a constant where the order is one.
 #[inline(always)]
@@ -24,7 +23,7 @@ fn reciprocal<B: Base>(k: usize) -> B {
 #[inline(always)]
 fn inner<B: Base>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
     if k > SHORT {
-        return Some(long_inner(k, a, b));
+        return Some(B::long_inner(k, a, b));
     }
     let mut sum = if k.is_multiple_of(2) { Some(a.at(k / 2) * b.at(k / 2)) } else { None };
     for j in (1..k.div_ceil(2)).rev() {
@@ -37,30 +36,11 @@ fn inner<B: Base>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
     sum
 }
 
-/// The same of many terms, four sums beside each other.
-#[inline(always)]
-fn long_inner<B: Base>(k: usize, a: &Row<B>, b: &Row<B>) -> B {
-    let mut sums = [B::cst(0.0); 4];
-    let mut j = 1;
-    while j + 4 <= k {
-        for (i, sum) in sums.iter_mut().enumerate() {
-            *sum = B::fma(a.at(j + i), b.at(k - j - i), *sum);
-        }
-        j += 4;
-    }
-    let mut rest = B::cst(0.0);
-    while j < k {
-        rest = B::fma(a.at(j), b.at(k - j), rest);
-        j += 1;
-    }
-    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
-}
-
 /// The same for `b = a`.
 #[inline(always)]
 fn inner_square<B: Base>(k: usize, a: &Row<B>) -> Option<B> {
     if k > SHORT {
-        return Some(long_inner(k, a, a));
+        return Some(B::long_inner(k, a, a));
     }
     let mut pairs = None;
     for j in (1..k.div_ceil(2)).rev() {

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use super::base::Base;
 
 /// The highest order of a series.
-pub const MAX_ORDER: usize = 20;
+pub const MAX_ORDER: usize = 24;
 
 /// Rows of a new table.
 pub(super) const N_ROWS: usize = 64;

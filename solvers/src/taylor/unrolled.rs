@@ -1,37 +1,49 @@
-//! Runs of one order, with the order known to the compiler.
+//! Runs of one order, or of one of four, with that known to the compiler.
 //!
-//! Its loops over lower orders are then straight lines of code, and the place of each
-//! coefficient in the table is a constant: two to three times less work than with rolled loops.
+//! Loops over lower orders are then straight lines of code: up to order five the place of each
+//! coefficient in the table is a constant too, beyond it sums are of one number of vectors in four orders each.
+
+use super::rows::MAX_ORDER;
 
 /// Something that is done for one order of a series.
 pub(super) trait OfOrder: Sized {
     /// What it gives.
     type Output;
 
-    /// Orders above this one are not worth code of their own; at most eight.
+    /// Orders above this one are not worth code of their own.
     const HIGHEST: usize;
 
-    /// Does it for order `k`; inlined, for the sake of a `k` that is a constant.
+    /// Does it for order `k`; inlined, for the sake of what is known of `k`.
     fn of_order(self, k: usize) -> Self::Output;
 
-    /// [`of_order`](Self::of_order), by the code for just that order where there is one.
+    /// [`of_order`](Self::of_order), by the code for just these orders where there is one.
     #[inline]
     fn unrolled(self, k: usize) -> Self::Output {
-        macro_rules! by_order {
-            ($($order:literal)*) => {
-                match k {
-                    $($order => at::<Self, $order>(self),)*
-                    _ => rolled(self, k),
-                }
-            };
+        // Up to the last of the short sums, then by the number of vectors in a long one, ⌊(k + 2)/4⌋.
+        match k {
+            0 => among::<Self, 0, 0>(self, k),
+            1 => among::<Self, 1, 1>(self, k),
+            2 => among::<Self, 2, 2>(self, k),
+            3 => among::<Self, 3, 3>(self, k),
+            4 => among::<Self, 4, 4>(self, k),
+            5 => among::<Self, 5, 5>(self, k),
+            6..=9 => among::<Self, 6, 9>(self, k),
+            10..=13 => among::<Self, 10, 13>(self, k),
+            14..=17 => among::<Self, 14, 17>(self, k),
+            18..=21 => among::<Self, 18, 21>(self, k),
+            22..=MAX_ORDER => among::<Self, 22, MAX_ORDER>(self, k),
+            _ => rolled(self, k),
         }
-        by_order!(0 1 2 3 4 5 6 7 8)
     }
 }
 
 #[inline(never)]
-fn at<R: OfOrder, const K: usize>(run: R) -> R::Output {
-    if const { K <= R::HIGHEST } { run.of_order(K) } else { rolled(run, K) }
+fn among<R: OfOrder, const LEAST: usize, const MOST: usize>(run: R, k: usize) -> R::Output {
+    if const { LEAST <= R::HIGHEST } && (LEAST..=MOST).contains(&k) {
+        run.of_order(k)
+    } else {
+        rolled(run, k)
+    }
 }
 
 #[inline(never)]
