@@ -205,7 +205,7 @@ fn the_energy_of_the_slider_crank_balances() {
         let balance = balance(&config, &located(method, 1e-10));
         (balance.residual / balance.work).abs()
     };
-    // Of the work done. Measured by rk45: 4.4e-9, 8.5e-9, 1.8e-9, 4.4e-9; by taylor at most 1.1e-9.
+    // Of the work done. Measured by rk45: 4.4e-9, 8.5e-9, 1.8e-9, 4.4e-9; by taylor at most 1.2e-9.
     for set in [
         "run.t_end=0.024",
         "friction.coefficient=0",

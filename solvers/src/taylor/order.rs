@@ -6,20 +6,24 @@ use crate::tolerance::Tolerance;
 
 /// The order of runs with a fixed step.
 pub const FIXED_STEP_ORDER: usize = 8;
-/// The least order that a tolerance is served with.
-const LEAST_ORDER: usize = 5;
+/// The least order that a tolerance is served with: one below costs more steps than it saves.
+const LEAST_ORDER: usize = 8;
 /// Fraction of the reach of the last two terms that a step takes.
 const SAFETY: f64 = 0.9;
 /// Where the term of this order is tolerated too, the high ones are not the ones to trust.
 const LOW: usize = 3;
-
-/// `⌈−½ ln rtol⌉ + 1`, between 5 and [`MAX_ORDER`]: where the work of a series grows with the square
-/// of its order, a step is then cheapest by its length, at `e⁻²` of the radius of convergence.
+/// A low term reaches no farther than the last ones by more than this factor, `e^½`.
+const FARTHER: f64 = 1.648_721_270_700_128;
+/// `⌈−0.6 ln rtol⌉ + 2`, between 8 and [`MAX_ORDER`].
+///
+/// Where the work of a series grows with the square of its order, steps are cheapest at `−½ ln rtol`. Here it grows
+/// little faster than the order, and what a step costs beside its series asks for more; measured on the paper's
+/// Table 1 (`benches/README.md`).
 ///
 /// À. Jorba, M. Zou, "A software package for the numerical integration of ODEs by means of high-order
-/// Taylor methods", Exp. Math. 14(1), 99–117 (2005), §3.
+/// Taylor methods", Exp. Math. 14(1), 99–117 (2005), §3.1.
 pub fn order_for(rtol: f64) -> usize {
-    let order = (-0.5 * libm::log(rtol)).ceil() + 1.0;
+    let order = (-0.6 * libm::log(rtol)).ceil() + 2.0;
     (order.max(0.0) as usize).clamp(LEAST_ORDER, MAX_ORDER)
 }
 
@@ -44,16 +48,18 @@ pub struct Reach {
 pub fn reach<Y: Vector<f64>>(y: &[Y], tolerance: &Tolerance) -> Option<Reach> {
     let order = y.len() - 1;
     let norm_sq = |k: usize| tolerance.norm_sq(y[k].as_ref(), y[0].as_ref(), y[0].as_ref());
-    // ln h of the last two terms; not a number where they are not.
+    // log₂ h of the last two terms; not a number where they are not.
     let of_last = |n: usize| {
         let (a, b) = (log_root(norm_sq(n - 1), n - 1), log_root(norm_sq(n), n));
         if a < b || a.is_nan() { a } else { b }
     };
     let log_h = of_last(order);
+    let h = exp2(log_h);
     // Where already a low term is tolerated, the high ones do not converge.
-    let is_high = |log_h: f64| log_h < log_root(norm_sq(LOW), LOW) - 0.5;
-    if log_h > f64::NEG_INFINITY && (log_h == f64::INFINITY || !is_high(log_h)) {
-        return Some(Reach { degree: order, h: SAFETY * exp(log_h) });
+    let far = FARTHER * h;
+    let is_high = norm_sq(LOW) * (far * far * far) * (far * far * far) < 1.0;
+    if log_h > f64::NEG_INFINITY && (log_h == f64::INFINITY || !is_high) {
+        return Some(Reach { degree: order, h: SAFETY * h });
     }
     let mut best: Option<(usize, f64)> = None;
     for n in LOW..=order {
@@ -66,17 +72,17 @@ pub fn reach<Y: Vector<f64>>(y: &[Y], tolerance: &Tolerance) -> Option<Reach> {
         }
     }
     let (n, log_h) = best.filter(|(_, log_h)| *log_h > f64::NEG_INFINITY)?;
-    Some(Reach { degree: if n < order { n - 2 } else { n }, h: SAFETY * exp(log_h) })
+    Some(Reach { degree: if n < order { n - 2 } else { n }, h: SAFETY * exp2(log_h) })
 }
 
-/// `ln x^(−1/2k)` for the square of a norm: infinite for zero.
+/// `log₂ x^(−1/2k)` for the square of a norm: infinite for zero.
 fn log_root(norm_sq: f64, k: usize) -> f64 {
-    -0.5 / k as f64 * libm::log(norm_sq)
+    -0.5 / k as f64 * libm::log2(norm_sq)
 }
 
 /// A step size needs few digits.
-fn exp(x: f64) -> f64 {
-    f64::from(libm::expf(x as f32))
+fn exp2(x: f64) -> f64 {
+    f64::from(libm::exp2f(x as f32))
 }
 
 /// The degree to which a series is worth evaluating at `h`, whatever the tolerance: the last three
@@ -103,4 +109,44 @@ pub fn convergent_degree<Y: Vector<f64>>(y: &[Y], h: f64) -> usize {
         degree
     };
     (0..n_states).filter(|&i| is_bad(i)).map(cut).min().unwrap_or(order)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn order_grows_as_the_tolerance_falls() {
+        let rtols = [1e-3, 1e-6, 1e-9, 1e-12, 1e-14, 1e-15];
+        assert_eq!(rtols.map(order_for), [8, 11, 15, 19, 22, 23]);
+        assert_eq!([f64::NAN, 1.0, 2.0].map(order_for), [LEAST_ORDER; 3]);
+        assert_eq!(order_for(1e-30), MAX_ORDER);
+    }
+
+    /// Of coefficients by order, at an absolute tolerance of 1e-6.
+    fn reach_of(coefficient: impl Fn(usize) -> f64) -> Option<Reach> {
+        let y: Vec<[f64; 1]> = (0..=10).map(|k| [coefficient(k)]).collect();
+        reach(&y, &Tolerance { rtol: 1e-30, atol: vec![1e-6] })
+    }
+
+    #[test]
+    fn a_geometric_series_reaches_where_its_last_two_terms_are_tolerated() {
+        let reach = reach_of(|k| f64::powi(3.0, k as i32)).unwrap();
+        let exact = 0.9 * f64::powf(1e-6, 1.0 / 9.0) / 3.0;
+        // Single precision.
+        assert!(reach.degree == 10 && (reach.h / exact - 1.0).abs() < 1e-6, "{reach:?}");
+    }
+
+    #[test]
+    fn a_series_is_cut_where_its_terms_cease_to_fall() {
+        // From order 6 on a thousandfold each, or none.
+        for beyond in [1e3, f64::NAN] {
+            let reach = reach_of(|k| if k < 6 { 1.0 } else { f64::powi(beyond, k as i32) });
+            assert!(reach.is_some_and(|reach| reach.degree < 6 && reach.h > 0.0), "{reach:?}");
+        }
+        assert_eq!(reach_of(|k| if k < 2 { 1.0 } else { f64::NAN }), None);
+        assert!(
+            reach_of(|k| if k < 2 { 1.0 } else { 0.0 }).is_some_and(|reach| reach.h.is_infinite())
+        );
+    }
 }
