@@ -47,12 +47,12 @@ pub(crate) struct Label {
     pub(crate) method: String,
     /// What it does with events.
     pub(crate) handling: Handling,
-    /// Relative tolerance.
+    /// Relative tolerance, or the step of a method that has it fixed [s].
     pub(crate) rtol: f64,
 }
 
 impl Label {
-    /// Whether it differs from `other` in the tolerance alone.
+    /// Whether it differs from `other` in the tolerance or step alone.
     pub(crate) fn same_ladder(&self, other: &Self) -> bool {
         self.tool == other.tool && self.method == other.method && self.handling == other.handling
     }

@@ -1,4 +1,4 @@
-//! Ours: every adaptive method of the list, events located; and the explicit ones event-blind.
+//! Ours: every method of the list, events located; and two explicit ones event-blind.
 
 use std::sync::atomic::AtomicBool;
 
@@ -17,34 +17,39 @@ static GO_ON: AtomicBool = AtomicBool::new(false);
 /// The methods that are shown event-blind too: the price of events.
 const BLIND: [&str; 2] = ["rk45", "dop853"];
 
+/// Steps of a method that has them fixed [s].
+const STEPS: [f64; 7] = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5];
+
 /// All of ours.
 pub(super) fn entries(problem: &Problem) -> Vec<Entry<'_>> {
-    let adaptive = || METHODS.iter().filter(|method| !method.is_fixed_step());
-    let located = adaptive().map(|method| (method, Events::Located, Handling::Located));
-    let blind = adaptive().filter(|method| BLIND.contains(&method.name));
+    let located = METHODS.iter().map(|method| (method, Events::Located, Handling::Located));
+    let blind = METHODS.iter().filter(|method| BLIND.contains(&method.name));
     let blind = blind.map(|method| (method, Events::Blind, Handling::Naive));
     located
         .chain(blind)
         .flat_map(|(method, events, handling)| {
-            ladder().map(move |rtol| {
-                let run = move || Ok(run(problem, method, events, rtol)?);
-                Entry::new(TOOL, (method.name, handling), rtol, run)
+            accuracies(method).into_iter().map(move |(number, accuracy)| {
+                let run = move || Ok(run(problem, &Setting { method, events, accuracy })?);
+                Entry::new(TOOL, (method.name, handling), number, run)
             })
         })
         .collect()
 }
 
+/// Steps or tolerances of `method`, as a number too.
+fn accuracies(method: &Method) -> Vec<(f64, Accuracy)> {
+    if method.is_fixed_step() {
+        STEPS.map(|step| (step, Accuracy::Step(step))).to_vec()
+    } else {
+        ladder().map(|rtol| (rtol, Accuracy::Rtol(rtol, None))).collect()
+    }
+}
+
 /// One run as the study makes it.
-fn run(
-    problem: &Problem,
-    method: &'static Method,
-    events: Events,
-    rtol: f64,
-) -> Result<[Track; 2], deltazero_solvers::Error> {
-    let setting = Setting { method, events, accuracy: Accuracy::Rtol(rtol, None) };
+fn run(problem: &Problem, setting: &Setting) -> Result<[Track; 2], deltazero_solvers::Error> {
     let limits = Limits { max_rhs: u64::MAX, stop: &GO_ON };
     let grid = Grid::Times(problem.times.clone());
-    let run = Run::new(&problem.mechanism, &setting, problem.t_end, &grid, limits);
+    let run = Run::new(&problem.mechanism, setting, problem.t_end, &grid, limits);
     if let Some(error) = run.error() {
         return Err(error.clone());
     }
