@@ -34,8 +34,8 @@ fn study(sets: &[&str]) -> WorkPrecision {
 #[test]
 fn a_study_has_one_row_for_each_method_treatment_and_setting() {
     let table = study(&[]);
-    // Located and blind: rk4 at one step, rk45, dop853, vern98, radau5 and bdf at two tolerances.
-    assert_eq!(table.rows.len(), 2 * (1 + 5 * 2));
+    // Located and blind: rk4 at one step, rk45, dop853, vern98, taylor, radau5 and bdf at two tolerances.
+    assert_eq!(table.rows.len(), 2 * (1 + 6 * 2));
     assert!(table.rows.iter().all(|row| row.status == Status::Ok), "{:?}", table.rows);
     let tight = table.rows.iter().find(|row| row.method == "rk45" && row.rtol == Some(1e-8));
     assert!(tight.is_some_and(|row| row.events_are_right() && row.e < Some(1e-7)));

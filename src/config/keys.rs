@@ -434,7 +434,9 @@ pub const KEYS: &[Key] = &[
     Key {
         path: "study.methods",
         kind: Kind::List(&Kind::Word(METHODS), None),
-        default: Toml("[\"rk4\", \"rk45\", \"dop853\", \"vern98\", \"radau5\", \"bdf\"]"),
+        default: Toml(
+            "[\"rk4\", \"rk45\", \"dop853\", \"vern98\", \"taylor\", \"radau5\", \"bdf\"]",
+        ),
         unit: "",
         doc: "Methods compared",
         source: "choice of this study",

@@ -49,7 +49,9 @@ fn table_1_is_the_default() {
     };
     assert_eq!(config.solver, solver);
     let study = Study {
-        methods: ["rk4", "rk45", "dop853", "vern98", "radau5", "bdf"].map(str::to_owned).to_vec(),
+        methods: ["rk4", "rk45", "dop853", "vern98", "taylor", "radau5", "bdf"]
+            .map(str::to_owned)
+            .to_vec(),
         events: vec![Events::Located, Events::Blind],
         rtol: vec![1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12],
         steps: vec![1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6],
