@@ -162,7 +162,7 @@ impl Reference {
         Ok(Self::joined(mechanism, solved.collect::<Result<Vec<_>, _>>()?))
     }
 
-    /// The same with 31 digits: Taylor series of order 24 over pairs of f64, at rtol 1e-18, its error told by
+    /// The same with 31 digits: Taylor series of order 25 over pairs of f64, at rtol 1e-18, its error told by
     /// a run at 1e-20. It has no other method to go to where series are out of reach.
     ///
     /// # Errors

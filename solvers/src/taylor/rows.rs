@@ -5,7 +5,7 @@ use std::cell::Cell;
 use super::base::Base;
 
 /// The highest order of a series.
-pub const MAX_ORDER: usize = 24;
+pub const MAX_ORDER: usize = 25;
 
 /// Rows of a new table.
 pub(super) const N_ROWS: usize = 64;

@@ -21,26 +21,29 @@ pub(super) trait OfOrder: Sized {
     fn unrolled(self, k: usize) -> Self::Output {
         // Up to the last of the short sums, then by the number of vectors in a long one, ⌊(k + 2)/4⌋.
         match k {
-            0 => among::<Self, 0, 0>(self, k),
+            0 => among::<Self, 0, 1>(self, k),
             1 => among::<Self, 1, 1>(self, k),
-            2 => among::<Self, 2, 2>(self, k),
-            3 => among::<Self, 3, 3>(self, k),
-            4 => among::<Self, 4, 4>(self, k),
-            5 => among::<Self, 5, 5>(self, k),
-            6..=9 => among::<Self, 6, 9>(self, k),
-            10..=13 => among::<Self, 10, 13>(self, k),
-            14..=17 => among::<Self, 14, 17>(self, k),
-            18..=21 => among::<Self, 18, 21>(self, k),
-            22..=MAX_ORDER => among::<Self, 22, MAX_ORDER>(self, k),
+            2 => among::<Self, 2, 1>(self, k),
+            3 => among::<Self, 3, 1>(self, k),
+            4 => among::<Self, 4, 1>(self, k),
+            5 => among::<Self, 5, 1>(self, k),
+            6..=9 => among::<Self, 6, 4>(self, k),
+            10..=13 => among::<Self, 10, 4>(self, k),
+            14..=17 => among::<Self, 14, 4>(self, k),
+            18..=21 => among::<Self, 18, 4>(self, k),
+            22..=MAX_ORDER => among::<Self, 22, 4>(self, k),
             _ => rolled(self, k),
         }
     }
 }
 
+/// Does it for `k`, one of `N` orders from `LEAST` on: written so that this range is in the number itself and
+/// no compiler has to see it from where it is called.
 #[inline(never)]
-fn among<R: OfOrder, const LEAST: usize, const MOST: usize>(run: R, k: usize) -> R::Output {
-    if const { LEAST <= R::HIGHEST } && (LEAST..=MOST).contains(&k) {
-        run.of_order(k)
+fn among<R: OfOrder, const LEAST: usize, const N: usize>(run: R, k: usize) -> R::Output {
+    debug_assert!((LEAST..LEAST + N).contains(&k), "order {k} is not among {N} from {LEAST} on");
+    if const { LEAST <= R::HIGHEST } {
+        run.of_order(LEAST + (k - LEAST) % N)
     } else {
         rolled(run, k)
     }
