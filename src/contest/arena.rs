@@ -9,7 +9,7 @@ use crate::reference::{Reference, ReferenceError, counted};
 use crate::run::Limits;
 
 /// A problem that is predictable for less than this is ill-posed \[[units of time](Arena::unit_s)\].
-pub const ILL_POSED_BELOW_S: f64 = 0.2;
+const ILL_POSED_BELOW: f64 = 0.2;
 
 /// A mechanism with the time over which methods are compared on it.
 #[derive(Clone, Debug)]
@@ -82,9 +82,12 @@ impl Arena {
         self
     }
 
-    /// Whether it is predictable for too short a time to compare methods on it.
-    pub fn is_ill_posed(&self) -> bool {
-        self.horizon.is_some_and(|horizon| horizon < ILL_POSED_BELOW_S * self.unit_s)
+    /// The reason why methods cannot be compared on it, where it is predictable for too short a time.
+    pub fn ill_posed(&self) -> Option<String> {
+        let least = ILL_POSED_BELOW * self.unit_s;
+        let rounded = (1e6 * least).round() / 1e6;
+        let is_short = self.horizon.is_some_and(|horizon| horizon < least);
+        is_short.then(|| format!("predictable for less than {rounded} s"))
     }
 }
 

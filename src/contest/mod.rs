@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
 use crate::config::{Atol, Config, Events};
 use crate::run::{Accuracy, Setting};
 
-pub use arena::{Arena, ILL_POSED_BELOW_S};
+pub use arena::Arena;
 pub use trial::{Start, Trial, TrialEnd, work};
 
 use search::{Search, Step};

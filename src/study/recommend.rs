@@ -6,9 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::work_precision::{Progress, sample_times};
 use crate::config::{Config, Events};
-use crate::contest::{
-    Arena, CUT, Candidate, Contest, Entry, Failure, FailureKind, ILL_POSED_BELOW_S, Standings,
-};
+use crate::contest::{Arena, CUT, Candidate, Contest, Entry, Failure, FailureKind, Standings};
 use crate::reference::ReferenceError;
 
 /// More mode changes than this a second are named chatter \[1/s\]: Table 1 has 30. Of a slider-crank a turn
@@ -99,9 +97,8 @@ pub fn recommend(
         );
         warnings.push(Warning { code: Code::Horizon, message });
     }
-    if arena.is_ill_posed() {
-        let least = (1e6 * ILL_POSED_BELOW_S * arena.unit_s).round() / 1e6;
-        let reason = format!("ill-posed: predictable for less than {least} s");
+    if let Some(reason) = arena.ill_posed() {
+        let reason = format!("ill-posed: {reason}");
         return Recommendation::none(accuracy, arena.t_end, reason, warnings);
     }
     let rate = arena.n_events as f64 / (arena.t_end / arena.unit_s);

@@ -320,9 +320,8 @@ fn cells(config: &Config, site: &Site, stop: &AtomicBool) -> Vec<Cell> {
             ..empty(accuracy)
         };
         let contest = Contest::of(config, &arena, accuracy, stop);
-        if arena.is_ill_posed() {
-            let error = Some("predictable for less than 0.2 s".to_owned());
-            return Cell { status: CellStatus::IllPosed, error, ..cell };
+        if let Some(reason) = arena.ill_posed() {
+            return Cell { status: CellStatus::IllPosed, error: Some(reason), ..cell };
         }
         if !contest.is_decidable() {
             let good = arena.reference.summary.agreement;
