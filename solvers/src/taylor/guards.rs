@@ -11,7 +11,7 @@ use crate::root::minimum;
 use crate::step::Step;
 use crate::system::{System, Vector};
 
-/// Order to which guards are expanded at first: enough to see that they are far from zero.
+/// Order to which guards are expanded at first: enough, in most steps, to see that they are far from zero.
 pub(super) const FIRST_LOOK: usize = 6;
 /// How exactly roots of the polynomials are found, as a fraction of the step.
 const PRECISION: f64 = 1e-14;
@@ -76,10 +76,10 @@ impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
     /// g_0 + Σ min(0, g_k hᵏ) > |g_N hᴺ| + |g_(N−1) hᴺ⁻¹| + 2 |Σ g_k hᵏ − g(t_1, y_1)|
     /// ```
     ///
-    /// first of its terms to order six, where a dip by higher ones that cancel at the end is not seen, then of all;
-    /// and else its [first fall](Polynomial::first_fall) below `−bound/2` counts, if it is followed by a
-    /// violation. None is missed, of the polynomial: where the guard is less smooth than the solution
-    /// it may differ from that by more than the last terms. Where a coefficient is not finite, all guards
+    /// for N = 6 or the degree, and else its [first fall](Polynomial::first_fall) below `−bound/2` counts, if it is
+    /// followed by a violation. None is missed of the polynomial, but for a dip of terms beyond the sixth alone that
+    /// cancel at the end; where the guard is less smooth than the solution it may differ from the polynomial by more
+    /// than the last terms. Where a coefficient is not finite, all guards
     /// are [looked for](GuardWatch) instead.
     ///
     /// # Errors

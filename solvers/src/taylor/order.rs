@@ -14,6 +14,7 @@ const SAFETY: f64 = 0.9;
 const LOW: usize = 3;
 /// A low term reaches no farther than the last ones by more than this factor, `e^½`.
 const FARTHER: f64 = 1.648_721_270_700_128;
+
 /// `⌈−0.6 ln rtol⌉ + 2`, between 8 and [`MAX_ORDER`].
 ///
 /// Where the work of a series grows with the square of its order, steps are cheapest at `−½ ln rtol`. Here it grows
