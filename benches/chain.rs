@@ -5,9 +5,9 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use deltazero::config::Config;
+use deltazero::config::{Config, Events};
 use deltazero::model::Chain;
-use deltazero::run::{Accuracy, integrate_chain};
+use deltazero::run::{Accuracy, Setting, integrate};
 use deltazero_solvers::{Method, System};
 
 const BAYS: [u32; 4] = [10, 100, 500, 1000];
@@ -56,7 +56,8 @@ fn steps(criterion: &mut Criterion) {
             let Some(chain) = chain(bays) else { return };
             let accuracy = Accuracy::Rtol(1e-6, None);
             let y0 = START.repeat(chain.bays);
-            let run = || integrate_chain(&chain, method, accuracy, y0.clone(), SPAN, &mut ());
+            let setting = Setting { method, events: Events::Located, accuracy };
+            let run = || integrate(&chain, &setting, y0.clone(), SPAN, &mut ());
             let stats = run().stats;
             assert_eq!(stats.n_events, 0, "{name}, {bays} bays: {stats:?}");
             group.throughput(Throughput::Elements(stats.n_accepted * u64::from(bays)));

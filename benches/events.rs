@@ -83,7 +83,7 @@ fn run<const N: usize>(criterion: &mut Criterion, block: &Block, method: &str, n
 /// Pairs: the same steps with guards that hold, and without guards.
 fn guards_without_crossings(criterion: &mut Criterion) {
     let Ok(config) = Config::table1() else { return };
-    let block = &Mechanism::new(&config).blocks[0];
+    let block = &Mechanism::new(&config).blocks()[0].clone();
     for method in ["rk45", "dop853"] {
         run::<4>(criterion, block, method, "guarded");
         run::<0>(criterion, block, method, "unguarded");

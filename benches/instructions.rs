@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Ok(());
     };
     let times: u64 = times.parse()?;
-    let block = &mechanism.blocks[0];
+    let block = &mechanism.blocks()[0];
     let (what, of) = case.split_once('/').ok_or("a case is WHAT/OF")?;
     for _ in 0..times {
         match what {

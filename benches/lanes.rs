@@ -21,7 +21,8 @@ const ROUNDS: usize = 7;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let config = Config::table1()?;
-    let blocks = Mechanism::new(&config).blocks;
+    let mechanism = Mechanism::new(&config);
+    let blocks = mechanism.blocks();
     println!(
         "method   rtol   joints  one by one [runs/s]  at once [runs/s]  ratio (of each round)"
     );
@@ -58,9 +59,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// What runs came to: counts of work, and trajectories.
 type Results = Vec<(Stats, BlockTrajectory)>;
 
-fn timed(blocks: &[Block], mut runs: impl FnMut(&Block) -> Results) -> (Vec<String>, f64) {
+fn timed(blocks: &[&Block], mut runs: impl FnMut(&Block) -> Results) -> (Vec<String>, f64) {
     let start = Instant::now();
-    let results: Vec<_> = blocks.iter().map(&mut runs).collect();
+    let results: Vec<_> = blocks.iter().map(|block| runs(block)).collect();
     let seconds = start.elapsed().as_secs_f64();
     let shown = |(stats, trajectory): &(Stats, BlockTrajectory)| {
         format!("{stats:?} {:?} {:?}", trajectory.samples.last(), trajectory.events)

@@ -2,17 +2,14 @@
 
 use std::ops::ControlFlow;
 
-use deltazero_solvers::{Accepted, Event, Next, Record, System};
+use deltazero_solvers::{Accepted, Event, Next, Record};
 use serde::{Deserialize, Serialize};
 
 use crate::config::Events;
-use crate::model::chain::{Chain, Modes};
-use crate::model::energy::{Energy, Power};
-use crate::model::{Block, Body, Mode, State};
+use crate::model::{Block, Jointed};
 use crate::quadrature::GAUSS;
-use crate::run::mode_within;
 
-/// Where the energy went, all in J, summed over blocks.
+/// Where the energy went, all in J, summed over parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Balance {
     /// Work of the drive torques, or of that which holds a crank's speed.
@@ -38,83 +35,6 @@ impl std::ops::AddAssign for Balance {
     }
 }
 
-/// What has an energy: a block, or a chain.
-pub trait Energetic: System {
-    /// Energies at `y` in `mode`.
-    fn energies(&self, mode: &Self::Mode, y: &Self::State<f64>) -> Energy;
-
-    /// Powers there.
-    fn powers(&self, mode: &Self::Mode, y: &Self::State<f64>) -> Power;
-
-    /// Work of the drive from `y0` to `y1` [J], where it needs no quadrature: a constant torque does it, or no
-    /// energy is lost.
-    fn drive_work(&self, y0: &Self::State<f64>, y1: &Self::State<f64>) -> Option<f64>;
-
-    /// The mode that it is computed in at `(t, y)`, inside a step begun in `mode`.
-    fn mode_inside(
-        &self,
-        events: Events,
-        mode: &Self::Mode,
-        t: f64,
-        y: &Self::State<f64>,
-    ) -> Self::Mode;
-
-    /// Whether an event between these modes may leave a dent in a bush, or take it up again.
-    fn may_relax(before: &Self::Mode, after: &Self::Mode) -> bool;
-}
-
-impl Energetic for Block {
-    fn energies(&self, mode: &Mode, y: &State<f64>) -> Energy {
-        self.energy(*mode, y)
-    }
-
-    fn powers(&self, mode: &Mode, y: &State<f64>) -> Power {
-        self.power(*mode, y)
-    }
-
-    fn drive_work(&self, y0: &State<f64>, y1: &State<f64>) -> Option<f64> {
-        match &self.body {
-            Body::Struts(_) => Some(self.torque * (y1[2] - y0[2])),
-            // A pin that is held follows the crank through steps that no quadrature resolves.
-            Body::SliderCrank(crank) => {
-                (self.clearance == 0.0).then(|| crank.kinetic(y1) - crank.kinetic(y0))
-            }
-        }
-    }
-
-    fn mode_inside(&self, events: Events, mode: &Mode, t: f64, y: &State<f64>) -> Mode {
-        mode_within(self, events, *mode, t, y)
-    }
-
-    fn may_relax(before: &Mode, after: &Mode) -> bool {
-        [before, after].iter().any(|mode| matches!(mode, Mode::Relaxing(_)))
-    }
-}
-
-impl Energetic for Chain {
-    fn energies(&self, modes: &Modes, y: &Vec<f64>) -> Energy {
-        self.energy(modes, y)
-    }
-
-    fn powers(&self, modes: &Modes, y: &Vec<f64>) -> Power {
-        self.power(modes, y)
-    }
-
-    fn drive_work(&self, y0: &Vec<f64>, y1: &Vec<f64>) -> Option<f64> {
-        let bays = (0..self.bays).map(|k| (Self::state_of(y0, k), Self::state_of(y1, k)));
-        bays.map(|(y0, y1)| self.bay.drive_work(&y0, &y1)).sum()
-    }
-
-    /// The same: its events are always located.
-    fn mode_inside(&self, _: Events, modes: &Modes, _t: f64, _y: &Vec<f64>) -> Modes {
-        modes.clone()
-    }
-
-    fn may_relax(before: &Modes, after: &Modes) -> bool {
-        before.iter().zip(after.iter()).any(|(a, b)| a != b && Block::may_relax(a, b))
-    }
-}
-
 /// Integrates the powers of one block or chain along its run: Gauss quadrature on the dense
 /// output of every step.
 #[derive(Clone, Debug)]
@@ -126,7 +46,7 @@ pub struct EnergyBalance<'a, P = Block> {
     dissipated: f64,
 }
 
-impl<'a, P: Energetic> EnergyBalance<'a, P> {
+impl<'a, P: Jointed> EnergyBalance<'a, P> {
     /// The balance of a run of `problem` from `y0` that treats events in this way.
     pub fn new(problem: &'a P, events: Events, y0: &P::State<f64>) -> Self {
         let energy = problem.energies(&problem.initial_mode(0.0, y0), y0);
@@ -143,7 +63,7 @@ impl<'a, P: Energetic> EnergyBalance<'a, P> {
     }
 }
 
-impl<P: Energetic> Record<P> for EnergyBalance<'_, P> {
+impl<P: Jointed> Record<P> for EnergyBalance<'_, P> {
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let step = accepted.step;
         let h = step.t1() - step.t0();

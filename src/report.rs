@@ -89,6 +89,9 @@ pub fn answer(table: &WorkPrecision) -> String {
 /// `study.md`: the answer, the figures, every run.
 pub fn study_markdown(config: &Config, table: &WorkPrecision, drawings: &[Drawing]) -> String {
     let subject = match config.mechanism {
+        MechanismName::Strut if config.bays > 1 => {
+            format!("Reading `{}`, {} bays", config.reading, config.bays)
+        }
         MechanismName::Strut => format!("Reading `{}`", config.reading),
         MechanismName::SliderCrank => "Mechanism `slider-crank`".to_owned(),
     };
@@ -99,7 +102,7 @@ pub fn study_markdown(config: &Config, table: &WorkPrecision, drawings: &[Drawin
          Reference: {}; a second run ({}) differs by e = {:.1e}{}, which is its error.\n",
         answer(table),
         reference.theta_scale_rad,
-        reference.horizon_s.iter().map(|t| format!("{t}")).collect::<Vec<_>>().join(" and "),
+        reference.horizons(),
         reference.method,
         reference.check,
         reference.agreement,
@@ -126,7 +129,7 @@ pub fn study_markdown(config: &Config, table: &WorkPrecision, drawings: &[Drawin
 }
 
 /// `trajectory.csv`, sorted by joint, bay and time.
-pub fn trajectory_csv(joints: &[JointHistory<'_>]) -> String {
+pub fn trajectory_csv(joints: &[&JointHistory<'_>]) -> String {
     if joints.iter().any(|joint| matches!(joint.block.body, Body::SliderCrank(_))) {
         return slider_crank::trajectory_csv(joints);
     }
@@ -150,8 +153,8 @@ pub fn trajectory_csv(joints: &[JointHistory<'_>]) -> String {
 }
 
 /// `events.csv`: the mode changes, sorted by time, then bay, then joint.
-pub fn events_csv(joints: &[JointHistory<'_>]) -> String {
-    let changes_of = |joint: &JointHistory<'_>| {
+pub fn events_csv(joints: &[&JointHistory<'_>]) -> String {
+    let changes_of = |joint: &&JointHistory<'_>| {
         let place = (joint.bay, joint.block.joint);
         joint.changes.iter().map(|change| (place, *change)).collect::<Vec<_>>()
     };

@@ -3,27 +3,17 @@
 
 mod common;
 
-use common::{config, located, run, run_chain, setting};
+use common::{balance, config, located, run, run_chain, setting};
 use deltazero::config::{Config, ContactLaw, Events, ReadingName};
-use deltazero::energy_balance::{Balance, EnergyBalance};
+use deltazero::energy_balance::EnergyBalance;
+use deltazero::metrics::contacts::{Contacts, total_impulse};
 use deltazero::metrics::{ErrorScale, log_log_slope, sample_error};
+use deltazero::model::chain::Modes;
 use deltazero::model::contact::Touch;
-use deltazero::model::{Body, Chain, Mechanism, Mode};
-use deltazero::run::{Accuracy, Setting, integrate, integrate_chain};
+use deltazero::model::{Body, Chain, Jointed, Mode};
+use deltazero::run::{Accuracy, integrate};
 use deltazero::study::ideal::ideal;
-use deltazero_solvers::{Method, Next, Outcome};
-
-fn balance(config: &Config, setting: &Setting) -> Balance {
-    let mut sum = Balance::default();
-    for block in &Mechanism::new(config).blocks {
-        let y0 = block.initial_state();
-        let mut record = EnergyBalance::new(block, setting.events, &y0);
-        let run = integrate(block, setting, y0, config.run.t_end, &mut record);
-        assert!(run.outcome.is_ok(), "{:?}", run.outcome);
-        sum += record.at(run.mode, &run.y);
-    }
-    sum
-}
+use deltazero_solvers::{Grid, Next, Outcome, Trajectory};
 
 #[test]
 fn energy_balances_in_the_consistent_readings() {
@@ -131,8 +121,8 @@ fn every_reading_reaches_two_seconds() {
         let config = config(&[&format!("reading={reading}")]);
         let (_, run) = run(&config, &located("rk45", 1e-8));
         assert!(run.error().is_none(), "{reading}: {:?}", run.error());
-        for (block, trajectory) in run.blocks.iter().zip(&run.trajectories) {
-            assert_eq!(block.outcome, Ok(Outcome::Finished), "{reading}");
+        for (part, trajectory) in run.parts.iter().zip(&run.trajectories) {
+            assert_eq!(part.outcome, Ok(Outcome::Finished), "{reading}");
             let last = trajectory.samples.last().unwrap();
             assert!(last.t == 2.0 && last.y.iter().all(|y| y.is_finite()), "{reading}");
         }
@@ -157,7 +147,7 @@ fn a_small_clearance_tends_to_the_ideal_joint() {
     let angle = |clearance: f64| {
         let config = config(&[&format!("joint.clearance={clearance:e}"), "run.t_end=0.5"]);
         let (_, run) = run(&config, &located("rk45", 1e-9));
-        run.blocks[0].y[2]
+        run.parts[0].y[0][2]
     };
     let ideal = angle(0.0);
     let off = |clearance: f64| (angle(clearance) / ideal - 1.0).abs();
@@ -178,11 +168,11 @@ fn without_friction_no_energy_is_lost_to_it() {
 fn sticking_holds_v_t_at_zero() {
     let config = config(&["reading=full", "run.t_end=1.0"]);
     let (mechanism, run) = run(&config, &located("rk45", 1e-10));
-    let (block, end) = (&mechanism.blocks[0], &run.blocks[0]);
-    assert_eq!(end.mode, Mode::Stick(Touch::PLAIN));
-    let pose = block.pose(&end.y);
+    let (block, end) = (&mechanism.blocks()[0], &run.parts[0]);
+    assert_eq!(end.mode[0], Mode::Stick(Touch::PLAIN));
+    let (y, pose) = (end.y[0], block.pose(&end.y[0]));
     // Against slip speeds of 1e-3 m/s; measured 9.5e-19.
-    assert!(block.v_t(&pose, &end.y).abs() < 9e-18, "{:e}", block.v_t(&pose, &end.y));
+    assert!(block.v_t(&pose, &y).abs() < 9e-18, "{:e}", block.v_t(&pose, &y));
 }
 
 #[test]
@@ -191,7 +181,7 @@ fn one_joint_does_not_feel_the_other() {
     let table1 = config(&["run.t_end=0.3"]);
     let end = |config: &Config| {
         let (_, run) = run(config, &located("rk45", 1e-8));
-        [run.blocks[0].y, run.blocks[1].y]
+        [run.parts[0].y[0], run.parts[1].y[0]]
     };
     let (soft, table1) = (end(&soft), end(&table1));
     assert_eq!(soft[0], table1[0]);
@@ -226,7 +216,7 @@ fn a_rod_that_sticks_turns_and_slips_by_nothing() {
     let config = config(&["mechanism=slider-crank", "friction.coefficient=0.3", "run.sample=1e-5"]);
     let method = located("rk45", 1e-10);
     let (mechanism, run) = run(&config, &method);
-    let block = &mechanism.blocks[0];
+    let block = &mechanism.blocks()[0];
     let samples = run.trajectories[0].samples.iter();
     let stuck: Vec<_> = samples.filter(|sample| sample.mode.sticks()).collect();
     let mut most = 0.0_f64;
@@ -248,7 +238,7 @@ fn a_small_clearance_tends_to_the_ideal_slider_crank() {
             [format!("joint.clearance={clearance:e}"), format!("contact.stiffness={stiffness:e}")];
         let config = config(&["mechanism=slider-crank", "run.t_end=0.012", &sets[0], &sets[1]]);
         let (mechanism, run) = run(&config, &located("rk45", 1e-9));
-        let block = &mechanism.blocks[0];
+        let block = &mechanism.blocks()[0];
         let Body::SliderCrank(crank) = &block.body else { panic!("no slider-crank") };
         let off = run.trajectories[0].samples.iter().map(|sample| {
             let own = block.slider(sample.mode, &sample.y).unwrap();
@@ -273,12 +263,12 @@ fn the_energy_of_a_chain_balances() {
     ] {
         let config = config(&["bays=4", "run.t_end=0.2", set]);
         let chain = Chain::new(&config);
-        let y0 = chain.initial_state();
+        let y0 = chain.start();
         let mut record = EnergyBalance::new(&chain, Events::Located, &y0);
-        let (rk45, accuracy) = (Method::named("rk45").unwrap(), Accuracy::Rtol(1e-10, None));
-        let run = integrate_chain(&chain, rk45, accuracy, y0, config.run.t_end, &mut record);
+        let setting = located("rk45", 1e-10);
+        let run = integrate(&chain, &setting, y0, config.run.t_end, &mut record);
         assert_eq!(run.outcome, Ok(Outcome::Finished), "{set}");
-        let balance = record.at(run.modes, &run.y);
+        let balance = record.at(run.mode, &run.y);
         let relative = (balance.residual / balance.work).abs();
         assert!(relative < bound, "{set}: {relative:e}");
     }
@@ -294,7 +284,7 @@ fn a_chain_of_one_bay_is_joint_1() {
     assert_eq!(of_chain.events.len(), of_block.events.len());
     for (one, other) in of_chain.samples.iter().zip(&of_block.samples) {
         assert_eq!(one.mode[0], other.mode);
-        let e = sample_error(&Chain::state_of(&one.y, 0), &other.y, scale);
+        let e = sample_error(&chain.joint_state(&one.y, 0), &other.y, scale);
         // Measured: the same bits, though by other operations.
         assert!(e < 1e-12, "{e:e} at {} s", one.t);
     }
@@ -320,4 +310,29 @@ fn many_bays_that_leave_the_surface_at_once_are_no_storm() {
     let config = config(&["bays=150", "run.t_end=1e-4"]);
     let (chain, run) = run_chain(&config, "rk45", 1e-6);
     assert!(run.events.len() >= chain.bays, "{}", run.events.len());
+}
+
+#[test]
+fn each_bay_has_the_contacts_of_its_own_joint() {
+    let config = config(&["bays=3", "run.t_end=0.3"]);
+    let chain = Chain::new(&config);
+    let mut record =
+        (Contacts::new(&chain, Events::Located), Trajectory::<Vec<f64>, Modes>::on(Grid::Steps));
+    let run = integrate(&chain, &located("rk45", 1e-10), chain.start(), 0.3, &mut record);
+    assert_eq!(run.outcome, Ok(Outcome::Finished));
+    let (contacts, steps) = (record.0.lists(), record.1);
+    // Impulses of 1, 2 and 3 by the trapezium rule over all steps, from the forces of the whole chain.
+    let mut impulse = [0.0; 3];
+    for pair in steps.samples.windows(2) {
+        let forces = pair.iter().map(|sample| chain.forces(&sample.mode, &sample.y));
+        let [a, b] = <[_; 2]>::try_from(forces.collect::<Vec<_>>()).unwrap();
+        for (sum, (a, b)) in impulse.iter_mut().zip(a.iter().zip(&b)) {
+            *sum += 0.5 * (a.normal + b.normal) * (pair[1].t - pair[0].t);
+        }
+    }
+    for (own, by_steps) in contacts.iter().zip(impulse) {
+        let relative = total_impulse(own) / by_steps - 1.0;
+        // Measured: at most 9.6e-6.
+        assert!(relative.abs() < 9e-5, "{relative:e} of {by_steps} N s");
+    }
 }

@@ -365,7 +365,7 @@ fn the_part_of_an_arena_with_its_first_events_is_an_arena() {
     assert!((n..whole.n_events).contains(&part.n_events) && part.t_end < whole.t_end);
     let shorter = arena(&[&format!("run.t_end={}", part.t_end)]);
     assert_eq!(part.n_events, shorter.n_events);
-    for (own, other) in part.reference.blocks.iter().zip(&shorter.reference.blocks) {
+    for (own, other) in part.reference.joints.iter().zip(&shorter.reference.joints) {
         assert_eq!(own.times, other.times);
         assert!((own.scale.theta / other.scale.theta - 1.0).abs() < 1e-14);
         for (a, b) in own.samples.iter().zip(&other.samples) {
@@ -382,7 +382,7 @@ fn a_run_that_ends_early_has_an_infinite_error_and_one_a_sample_short_has_not() 
     let grid = Grid::Times(arena.times.clone());
     let limits = Limits { max_rhs: u64::MAX, stop: &AtomicBool::new(false) };
     let run = Run::new(&arena.mechanism, &setting, arena.t_end, &grid, limits);
-    let reference = &arena.reference.blocks[0];
+    let reference = &arena.reference.joints[0];
     let mut own = run.trajectories[0].clone();
     assert!(reference.error(&own) < 1e-6);
     own.samples.pop();

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
-use deltazero::config::{Config, Study};
+use deltazero::config::{Config, FrictionLaw, Study};
 use deltazero::study::audit::{Audit, audit};
 use deltazero::{figures, report};
 use serde_json::{Value, json};
@@ -23,7 +23,8 @@ pub(super) struct AuditArgs {
 }
 
 pub(super) fn run(args: &AuditArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let config = struts_only(args.run.load()?, "the claims are those of the struts' paper")?;
+    let config =
+        one_bay(struts_only(args.run.load()?, "the claims are those of the struts' paper")?)?;
     let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out/audit"));
     let output = Output::open(&dir, hash("audit", &used(&config)?), args.run.force)?;
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
@@ -49,6 +50,22 @@ pub(super) fn run(args: &AuditArgs, stop: &AtomicBool) -> Result<(), Failure> {
         ));
     }
     Ok(())
+}
+
+/// Refuses what an audit, which integrates each joint as a block of six states, cannot have.
+fn one_bay(config: Config) -> Result<Config, Failure> {
+    let refused = |what: &str| {
+        let way_out = "an audit takes one bay, without bristles; `simulate`, `study`, `recommend` \
+                       and `regimes` take it";
+        Err(Failure::Usage(format!("{what}: {way_out}")))
+    };
+    if config.bays > 1 {
+        return refused(&format!("bays = {}", config.bays));
+    }
+    if config.joints.iter().any(|joint| joint.friction.law == FrictionLaw::Lugre) {
+        return refused("friction.law = lugre");
+    }
+    Ok(config)
 }
 
 /// The configuration as results are named by: without what an audit does not use.

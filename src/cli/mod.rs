@@ -81,25 +81,9 @@ struct RunArgs {
 }
 
 impl RunArgs {
-    /// The configuration of a command that takes one bay.
     fn load(&self) -> Result<Config, Failure> {
-        one_bay(self.load_chain()?)
-    }
-
-    /// That of a command that takes a chain of several bays too.
-    fn load_chain(&self) -> Result<Config, Failure> {
         Ok(Config::load(self.config.as_deref(), &self.set)?)
     }
-}
-
-/// Refuses a chain, for which there is no reference yet.
-fn one_bay(config: Config) -> Result<Config, Failure> {
-    if config.bays == 1 {
-        return Ok(config);
-    }
-    let bays = config.bays;
-    let way_out = "this command takes one bay, a chain has no reference yet; `simulate` takes it";
-    Err(Failure::Usage(format!("bays = {bays}: {way_out}")))
 }
 
 /// Refuses a slider-crank, of which a command does not speak.
@@ -145,13 +129,13 @@ fn say(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
-/// Says that blind runs among `events` are left out, where the contact laws do not permit them.
+/// Says that blind runs among `events` are left out, and why.
 fn note_left_out(config: &Config, events: &[Events], quiet: bool) {
-    if !quiet && config.permitted(events).len() < events.len() {
-        say(
-            "blind runs are left out: a contact law depends on the speed of each impact, which is read off \
-             no state",
-        );
+    if let Some(reason) = config.no_blind_runs()
+        && !quiet
+        && config.permitted(events).len() < events.len()
+    {
+        say(&format!("blind runs are left out: {reason}"));
     }
 }
 

@@ -9,7 +9,7 @@ use deltazero::report::recommend::{json, text};
 use deltazero::study::recommend::recommend;
 
 use super::progress::Bar;
-use super::{Failure, note_left_out, one_bay, print};
+use super::{Failure, note_left_out, print};
 
 /// Errors that can be asked for.
 const ACCURACIES: std::ops::RangeInclusive<f64> = 1e-12..=1e-1;
@@ -42,7 +42,7 @@ fn accuracy(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn run(args: &RecommendArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let config = one_bay(Config::load(args.config.as_deref(), &args.set)?)?;
+    let config = Config::load(args.config.as_deref(), &args.set)?;
     note_left_out(&config, &config.contest.events, args.quiet);
     let bar = Bar::new(args.quiet);
     let answer = recommend(&config, args.accuracy, stop, &|progress| bar.show(progress));

@@ -8,11 +8,13 @@ use clap::Args;
 use deltazero::config::Config;
 use deltazero::energy_balance::{Balance, EnergyBalance};
 use deltazero::metrics::work::WorkByPhase;
-use deltazero::model::chain::Modes;
-use deltazero::model::{Block, Chain, Mechanism, Mode};
+use deltazero::model::{Mechanism, Part, State};
 use deltazero::reference::counted;
 use deltazero::report;
-use deltazero::run::{JointHistory, Limits, Part, Setting, integrate, integrate_chain};
+use deltazero::run::{
+    Integrable, JointHistory, JointsRun, Limits, Setting, contacts_at_floor, histories, integrate,
+    switches,
+};
 use deltazero_solvers::{Error, Grid, Next, Outcome, Stats, Trajectory, WorkByKind};
 use serde_json::{Value, json};
 
@@ -29,64 +31,45 @@ pub(super) struct SimulateArgs {
 /// A run beyond this is not repeated for its time: audit and progress are then part of it.
 const REPLAY: Duration = Duration::from_secs(5);
 
-/// One part of a simulation: a block, or the chain.
+/// One part of a simulation.
 struct Simulated<'a> {
-    part: Part<'a>,
-    outcome: Result<Outcome, Error>,
-    /// Where it ended [s].
-    t: f64,
-    /// Its modes there.
+    joints: Vec<JointHistory<'a>>,
+    /// Contacts that began at the floor of the impact speed or below it.
+    n_at_floor: usize,
+    run: JointsRun,
+    /// Its modes at the end, as a message says them.
     mode: String,
-    /// The angle of each bay there [rad].
-    angles: Vec<f64>,
+    /// The bay that reached 90°, if one did.
+    reached_90: Option<usize>,
     /// The bay whose error ended it, where it is known.
     failed_bay: Option<usize>,
-    stats: Stats,
     balance: Balance,
     /// Work by the phase that it was done in.
     work: Vec<(&'static str, Stats)>,
     wall: Duration,
 }
 
-impl Simulated<'_> {
-    fn joint(&self) -> usize {
-        match &self.part {
-            Part::Block(block, _) => block.joint,
-            Part::Chain(chain, _) => chain.bay.joint,
-        }
-    }
-
-    /// The bay that reached 90°, if one did.
-    fn reached_90(&self) -> Option<usize> {
-        let stopped = self.outcome == Ok(Outcome::Stopped);
-        stopped.then(|| match &self.part {
-            Part::Block(..) => 1,
-            Part::Chain(_, trajectory) => {
-                let last = trajectory.events.last().filter(|event| event.after == Next::Stop);
-                last.map_or(1, |event| Chain::bay_of(event.guard) + 1)
-            }
-        })
-    }
-}
-
 pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let config = args.run.load_chain()?;
+    let config = args.run.load()?;
     let setting = Setting::of(&config)
         .ok_or_else(|| Failure::Usage(format!("no method {}", config.solver.method)))?;
     let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out/simulate"));
     let output = Output::open(&dir, hash("simulate", &config.to_json()), args.run.force)?;
 
-    let (mechanism, chain) = (Mechanism::new(&config), Chain::new(&config));
+    let mechanism = Mechanism::new(&config);
     let bar = TimeBar::new(args.run.quiet);
-    let time = |joint| bar.of(joint, mechanism.blocks.len(), config.run.t_end);
-    let parts = mechanism.blocks.iter().map(|block| match block.joint {
-        1 if chain.bays > 1 => simulate_chain(&chain, &setting, &config, time(1), stop),
-        joint => simulate(block, &setting, &config, time(joint), stop),
+    let time = |joint| bar.of(joint, mechanism.parts.len(), config.run.t_end);
+    let parts = mechanism.parts.iter().map(|part| {
+        let time = time(part.block().joint);
+        match part {
+            Part::Block(block) => simulate(block, &setting, &config, time, stop),
+            Part::Chain(chain) => simulate(chain, &setting, &config, time, stop),
+        }
     });
     let parts: Vec<_> = parts.collect();
     drop(bar);
-    let joints: Vec<_> = parts.iter().flat_map(|part| part.part.joints()).collect();
-    let summary = run_json(&output, &config, &setting, &parts, &joints);
+    let summary = run_json(&output, &config, &setting, &parts);
+    let joints: Vec<_> = parts.iter().flat_map(|part| &part.joints).collect();
     output.write("trajectory.csv", report::trajectory_csv(&joints).as_bytes())?;
     output.write("events.csv", report::events_csv(&joints).as_bytes())?;
     output.write("run.json", format!("{summary:#}\n").as_bytes())?;
@@ -106,64 +89,35 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     }
 }
 
-fn simulate<'a>(
-    block: &'a Block,
+fn simulate<'a, P: Integrable>(
+    part: &'a P,
     setting: &Setting,
     config: &Config,
     time: TimeOf<'_>,
     stop: &AtomicBool,
 ) -> Simulated<'a> {
-    let (y0, t_end) = (block.initial_state(), config.run.t_end);
-    let balance = EnergyBalance::new(block, setting.events, &y0);
+    let (y0, t_end) = (part.start(), config.run.t_end);
+    let balance = EnergyBalance::new(part, setting.events, &y0);
     let trajectory = || Trajectory::on(Grid::uniform(config.run.sample, t_end));
     let limits = Limits { max_rhs: u64::MAX, stop };
-    let work = WorkByKind::new(Mode::phase);
+    let work = WorkByKind::new(|mode: P::Mode| P::phase(&mode));
     let mut record = ((trajectory(), balance), ((time, limits), work));
-    let run = integrate(block, setting, y0, t_end, &mut record);
+    let run = integrate(part, setting, y0.clone(), t_end, &mut record);
     let ((kept, balance), (_, work)) = record;
-    let alone = || integrate(block, setting, y0, t_end, &mut trajectory()).wall;
+    let alone = || integrate(part, setting, y0, t_end, &mut trajectory()).wall;
+    let events = switches(part, &kept.events);
+    let last = kept.events.last().filter(|event| event.after == Next::Stop);
+    let reached_90 =
+        run.reached_90().map(|_| last.map_or(1, |event| P::joint_of_guard(event.guard) + 1));
     Simulated {
-        part: Part::Block(block, kept),
+        joints: histories(part, &kept, part.n_joints()),
+        n_at_floor: events.iter().map(|own| contacts_at_floor(part.block(), own)).sum(),
         wall: wall(&run.outcome, run.wall, alone),
-        outcome: run.outcome,
-        t: run.t,
-        mode: run.mode.to_string(),
-        angles: vec![run.y[2]],
-        failed_bay: Some(1),
-        stats: run.stats,
-        balance: balance.at(run.mode, &run.y),
-        work: work.kinds,
-    }
-}
-
-/// The same for a chain.
-fn simulate_chain<'a>(
-    chain: &'a Chain,
-    setting: &Setting,
-    config: &Config,
-    time: TimeOf<'_>,
-    stop: &AtomicBool,
-) -> Simulated<'a> {
-    let (y0, t_end) = (chain.initial_state(), config.run.t_end);
-    let (method, accuracy) = (setting.method, setting.accuracy);
-    let balance = EnergyBalance::new(chain, setting.events, &y0);
-    let trajectory = || Trajectory::on(Grid::uniform(config.run.sample, t_end));
-    let limits = Limits { max_rhs: u64::MAX, stop };
-    let work = WorkByKind::new(|modes: Modes| modes.phase());
-    let mut record = ((trajectory(), balance), ((time, limits), work));
-    let run = integrate_chain(chain, method, accuracy, y0.clone(), t_end, &mut record);
-    let ((kept, balance), (_, work)) = record;
-    let alone = || integrate_chain(chain, method, accuracy, y0, t_end, &mut trajectory()).wall;
-    Simulated {
-        part: Part::Chain(chain, kept),
-        wall: wall(&run.outcome, run.wall, alone),
-        failed_bay: run.failed_bay(),
-        outcome: run.outcome,
-        t: run.t,
-        mode: format!("{:?}", run.modes),
-        angles: run.y.chunks_exact(6).map(|bay| bay[2]).collect(),
-        stats: run.stats,
-        balance: balance.at(run.modes, &run.y),
+        mode: format!("{:?}", run.mode),
+        reached_90,
+        failed_bay: run.failed_joint(part).map(|k| k + 1),
+        balance: balance.at(run.mode.clone(), &run.y),
+        run: run.by_joint(part),
         work: work.kinds,
     }
 }
@@ -180,8 +134,8 @@ fn wall(
 
 /// `failed` if any part did, else `interrupted`, else `reached_90` if every part did.
 fn outcome(parts: &[Simulated<'_>]) -> &'static str {
-    let any = |outcome| parts.iter().any(|part| part.outcome == Ok(outcome));
-    if parts.iter().any(|part| part.outcome.is_err()) {
+    let any = |outcome| parts.iter().any(|part| part.run.outcome == Ok(outcome));
+    if parts.iter().any(|part| part.run.outcome.is_err()) {
         "failed"
     } else if any(Outcome::Interrupted) {
         "interrupted"
@@ -192,30 +146,24 @@ fn outcome(parts: &[Simulated<'_>]) -> &'static str {
     }
 }
 
-fn run_json(
-    output: &Output,
-    config: &Config,
-    setting: &Setting,
-    parts: &[Simulated<'_>],
-    joints: &[JointHistory<'_>],
-) -> Value {
+fn run_json(output: &Output, config: &Config, setting: &Setting, parts: &[Simulated<'_>]) -> Value {
     let (mut stats, mut balance) = (Stats::default(), Balance::default());
     let mut work = Vec::new();
     for part in parts {
-        stats += part.stats;
+        stats += part.run.stats;
         balance += part.balance;
         work.extend_from_slice(&part.work);
     }
-    let n_events: usize =
-        joints.iter().map(|joint| counted(&joint.changes, joint.block).len()).sum();
-    let n_at_floor: usize = parts.iter().map(|part| part.part.n_at_floor()).sum();
+    let joints = parts.iter().flat_map(|part| &part.joints);
+    let n_events: usize = joints.map(|own| counted(&own.changes, own.block).len()).sum();
+    let n_at_floor: usize = parts.iter().map(|part| part.n_at_floor).sum();
     let reached = |part: &Simulated<'_>| {
-        let bay = part.reached_90()?;
-        Some(json!({ "bay": bay, "joint": part.joint(), "t_s": part.t }))
+        let bay = part.reached_90?;
+        Some(json!({ "bay": bay, "joint": part.run.joint, "t_s": part.run.t }))
     };
     let error = parts.iter().find_map(|part| {
-        let message = part.outcome.as_ref().err()?.to_string();
-        let (t, bay, joint, mode) = (part.t, part.failed_bay, part.joint(), &part.mode);
+        let message = part.run.outcome.as_ref().err()?.to_string();
+        let (t, bay, joint, mode) = (part.run.t, part.failed_bay, part.run.joint, &part.mode);
         Some(json!({ "t": t, "bay": bay, "joint": joint, "mode": mode, "message": message }))
     });
     let mut counts = json!({
@@ -267,18 +215,19 @@ fn report_lines(summary: &Value, parts: &[Simulated<'_>]) -> String {
         1e3 * summary["wall_s"].as_f64().unwrap_or(f64::NAN)
     );
     for part in parts {
-        let what = match part.angles.len() {
-            1 => format!("joint {}", part.joint()),
-            bays => format!("joint {} of {bays} bays", part.joint()),
+        let (joint, t) = (part.run.joint, part.run.t);
+        let what = match part.joints.len() {
+            1 => format!("joint {joint}"),
+            bays => format!("joint {joint} of {bays} bays"),
         };
-        let angle = match part.reached_90() {
-            Some(bay) if part.angles.len() > 1 => {
-                format!("bay {bay} reached 90 degrees at {:.6} s", part.t)
+        let angle = match part.reached_90 {
+            Some(bay) if part.joints.len() > 1 => {
+                format!("bay {bay} reached 90 degrees at {t:.6} s")
             }
-            Some(_) => format!("reached 90 degrees at {:.6} s", part.t),
+            Some(_) => format!("reached 90 degrees at {t:.6} s"),
             None => {
-                let angles: Vec<_> = ends(&part.angles).map(|a| format!("{a:.6e}")).collect();
-                format!("theta = {} rad at t = {:e} s", angles.join(" to "), part.t)
+                let angles: Vec<_> = ends(&part.run.y).map(|y| format!("{:.6e}", y[2])).collect();
+                format!("theta = {} rad at t = {t:e} s", angles.join(" to "))
             }
         };
         text += &format!(
@@ -290,7 +239,7 @@ fn report_lines(summary: &Value, parts: &[Simulated<'_>]) -> String {
 }
 
 /// The first and, of several, the last.
-fn ends(angles: &[f64]) -> impl Iterator<Item = &f64> {
-    let last = if angles.len() > 1 { angles.last() } else { None };
-    angles.first().into_iter().chain(last)
+fn ends(states: &[State<f64>]) -> impl Iterator<Item = &State<f64>> {
+    let last = if states.len() > 1 { states.last() } else { None };
+    states.first().into_iter().chain(last)
 }

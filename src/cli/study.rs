@@ -20,7 +20,7 @@ use serde_json::{Value, json};
 use super::output::{Output, hash};
 use super::progress::Bar;
 use super::reference::reference;
-use super::{Failure, RunArgs, note_left_out, one_bay, print, say};
+use super::{Failure, RunArgs, note_left_out, print, say};
 
 /// What an interrupted study leaves.
 const RESUMED: &str = "what was finished is on disk, the same command goes on from there";
@@ -42,7 +42,7 @@ impl StudyArgs {
     fn load(&self) -> Result<Config, Failure> {
         let digits = self.reference.iter().map(|digits| format!("study.reference={digits}"));
         let set: Vec<String> = self.run.set.iter().cloned().chain(digits).collect();
-        one_bay(Config::load(self.run.config.as_deref(), &set)?)
+        Ok(Config::load(self.run.config.as_deref(), &set)?)
     }
 }
 

@@ -132,27 +132,25 @@ pub enum ConfigError {
         /// What the key takes.
         expected: Box<str>,
     },
-    /// Blind runs alone of a law that remembers its impacts.
-    #[error(
-        "{place}: {key} asks for blind runs, but contact.law = {law} depends on the speed of each impact, \
-         which is read off no state; use events = \"located\""
-    )]
-    BlindWithMemory {
+    /// Blind runs alone where there are none.
+    #[error("{place}: {key} asks for blind runs, but {reason}; use events = \"located\"")]
+    NoBlindRuns {
         /// Where.
         place: Place,
         /// The key.
         key: &'static str,
-        /// The law.
-        law: &'static str,
+        /// Why there are none.
+        reason: Box<str>,
     },
-    /// A friction law with a state of its own.
-    #[error(
-        "{place}: friction.law = lugre needs the deflection of its bristles as a seventh state of a block, \
-         which is not built; use stribeck, or a regularised law (tanh, ambrosio, threlfall)"
-    )]
-    NoBristles {
-        /// Where.
+    /// What a joint whose friction has bristles cannot have.
+    #[error("{place}: {found} does not go with friction.law = lugre: {reason}")]
+    NotWithBristles {
+        /// Where it was given.
         place: Place,
+        /// The other key with its value.
+        found: Box<str>,
+        /// Why not, and the way out.
+        reason: &'static str,
     },
     /// A slider-crank with what only the struts have, or that cannot turn.
     #[error("{place}: {found} does not go with mechanism = slider-crank: {reason}")]

@@ -108,7 +108,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Integer(1, 1_000_000),
         default: Toml("1"),
         unit: "",
-        doc: "Side frames in the chain; more than one: `simulate`, reading \"pin\" and located events only",
+        doc: "Side frames in the chain; more than one: reading \"pin\" and located events only, and not `audit`",
         source: "the paper's case",
     },
     Key {
@@ -324,7 +324,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Word(FrictionLaw::WORDS),
         default: Toml("\"coulomb\""),
         unit: "",
-        doc: "Friction law; coulomb: F_T = μ F_N against the sliding; tanh, ambrosio and threlfall do not stick; lugre is refused",
+        doc: "Friction law; coulomb: F_T = μ F_N against the sliding; tanh, ambrosio and threlfall do not stick; lugre bends its bristles",
         source: "Eq. (4)",
     },
     Key {
@@ -340,7 +340,7 @@ pub const KEYS: &[Key] = &[
         kind: NOT_NEGATIVE,
         default: Toml("0.15"),
         unit: "",
-        doc: "Coefficient μ_s at rest, of stribeck",
+        doc: "Coefficient μ_s at rest, of stribeck and lugre",
         source: "choice of this study",
     },
     Key {
@@ -348,7 +348,7 @@ pub const KEYS: &[Key] = &[
         kind: POSITIVE,
         default: Toml("1e-3"),
         unit: "m/s",
-        doc: "Speed v_S over which stribeck falls to μ",
+        doc: "Speed v_S over which stribeck and lugre fall to μ",
         source: "choice of this study",
     },
     Key {
@@ -365,6 +365,30 @@ pub const KEYS: &[Key] = &[
         default: Toml("0.1"),
         unit: "",
         doc: "Part of v_r up to which ambrosio has no friction",
+        source: "choice of this study",
+    },
+    Key {
+        path: "friction.bristle_stiffness",
+        kind: POSITIVE,
+        default: Toml("1e5"),
+        unit: "1/m",
+        doc: "Stiffness σ_0 of the bristles of lugre, for each newton of F_N: they slide at μ/σ_0",
+        source: "choice of this study: they slide at a micrometre, a hundredth of the clearance",
+    },
+    Key {
+        path: "friction.bristle_damping",
+        kind: NOT_NEGATIVE,
+        default: Toml("10.0"),
+        unit: "s/m",
+        doc: "Damping σ_1 of the bristles of lugre, for each newton of F_N",
+        source: "choice of this study: at 10 mm/s it gives as much friction as μ",
+    },
+    Key {
+        path: "friction.viscosity",
+        kind: NOT_NEGATIVE,
+        default: Toml("0.0"),
+        unit: "s/m",
+        doc: "Viscous friction σ_2 of lugre, for each newton of F_N",
         source: "choice of this study",
     },
     Key {
@@ -412,7 +436,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::OneOf(&[POSITIVE, Kind::List(&POSITIVE, Some(6))]),
         default: Absent("1e-12"),
         unit: "",
-        doc: "Absolute tolerance in each state's unit (m, m, rad, m/s, m/s, rad/s), one for all or one each",
+        doc: "Absolute tolerance in each state's unit (m, m, rad, m/s, m/s, rad/s), one for all or one each; bristles (m) take the one for all",
         source: "absent: rtol times the model's scale of each state",
     },
     Key {

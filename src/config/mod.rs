@@ -158,10 +158,26 @@ impl Config {
         all
     }
 
-    /// Those of `events` that the contact laws permit: a blind run has no memory of the speed of an impact.
+    /// Why it has no blind runs, where it has none.
+    pub fn no_blind_runs(&self) -> Option<String> {
+        let mut laws = self.joints.iter().map(|joint| joint.contact.law);
+        if let Some(law) = laws.find(|law| law.has_memory()) {
+            return Some(format!(
+                "contact.law = {law} depends on the speed of each impact, which is read off no state"
+            ));
+        }
+        if self.bays > 1 {
+            return Some("the blind baseline is built for one bay".to_owned());
+        }
+        let has_bristles = self.joints.iter().any(|joint| joint.friction.law == FrictionLaw::Lugre);
+        let reason = "the bristles of lugre bend from the event on at which a contact begins";
+        has_bristles.then(|| reason.to_owned())
+    }
+
+    /// Those of `events` that it has runs of.
     pub fn permitted(&self, events: &[Events]) -> Vec<Events> {
-        let has_memory = self.joints.iter().any(|joint| joint.contact.law.has_memory());
-        events.iter().copied().filter(|&e| e == Events::Located || !has_memory).collect()
+        let has_blind = self.no_blind_runs().is_none();
+        events.iter().copied().filter(|&e| e == Events::Located || has_blind).collect()
     }
 
     /// The configuration that [`to_json`](Self::to_json) wrote; what is absent has its default.

@@ -119,7 +119,7 @@ pub struct Friction {
     pub law: FrictionLaw,
     /// Coefficient μ.
     pub coefficient: f64,
-    /// Coefficient μ_s at rest, of `stribeck`.
+    /// Coefficient μ_s at rest, of `stribeck` and `lugre`.
     pub static_coefficient: f64,
     /// Speed v_S over which it falls to μ \[m/s\].
     pub stribeck_speed: f64,
@@ -127,6 +127,12 @@ pub struct Friction {
     pub regularisation_speed: f64,
     /// Part of it up to which `ambrosio` has no friction.
     pub dead_ratio: f64,
+    /// Stiffness σ0 of the bristles of `lugre`, for each newton of F_N \[1/m\].
+    pub bristle_stiffness: f64,
+    /// Damping σ1 of them \[s/m\].
+    pub bristle_damping: f64,
+    /// Viscous friction σ2 of `lugre` \[s/m\].
+    pub viscosity: f64,
 }
 
 /// Extent and output of a run.

@@ -13,7 +13,7 @@ use super::keys::{
 };
 use super::nearest::nearest_key;
 use super::toml_source;
-use super::words::{Events, MechanismName, ReadingName};
+use super::words::{Digits, Events, MechanismName, ReadingName};
 use super::{Config, FrictionLaw, JointConfig};
 
 /// Largest number of samples of a run: at some 150 bytes a row and two joints, 30 GB of output.
@@ -172,14 +172,63 @@ impl Settings {
                           centroid has no reaction at the bush; use reading = \"pin\"";
             return refused("reading", config.reading.to_string(), reason);
         }
+        let others = |readings: &&Vec<ReadingName>| readings.iter().any(|r| *r != ReadingName::Pin);
+        if config.regimes.readings.as_ref().filter(others).is_some() {
+            let reason = "a chain is one of reading \"pin\"; use regimes.readings = [\"pin\"]";
+            return refused("regimes.readings", "others than pin".to_owned(), reason);
+        }
         if config.joints[0].joint.clearance == 0.0 {
             let reason = "pins that are held couple the accelerations of all bays; use a clearance \
                           above zero";
             return refused("joint.clearance", "0".to_owned(), reason);
         }
-        if config.solver.events == Events::Blind {
-            let reason = "the blind baseline is built for one bay; use \"located\"";
-            return refused("solver.events", config.solver.events.to_string(), reason);
+        if config.study.reference == Digits::Extended {
+            let reason =
+                "extended precision is built for one bay; use study.reference = \"double\"";
+            return refused("study.reference", config.study.reference.to_string(), reason);
+        }
+        Ok(())
+    }
+
+    /// What a joint whose friction has bristles cannot have.
+    fn check_bristles(&self, config: &Config) -> Result<(), ConfigError> {
+        let joints = JOINTS.iter().zip(&config.joints);
+        for (name, joint) in joints.filter(|(_, joint)| joint.friction.law == FrictionLaw::Lugre) {
+            let refused = |key: &str, value: String, reason| {
+                let law = "friction.law";
+                let own = |key| format!("{name}.{key}");
+                let places = [own(key), key.to_owned(), own(law), law.to_owned()];
+                let places = places.iter().map(|path| self.place(path));
+                let place = places.into_iter().find(|place| *place != Place::Default);
+                let found = format!("{key} = {value}").into();
+                let place = place.unwrap_or(Place::Default);
+                Err(ConfigError::NotWithBristles { place, found, reason })
+            };
+            if config.mechanism != MechanismName::Strut {
+                let reason = "its bristles are built for struts; use stribeck, or a regularised law (tanh, \
+                              ambrosio, threlfall)";
+                return refused("mechanism", config.mechanism.to_string(), reason);
+            }
+            if joint.joint.clearance == 0.0 {
+                let reason =
+                    "a pin that is held does not slide; use a clearance above zero, or coulomb";
+                return refused("joint.clearance", "0".to_owned(), reason);
+            }
+            let friction = &joint.friction;
+            let coefficients = [
+                ("friction.coefficient", friction.coefficient),
+                ("friction.static_coefficient", friction.static_coefficient),
+            ];
+            if let Some((key, _)) = coefficients.into_iter().find(|(_, mu)| *mu == 0.0) {
+                let reason = "bristles that slide at no deflection have no rate; use coefficients above \
+                              zero, or coulomb";
+                return refused(key, "0".to_owned(), reason);
+            }
+            if config.study.reference == Digits::Extended {
+                let reason =
+                    "extended precision is built without them; use study.reference = \"double\"";
+                return refused("study.reference", config.study.reference.to_string(), reason);
+            }
         }
         Ok(())
     }
@@ -188,7 +237,8 @@ impl Settings {
     fn cross_check(&self, config: &Config) -> Result<(), ConfigError> {
         self.check_slider_crank(config)?;
         self.check_chain(config)?;
-        self.check_laws(config)?;
+        self.check_bristles(config)?;
+        self.check_events(config)?;
         let (t_end, sample) = (config.run.t_end, config.run.sample);
         if sample > 0.0 && t_end / sample > MOST_SAMPLES {
             let place = match self.place("run.sample") {
@@ -209,29 +259,20 @@ impl Settings {
         Ok(())
     }
 
-    /// Whether every law is built, and permits the runs that are asked for.
-    fn check_laws(&self, config: &Config) -> Result<(), ConfigError> {
+    /// Whether there are runs of the kind that is asked for.
+    fn check_events(&self, config: &Config) -> Result<(), ConfigError> {
         let asked: [(_, &[Events]); 3] = [
             ("solver.events", &[config.solver.events]),
             ("study.events", &config.study.events),
             ("contest.events", &config.contest.events),
         ];
-        for (name, joint) in JOINTS.iter().zip(&config.joints) {
-            if joint.friction.law == FrictionLaw::Lugre {
-                let own = format!("{name}.friction.law");
-                let is_own = self.values.contains_key(&own);
-                let place = self.place(if is_own { &own } else { "friction.law" });
-                return Err(ConfigError::NoBristles { place });
+        let Some(reason) = config.no_blind_runs() else { return Ok(()) };
+        match asked.iter().find(|(_, events)| !events.contains(&Events::Located)) {
+            Some((key, _)) => {
+                Err(ConfigError::NoBlindRuns { place: self.place(key), key, reason: reason.into() })
             }
+            None => Ok(()),
         }
-        let laws = config.joints.iter().map(|joint| joint.contact.law);
-        for law in laws.filter(|law| law.has_memory()) {
-            if let Some((key, _)) = asked.iter().find(|(_, e)| !e.contains(&Events::Located)) {
-                let (place, law) = (self.place(key), law.name());
-                return Err(ConfigError::BlindWithMemory { place, key, law });
-            }
-        }
-        Ok(())
     }
 
     fn place(&self, path: &str) -> Place {

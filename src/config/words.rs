@@ -174,7 +174,7 @@ words! {
         Ambrosio = "ambrosio",
         /// Regularised by an exponential.
         Threlfall = "threlfall",
-        /// With a bristle's deflection as a state; refused, as a block has no seventh state.
+        /// With the deflection of bristles as a state.
         Lugre = "lugre",
     }
 }

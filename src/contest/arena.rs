@@ -49,7 +49,7 @@ impl Arena {
         let limits = Limits { max_rhs: config.study.max_rhs, stop };
         let mut t_end = config.run.t_end;
         let mut reference = Reference::new(&mechanism, t_end, &times, limits)?;
-        let lost = reference.blocks.iter().fold(f64::INFINITY, |least, b| least.min(b.lost_at));
+        let lost = reference.joints.iter().fold(f64::INFINITY, |least, b| least.min(b.lost_at));
         let horizon = lost.is_finite().then_some(lost);
         if let Some(horizon) = horizon {
             t_end = 0.5 * horizon;
@@ -66,8 +66,8 @@ impl Arena {
 
     /// Its first part with the first `most` events, up to a sample; itself where it has no more.
     pub fn with_at_most(mut self, most: usize) -> Self {
-        let blocks = self.mechanism.blocks.iter().zip(&self.reference.blocks);
-        let events = blocks.flat_map(|(block, own)| counted(&own.events, block));
+        let joints = self.mechanism.joints().into_iter().zip(&self.reference.joints);
+        let events = joints.flat_map(|((_, block), own)| counted(&own.events, block));
         let mut at: Vec<f64> = events.map(|event| event.t).collect();
         at.sort_by(f64::total_cmp);
         let Some(last) = at.get(most) else {
@@ -82,6 +82,11 @@ impl Arena {
         self
     }
 
+    /// The time that a run covers, its parts added [s].
+    pub(super) fn whole(&self) -> f64 {
+        self.t_end * self.mechanism.parts.len() as f64
+    }
+
     /// The reason why methods cannot be compared on it, where it is predictable for too short a time.
     pub fn ill_posed(&self) -> Option<String> {
         let least = ILL_POSED_BELOW * self.unit_s;
@@ -93,6 +98,6 @@ impl Arena {
 
 /// The events of a reference that count.
 fn n_counted(mechanism: &Mechanism, reference: &Reference) -> usize {
-    let blocks = mechanism.blocks.iter().zip(&reference.blocks);
-    blocks.map(|(block, own)| counted(&own.events, block).len()).sum()
+    let joints = mechanism.joints().into_iter().zip(&reference.joints);
+    joints.map(|((_, block), own)| counted(&own.events, block).len()).sum()
 }

@@ -105,7 +105,7 @@ pub struct Entry {
     pub spurious: usize,
     /// Whether it is implicit.
     pub implicit: bool,
-    /// Evaluations of the right-hand side of a block.
+    /// Evaluations of the right-hand side of a part.
     pub n_rhs: u64,
     /// Accepted steps.
     pub n_accepted: u64,

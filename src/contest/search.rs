@@ -224,7 +224,7 @@ impl<'a> Search<'a> {
 
     /// The work that a run needs to its end, by what it needed up to where it was cut.
     fn needs(&self, rung: i32) -> f64 {
-        let whole = self.contest.arena.t_end * self.contest.arena.mechanism.blocks.len() as f64;
+        let whole = self.contest.arena.whole();
         self.trials.get(&rung).map_or(f64::INFINITY, |trial| trial.work * whole / trial.covered)
     }
 
@@ -248,7 +248,7 @@ impl<'a> Search<'a> {
         });
         let goal = MARGIN * contest.accuracy;
         let (times, more) = CHATTER;
-        let whole = contest.arena.t_end * contest.arena.mechanism.blocks.len() as f64;
+        let whole = contest.arena.whole();
         let most_events = times * contest.arena.n_events as f64 * trial.covered / whole + more;
         match &trial.end {
             TrialEnd::Cut if trial.stats.n_events as f64 > most_events => Kind::Misses(LONGEST),

@@ -4,16 +4,18 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use deltazero_solvers::{
-    Accepted, Error, Event, Grid, Method, Outcome, Record, Stats, Trajectory, Work,
+    Accepted, Error, Event, Grid, Method, Outcome, Record, Stats, System, Trajectory, Work,
 };
 
 use super::arena::Arena;
 use crate::metrics::worse;
-use crate::model::{Block, State};
-use crate::run::{Setting, integrate};
+use crate::model::{Jointed, Part};
+use crate::reference::JointReference;
+use crate::run::{Integrable, Setting, integrate, trajectories};
 
 /// A linear system of one block costs about this many right-hand sides: rodas5p, radau5, bdf and
-/// esdirk34 take 4.2 to 7.5 times the time of an explicit method's for each of theirs (Table 1).
+/// esdirk34 take 4.2 to 7.5 times the time of an explicit method's for each of theirs (Table 1). Of a chain it is
+/// taken for as much, which is not measured.
 const LIN_SOLVE: f64 = 5.0;
 /// A series costs this many right-hand sides for each of its orders: 2.2 at order 8, 1.9 at 11, 2.1 at 15, 2.3
 /// at 19 (Table 1, located).
@@ -42,12 +44,16 @@ pub enum Start {
 }
 
 impl Start {
-    fn of(self, block: &Block) -> State<f64> {
-        block.initial_state().map(|y| match self {
-            Self::Up if y != 0.0 => y.next_up(),
-            Self::Down if y != 0.0 => y.next_down(),
-            _ => y,
-        })
+    fn of<P: Jointed>(self, part: &P) -> P::State<f64> {
+        let mut start = part.start();
+        for y in start.as_mut().iter_mut().filter(|y| **y != 0.0) {
+            *y = match self {
+                Self::Exact => *y,
+                Self::Up => y.next_up(),
+                Self::Down => y.next_down(),
+            };
+        }
+        start
     }
 }
 
@@ -79,7 +85,7 @@ pub struct Trial {
     pub stats: Stats,
     /// Work; see [`work`].
     pub work: f64,
-    /// Time that the blocks came far, added [s].
+    /// Time that the parts came far, added [s].
     pub covered: f64,
     /// Time that it took [s].
     pub wall_s: f64,
@@ -105,35 +111,55 @@ impl Trial {
             covered: 0.0,
             wall_s: 0.0,
         };
-        let grid = Grid::Times(arena.times.clone());
-        let whole = arena.t_end * arena.mechanism.blocks.len() as f64;
-        for (block, reference) in arena.mechanism.blocks.iter().zip(&arena.reference.blocks) {
-            let (work_before, t_before) = (trial.work, trial.covered);
-            let watch =
-                WorkLimit { setting, work_before, t_before, whole, limit, stop, cut: false };
-            let mut record = (Trajectory::on(grid.clone()), watch);
-            let run = integrate(block, setting, start.of(block), arena.t_end, &mut record);
-            trial.stats += run.stats;
-            trial.work += work(setting.method, setting.rtol(), &run.stats.work);
-            trial.covered += run.t;
-            trial.wall_s += run.wall.as_secs_f64();
-            trial.end = match run.outcome {
-                Err(error) => TrialEnd::Failed(error),
-                Ok(Outcome::Interrupted) if record.1.cut => TrialEnd::Cut,
-                Ok(Outcome::Interrupted) => TrialEnd::Interrupted,
-                Ok(_) => TrialEnd::Reached,
-            };
-            if trial.end != TrialEnd::Reached {
-                trial.e = f64::INFINITY;
-                return trial;
+        for (part, joints) in arena.reference.of_parts(&arena.mechanism) {
+            match part {
+                Part::Block(block) => {
+                    trial.add(block, joints, (arena, setting, start), limit, stop)
+                }
+                Part::Chain(chain) => {
+                    trial.add(chain, joints, (arena, setting, start), limit, stop)
+                }
             }
-            let trajectory = record.0;
-            trial.e = worse(trial.e, reference.error(&trajectory));
-            let events = reference.matched(block, &trajectory);
-            trial.missed += events.missed;
-            trial.spurious += events.spurious;
+            if trial.end != TrialEnd::Reached {
+                break;
+            }
         }
         trial
+    }
+
+    /// Runs one part, whose joints have these references.
+    fn add<P: Integrable>(
+        &mut self,
+        part: &P,
+        joints: &[JointReference],
+        (arena, setting, start): (&Arena, &Setting, Start),
+        limit: f64,
+        stop: &AtomicBool,
+    ) {
+        let (work_before, t_before, whole) = (self.work, self.covered, arena.whole());
+        let watch = WorkLimit { setting, work_before, t_before, whole, limit, stop, cut: false };
+        let mut record = (Trajectory::on(Grid::Times(arena.times.clone())), watch);
+        let run = integrate(part, setting, start.of(part), arena.t_end, &mut record);
+        self.stats += run.stats;
+        self.work += work(setting.method, setting.rtol(), &run.stats.work);
+        self.covered += run.t;
+        self.wall_s += run.wall.as_secs_f64();
+        self.end = match run.outcome {
+            Err(error) => TrialEnd::Failed(error),
+            Ok(Outcome::Interrupted) if record.1.cut => TrialEnd::Cut,
+            Ok(Outcome::Interrupted) => TrialEnd::Interrupted,
+            Ok(_) => TrialEnd::Reached,
+        };
+        if self.end != TrialEnd::Reached {
+            self.e = f64::INFINITY;
+            return;
+        }
+        for (reference, trajectory) in joints.iter().zip(trajectories(part, &record.0)) {
+            self.e = worse(self.e, reference.error(&trajectory));
+            let events = reference.matched(part.block(), &trajectory);
+            self.missed += events.missed;
+            self.spurious += events.spurious;
+        }
     }
 
     /// Whether its sequence of events is that of the reference.
@@ -146,10 +172,10 @@ impl Trial {
 /// limit; or from outside.
 struct WorkLimit<'a> {
     setting: &'a Setting,
-    /// Work and time of the blocks before.
+    /// Work and time of the parts before.
     work_before: f64,
     t_before: f64,
-    /// Time of all blocks.
+    /// Time of all parts.
     whole: f64,
     limit: f64,
     stop: &'a AtomicBool,
@@ -160,8 +186,8 @@ struct WorkLimit<'a> {
 const EARLY: f64 = 0.1;
 pub(super) const ON_COURSE: f64 = 2.0;
 
-impl Record<Block> for WorkLimit<'_> {
-    fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
+impl<P: System> Record<P> for WorkLimit<'_> {
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let own = work(self.setting.method, self.setting.rtol(), &accepted.stats.work);
         let done = self.work_before + own;
         let part = (self.t_before + accepted.step.t1()) / self.whole;
@@ -174,7 +200,7 @@ impl Record<Block> for WorkLimit<'_> {
         }
     }
 
-    fn event(&mut self, _: &Event<'_, Block>) -> ControlFlow<()> {
+    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 

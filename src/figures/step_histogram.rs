@@ -6,7 +6,7 @@ use super::{Drawing, kind_color, size_axis};
 use crate::study::step_histogram::BinRow;
 use crate::study::step_size::{ModeKind, StepHistory};
 
-/// Step sizes of each method in flight, slip and stick, both joints together.
+/// Step sizes of each method in flight, slip and stick, all joints together.
 pub(super) fn drawing(histories: &[StepHistory], rows: &[BinRow]) -> Drawing {
     let methods: Vec<&[BinRow]> = rows.chunk_by(|a, b| a.method == b.method).collect();
     let most = rows.iter().map(|row| row.n_steps).max().unwrap_or(1) as f64;

@@ -23,13 +23,20 @@ pub(super) fn whole(table: &WorkPrecision, histories: &[StepHistory]) -> Drawing
     let panels = shown.iter().map(draw).collect();
     let spreads: Vec<String> = shown.iter().map(|history| spread(history)).collect();
     let caption = format!(
-        "Accepted steps on joint 1, events located (ticks), each method at its cheapest setting with \
+        "Accepted steps on joint 1{}, events located (ticks), each method at its cheapest setting with \
          e ≤ {ACCURACY:e} and all events, or its most accurate; all on one scale, the smallest thousandth of the steps \
          may lie below. {}.",
+        of_bays(&shown),
         spreads.join("; ")
     );
     let figure = Figure { share_y: true, ..Figure::stacked("Step size over time", panels) };
     Drawing { name: "step_size", caption, figure }
+}
+
+/// ` of 3 bays`, where there are several.
+fn of_bays(shown: &[&StepHistory]) -> String {
+    let bays = shown.first().map_or(1, |history| history.bays);
+    if bays > 1 { format!(" of {bays} bays together") } else { String::new() }
 }
 
 /// The same around the first flight.

@@ -3,15 +3,14 @@
 use std::ops::ControlFlow;
 
 use deltazero_solvers::root::{Bracket, find_root};
-use deltazero_solvers::{Accepted, Event, Next, Real, Record, Step, System as _};
+use deltazero_solvers::{Accepted, Event, Next, Real, Record, Step, System};
 use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use super::{EVENT_WINDOW, worse};
 use crate::config::Events;
-use crate::model::{Block, Mode, State};
+use crate::model::{Block, Jointed, Mode, State};
 use crate::quadrature::GAUSS;
-use crate::run::mode_within;
 
 /// How exactly the time of a peak is found, as a fraction of its step: the force is flat there.
 const PRECISION: f64 = 1e-9;
@@ -31,7 +30,7 @@ pub struct Contact {
     pub peak: f64,
 }
 
-/// A recorder of the contacts of one block: quadrature and peaks of F_N on the dense output of its
+/// A recorder of the contacts of each joint of a part: quadrature and peaks of F_N on the dense output of its
 /// steps.
 ///
 /// They are as good as that dense output: rk4's cubic is off by `(ωh)⁴/384` of an oscillating force, 1e-3 at
@@ -39,111 +38,187 @@ pub struct Contact {
 ///
 /// What a blind run feels in a step that it begins outside belongs to the contact that it is in after it.
 #[derive(Clone, Debug)]
-pub struct Contacts<'a> {
-    block: &'a Block,
+pub struct Contacts<'a, P = Block> {
+    part: &'a P,
     events: Events,
-    /// The contacts; the last one may not have ended.
-    pub list: Vec<Contact>,
+    joints: Vec<JointContacts>,
+}
+
+/// The contacts of one joint so far.
+#[derive(Clone, Debug, Default)]
+struct JointContacts {
+    /// The last one may not have ended.
+    list: Vec<Contact>,
     is_in_contact: bool,
     /// Impulse [N s] and peak [N] of the last step outside.
     outside: (f64, f64),
 }
 
-impl<'a> Contacts<'a> {
-    /// No contact yet in a run of `block` that treats events in this way.
-    pub fn new(block: &'a Block, events: Events) -> Self {
-        Self { block, events, list: Vec::new(), is_in_contact: false, outside: (0.0, 0.0) }
+impl<'a, P: Jointed> Contacts<'a, P> {
+    /// No contact yet in a run of `part` that treats events in this way.
+    pub fn new(part: &'a P, events: Events) -> Self {
+        Self { part, events, joints: vec![JointContacts::default(); part.n_joints()] }
     }
 
-    /// `F_N` at `y` in `mode` [N].
+    /// The contacts of each joint; its last one may not have ended.
+    pub fn lists(self) -> Vec<Vec<Contact>> {
+        self.joints.into_iter().map(|joint| joint.list).collect()
+    }
+
+    /// `F_N` at `y` in `mode` [N], both of one joint.
     fn force<S: Real>(&self, mode: Mode, y: &State<S>) -> S {
         let (Some(touch), true) = (mode.touch(), mode.is_contact()) else {
             return S::cst(0.0);
         };
-        let pose = self.block.pose(y);
-        self.block.normal.force(pose.delta, pose.delta_dot, touch)
+        let block = self.part.block();
+        let pose = block.pose(y);
+        block.normal.force(pose.delta, pose.delta_dot, touch)
     }
 
-    /// `dF_N/dt` at `(t, y)` in `mode` [N/s].
-    fn rate(&self, mode: Mode, t: f64, y: &State<f64>) -> f64 {
-        let mut dydt = *y;
-        self.block.rhs(mode, t, y, &mut dydt);
-        let along: State<Dual64> = std::array::from_fn(|i| Dual64::new(y[i], dydt[i]));
-        self.force(mode, &along).eps
+    /// The part inside a step begun in `mode`.
+    fn inside(
+        &self,
+        mode: &P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        t: f64,
+    ) -> (P::Mode, P::State<f64>) {
+        let mut y = step.y0().clone();
+        step.interpolate(t, &mut y);
+        (self.part.mode_inside(self.events, mode, t, &y), y)
     }
 
-    /// Impulse of a step begun in `mode` [N s], and its peak [N], which is looked for where it may be
-    /// above `highest`.
-    fn of_step(&self, mode: Mode, step: &dyn Step<State<f64>>, highest: f64) -> (f64, f64) {
-        let (t0, h) = (step.t0(), step.t1() - step.t0());
-        let at = |t: f64| {
-            let mut y = *step.y0();
-            step.interpolate(t, &mut y);
-            (mode_within(self.block, self.events, mode, t, &y), y)
+    /// `F_N` of joint `k` there [N].
+    fn force_at(&self, mode: &P::Mode, step: &dyn Step<P::State<f64>>, t: f64, k: usize) -> f64 {
+        let (mode, y) = self.inside(mode, step, t);
+        self.force(P::joint_mode(&mode, k), &self.part.joint_state(&y, k))
+    }
+
+    /// `dF_N/dt` of joint `k` there [N/s].
+    fn rate_at(&self, mode: &P::Mode, step: &dyn Step<P::State<f64>>, t: f64, k: usize) -> f64 {
+        let (mode, y) = self.inside(mode, step, t);
+        let slope = self.slope(&mode, t, &y);
+        self.rate(&mode, &y, &slope, k)
+    }
+
+    /// The slope of the part's state.
+    fn slope(&self, mode: &P::Mode, t: f64, y: &P::State<f64>) -> P::State<f64> {
+        let mut slope = y.clone();
+        self.part.rhs(mode.clone(), t, y, &mut slope);
+        slope
+    }
+
+    /// `dF_N/dt` of joint `k` [N/s].
+    fn rate(&self, mode: &P::Mode, y: &P::State<f64>, slope: &P::State<f64>, k: usize) -> f64 {
+        let (y, slope) = (self.part.joint_state(y, k), self.part.joint_state(slope, k));
+        let along: State<Dual64> = std::array::from_fn(|i| Dual64::new(y[i], slope[i]));
+        self.force(P::joint_mode(mode, k), &along).eps
+    }
+
+    /// Impulse of joint `k` over a step begun in `mode` [N s], and its peak [N], which is looked for where it
+    /// may be above `highest`.
+    fn of_step(
+        &self,
+        mode: &P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        points: &mut Points<P>,
+        (k, highest): (usize, f64),
+    ) -> (f64, f64) {
+        let h = step.t1() - step.t0();
+        let forces: [(f64, f64); N_POINTS] = std::array::from_fn(|i| {
+            let Point { t, mode, y, .. } = &points[i];
+            (*t, self.force(P::joint_mode(mode, k), &self.part.joint_state(y, k)))
+        });
+        let nodes = forces[1..].iter().zip(GAUSS);
+        let impulse = h * nodes.map(|((_, force), (_, weight))| weight * force).sum::<f64>();
+        let top = (1..N_POINTS).fold(0, |top, i| if forces[i].1 > forces[top].1 { i } else { top });
+        let [a, b] = [top.saturating_sub(1), (top + 1).min(N_POINTS - 1)];
+        let peak = forces[top].1;
+        // No smooth force rises above three points by more than they differ.
+        if 2.0 * peak - forces[a].1.min(forces[b].1) <= highest {
+            return (impulse, peak);
+        }
+        // One slope for all joints.
+        let mut rate = |i: usize| {
+            let Point { t, mode, y, slope } = &mut points[i];
+            let slope = slope.get_or_insert_with(|| self.slope(mode, *t, y));
+            self.rate(mode, y, slope, k)
         };
-        let mut points = [(0.0, 0.0); N_POINTS];
-        for (i, (t, force)) in points.iter_mut().enumerate() {
-            *t = match i {
+        if rate(a) > 0.0 && rate(b) < 0.0 {
+            let bracket = Bracket { above: forces[a].0, below: forces[b].0 };
+            let t = find_root(|t| self.rate_at(mode, step, t, k), bracket, PRECISION * h);
+            return (impulse, peak.max(self.force_at(mode, step, t, k)));
+        }
+        (impulse, peak)
+    }
+
+    /// The part at the points of a step.
+    fn points(&self, mode: &P::Mode, step: &dyn Step<P::State<f64>>) -> Points<P> {
+        let (t0, h) = (step.t0(), step.t1() - step.t0());
+        std::array::from_fn(|i| {
+            let t = match i {
                 0 => t0,
                 i if i < N_POINTS - 1 => t0 + GAUSS[i - 1].0 * h,
                 _ => step.t1(),
             };
-            let (mode, y) = at(*t);
-            *force = self.force(mode, &y);
-        }
-        let nodes = points[1..].iter().zip(GAUSS);
-        let impulse = h * nodes.map(|((_, force), (_, weight))| weight * force).sum::<f64>();
-        let top = (1..N_POINTS).fold(0, |top, i| if points[i].1 > points[top].1 { i } else { top });
-        let (a, b) = (points[top.saturating_sub(1)], points[(top + 1).min(N_POINTS - 1)]);
-        let peak = points[top].1;
-        // No smooth force rises above three points by more than they differ.
-        if 2.0 * peak - a.1.min(b.1) <= highest {
-            return (impulse, peak);
-        }
-        let rate = |t: f64| {
-            let (mode, y) = at(t);
-            self.rate(mode, t, &y)
-        };
-        if rate(a.0) > 0.0 && rate(b.0) < 0.0 {
-            let t = find_root(rate, Bracket { above: a.0, below: b.0 }, PRECISION * h);
-            let (mode, y) = at(t);
-            return (impulse, peak.max(self.force(mode, &y)));
-        }
-        (impulse, peak)
+            let (mode, y) = self.inside(mode, step, t);
+            Point { t, mode, y, slope: None }
+        })
     }
 }
 
-impl Record<Block> for Contacts<'_> {
-    fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
-        let (mode, step) = (accepted.mode, accepted.step);
-        let is_outside = !mode.is_contact();
-        if is_outside && self.events == Events::Located {
+/// A part at one point of a step.
+struct Point<P: System> {
+    t: f64,
+    mode: P::Mode,
+    y: P::State<f64>,
+    /// Once it was asked for.
+    slope: Option<P::State<f64>>,
+}
+
+type Points<P> = [Point<P>; N_POINTS];
+
+impl<P: Jointed> Record<P> for Contacts<'_, P> {
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
+        let (mode, step) = (&accepted.mode, accepted.step);
+        let is_outside = |k: usize| !P::joint_mode(mode, k).is_contact();
+        let is_located = self.events == Events::Located;
+        if is_located && (0..self.joints.len()).all(is_outside) {
             return ControlFlow::Continue(());
         }
-        if is_outside {
-            self.outside = self.of_step(mode, step, 0.0);
-            return ControlFlow::Continue(());
-        }
-        if !std::mem::replace(&mut self.is_in_contact, true) {
-            // A run that starts in contact.
-            self.list.push(Contact { begin: step.t0(), end: step.t0(), impulse: 0.0, peak: 0.0 });
-        }
-        let highest = self.list.last().map_or(0.0, |contact| contact.peak);
-        let (impulse, peak) = self.of_step(mode, step, highest);
-        if let Some(contact) = self.list.last_mut() {
-            contact.end = step.t1();
-            contact.impulse += impulse;
-            contact.peak = contact.peak.max(peak);
+        let mut points = self.points(mode, step);
+        for k in 0..self.joints.len() {
+            if is_outside(k) {
+                if !is_located {
+                    self.joints[k].outside = self.of_step(mode, step, &mut points, (k, 0.0));
+                }
+                continue;
+            }
+            let joint = &mut self.joints[k];
+            if !std::mem::replace(&mut joint.is_in_contact, true) {
+                // A run that starts in contact.
+                let begin = step.t0();
+                joint.list.push(Contact { begin, end: begin, impulse: 0.0, peak: 0.0 });
+            }
+            let highest = joint.list.last().map_or(0.0, |contact| contact.peak);
+            let (impulse, peak) = self.of_step(mode, step, &mut points, (k, highest));
+            if let Some(contact) = self.joints[k].list.last_mut() {
+                contact.end = step.t1();
+                contact.impulse += impulse;
+                contact.peak = contact.peak.max(peak);
+            }
         }
         ControlFlow::Continue(())
     }
 
-    fn event(&mut self, event: &Event<'_, Block>) -> ControlFlow<()> {
-        let Next::Mode(after) = event.after else { return ControlFlow::Continue(()) };
-        let was_in_contact = std::mem::replace(&mut self.is_in_contact, after.is_contact());
-        if self.is_in_contact && !was_in_contact {
-            let (impulse, peak) = std::mem::take(&mut self.outside);
-            self.list.push(Contact { begin: event.t, end: event.t, impulse, peak });
+    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
+        let Next::Mode(after) = &event.after else { return ControlFlow::Continue(()) };
+        for (k, joint) in self.joints.iter_mut().enumerate() {
+            let is_in_contact = P::joint_mode(after, k).is_contact();
+            let was_in_contact = std::mem::replace(&mut joint.is_in_contact, is_in_contact);
+            if is_in_contact && !was_in_contact {
+                let (impulse, peak) = std::mem::take(&mut joint.outside);
+                joint.list.push(Contact { begin: event.t, end: event.t, impulse, peak });
+            }
         }
         ControlFlow::Continue(())
     }
@@ -206,14 +281,14 @@ mod tests {
     fn half_sines(method: &str, events: Events, accuracy: Accuracy) -> (Block, Vec<Contact>) {
         let sets = ["drive.m1=0", "contact.damping=0", "friction.coefficient=0"];
         let config = Config::load(None, &sets.map(str::to_owned)).unwrap();
-        let block = Mechanism::new(&config).blocks[0].clone();
+        let block = Mechanism::new(&config).blocks()[0].clone();
         let setting = Setting { method: Method::named(method).unwrap(), events, accuracy };
         let mut y0 = block.initial_state();
         y0[4] = -V;
         let mut contacts = Contacts::new(&block, events);
         let run = integrate(&block, &setting, y0, 0.5, &mut contacts);
         assert!(run.outcome.is_ok(), "{:?}", run.outcome);
-        let list = contacts.list;
+        let list = contacts.lists().remove(0);
         (block, list)
     }
 

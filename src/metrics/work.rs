@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Evaluations and linear algebra, counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts {
-    /// Evaluations of the right-hand side of a block.
+    /// Evaluations of the right-hand side of a part.
     pub n_rhs: u64,
     /// Jacobians.
     pub n_jac: u64,

@@ -223,6 +223,22 @@ impl Block {
         arrow.sin * y[5] * y[5] * (s_x * (self.reading.centrifugal - 1.0))
     }
 
+    /// (Ẍ, Ÿ, θ̈) of struts without contact.
+    #[inline(always)]
+    pub(super) fn free_accelerations<S: Real>(
+        &self,
+        inertia: &BlockInertia,
+        y: &State<S>,
+        arrow: &Arrow<S>,
+    ) -> [S; 3] {
+        let omega_sq = y[5] * y[5];
+        if self.reading.centrifugal == 1.0 {
+            return inertia.free_accelerations(arrow, omega_sq, self.torque);
+        }
+        let misprint = self.centrifugal_misprint(inertia, y, arrow);
+        inertia.accelerations(arrow, omega_sq, [misprint, S::cst(0.0), S::cst(self.torque)])
+    }
+
     /// Writes the rates of `y` where struts hang on the joint.
     #[inline(always)]
     fn strut_rates<S: Real>(
@@ -242,13 +258,7 @@ impl Block {
                 [zero, zero, y[5], zero, zero, moment / about_pin]
             }
             Mode::Apart | Mode::Relaxing(_) => {
-                let (arrow, omega_sq) = (inertia.at(y[2]), y[5] * y[5]);
-                let a = if self.reading.centrifugal == 1.0 {
-                    inertia.free_accelerations(&arrow, omega_sq, self.torque)
-                } else {
-                    let misprint = self.centrifugal_misprint(inertia, y, &arrow);
-                    inertia.accelerations(&arrow, omega_sq, [misprint, zero, S::cst(self.torque)])
-                };
+                let a = self.free_accelerations(inertia, y, &inertia.at(y[2]));
                 [y[3], y[4], y[5], a[0], a[1], a[2]]
             }
             Mode::SlipPlus(_) | Mode::SlipMinus(_)
@@ -496,7 +506,7 @@ mod tests {
     #[test]
     fn plain_accelerations_are_the_general_ones() {
         let config = Config::table1().unwrap();
-        for block in &Mechanism::new(&config).blocks {
+        for block in Mechanism::new(&config).blocks() {
             let y = [3e-5, -9.9e-5, 0.02, 2e-3, -1e-3, 0.3];
             let (posture, pose) = (block.body.held().at(&y), block.pose(&y));
             for mode in [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)] {
@@ -524,7 +534,7 @@ mod tests {
                     joint.contact.damping = 0.0;
                 }
                 config.drive.m1 = 0.0;
-                for block in &Mechanism::new(&config).blocks {
+                for block in Mechanism::new(&config).blocks() {
                     use Mode::{Apart, Relaxing, SlipMinus, SlipPlus, Stick};
                     let in_contact = [Relaxing, SlipPlus, SlipMinus, Stick];
                     let in_contact = in_contact.map(|mode| mode(Touch::PLAIN));

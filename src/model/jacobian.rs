@@ -286,7 +286,7 @@ mod tests {
             [6e-5, 8.1e-5, 1.5, 1e-3, -2e-3, -0.4],
         ];
         let (reading, law) = (config.reading, config.joints[0].contact.law);
-        for block in &Mechanism::new(config).blocks {
+        for block in Mechanism::new(config).blocks() {
             let touch = block.normal.touch(2e-3);
             let pieces = (0..2).map(|piece| Touch { piece, ..touch });
             let modes: Vec<Mode> = pieces.flat_map(modes).collect();

@@ -4,7 +4,8 @@
 //! bush, strut angle θ, and their rates, a hybrid system with the modes of [`Mode`].
 //!
 //! Several bays are a [`Chain`], in which joint 1 of each bay is one system with all others; joint 2 is at
-//! the root alone and keeps the inertia of one bay: struts 3, 5 and 6 of later bays are not added to it.
+//! the root alone and keeps the inertia of one bay: struts 3, 5 and 6 of later bays are not added to it. A
+//! joint whose friction has a state of its own is a chain of one bay.
 //!
 //! The [slider-crank](slider_crank) is one block: its joint is the same, another [`Body`] hangs on it.
 
@@ -16,6 +17,7 @@ pub mod energy;
 mod friction;
 pub mod inertia;
 mod jacobian;
+mod jointed;
 pub mod laws;
 pub mod mode;
 pub mod reading;
@@ -26,6 +28,7 @@ pub mod sliding;
 
 pub use block::{Block, Body, State};
 pub use chain::Chain;
+pub use jointed::Jointed;
 pub use mode::Mode;
 pub use reading::Reading;
 pub use slider_crank::SliderCrank;
@@ -35,22 +38,68 @@ use contact::NormalLaw;
 use inertia::BlockInertia;
 use sliding::Shape;
 
-/// A mechanism: its independent blocks.
+/// A mechanism: its independent parts.
 #[derive(Clone, Debug)]
 pub struct Mechanism {
-    /// The blocks in the order of the joints: joint 1 (AB) and joint 2 (AF) of the struts, or the one of a
-    /// slider-crank.
-    pub blocks: Vec<Block>,
+    /// The parts in the order of the joints: joint 1 (AB) and joint 2 (AF) of the struts, or the one joint of
+    /// a slider-crank.
+    pub parts: Vec<Part>,
+}
+
+/// What shares no term with the rest of its mechanism.
+#[derive(Clone, Debug)]
+pub enum Part {
+    /// A joint with what hangs on it.
+    Block(Block),
+    /// Joint 1 of several bays, or a joint whose friction has bristles.
+    Chain(Chain),
+}
+
+impl Part {
+    /// A joint of it with what hangs on it, alone.
+    pub fn block(&self) -> &Block {
+        match self {
+            Self::Block(block) => block,
+            Self::Chain(chain) => chain.block(),
+        }
+    }
+
+    /// Number of its joints.
+    pub fn n_joints(&self) -> usize {
+        match self {
+            Self::Block(block) => block.n_joints(),
+            Self::Chain(chain) => chain.n_joints(),
+        }
+    }
 }
 
 impl Mechanism {
     /// The mechanism of a configuration.
     pub fn new(config: &Config) -> Self {
-        let blocks = match config.mechanism {
-            MechanismName::Strut => Self::struts(config).into(),
-            MechanismName::SliderCrank => vec![Self::slider_crank(config)],
+        let bays = [config.bays as usize, 1];
+        let part = |(block, bays): (Block, usize)| match &block.body {
+            Body::Struts(inertia) if bays > 1 || block.sliding.bristles().is_some() => {
+                let inertia = inertia.clone();
+                Part::Chain(Chain::of(block, inertia, bays))
+            }
+            _ => Part::Block(block),
         };
-        Self { blocks }
+        let parts = match config.mechanism {
+            MechanismName::Strut => Self::struts(config).into_iter().zip(bays).map(part).collect(),
+            MechanismName::SliderCrank => vec![Part::Block(Self::slider_crank(config))],
+        };
+        Self { parts }
+    }
+
+    /// The joint of each part with what hangs on it, alone.
+    pub fn blocks(&self) -> Vec<&Block> {
+        self.parts.iter().map(Part::block).collect()
+    }
+
+    /// Every joint: its bay, from 1, and the joint with what hangs on it, alone.
+    pub fn joints(&self) -> Vec<(usize, &Block)> {
+        let joints = |part| (1..=Part::n_joints(part)).map(|bay| (bay, Part::block(part)));
+        self.parts.iter().flat_map(joints).collect()
     }
 
     /// The two blocks of the struts.

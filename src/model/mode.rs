@@ -328,12 +328,14 @@ impl Block {
         y: &mut State<S>,
         extra: Extra<S>,
     ) -> Mode {
-        let pose = self.pose(y);
-        let plus = self.v_t_dot_in(Mode::SlipPlus(touch), y, &pose, extra);
-        let minus = self.v_t_dot_in(Mode::SlipMinus(touch), y, &pose, extra);
-        if self.sliding.sticks() && plus <= 0.0 && 0.0 <= minus {
-            self.project_v_t(y);
-            return Mode::Stick(touch);
+        if self.sliding.sticks() {
+            let pose = self.pose(y);
+            let plus = self.v_t_dot_in(Mode::SlipPlus(touch), y, &pose, extra);
+            let minus = self.v_t_dot_in(Mode::SlipMinus(touch), y, &pose, extra);
+            if plus <= 0.0 && 0.0 <= minus {
+                self.project_v_t(y);
+                return Mode::Stick(touch);
+            }
         }
         match mode {
             Mode::SlipPlus(_) => Mode::SlipMinus(touch),

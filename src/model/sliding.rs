@@ -9,7 +9,8 @@ use crate::config::{Friction, FrictionLaw};
 /// Friction of a slip, `F_T = −σ m F_N` [N] with σ the sign of the tangential velocity v_T and `m(s)` of its
 /// size s = |v_T| [m/s]: smooth piece by piece, each piece a mode.
 ///
-/// Coulomb's and Stribeck's laws stick at s = 0, below `m(0)`. The others have m(0) = 0 and creep instead.
+/// Coulomb's and Stribeck's laws stick at s = 0, below `m(0)`. The others have m(0) = 0 and creep instead, or
+/// bend their [`Bristles`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// `m = μ`. Eq. (4) of the paper.
@@ -42,18 +43,81 @@ pub enum Shape {
         /// `v_r` [m/s].
         speed: f64,
     },
+    /// `m = g(s) + σ2 s` where the speed is held: what [`Bristles`] bend to.
+    Lugre(Bristles),
+}
+
+/// Friction by bristles that bend before they slide, the LuGre law, here by a normal force that varies:
+///
+/// ```text
+/// F_T = −F_N (σ0 z + σ1 ż + σ2 v_T)   [N]
+/// ż = v_T − σ0 |v_T| z/g(|v_T|)       [m/s]
+/// g(s) = μ + (μ_s − μ) exp(−(s/v_S)²)
+/// ```
+///
+/// z the deflection of the bristles [m]: zero where a contact begins, to ±g/σ0 where it slides. It does not stick,
+/// it bends.
+///
+/// C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, "A new model for control of systems with friction",
+/// IEEE Trans. Autom. Control 40(3), 419–425 (1995), has forces for a constant load: `F = σ0 z + σ1 ż + σ2 v`, `ż =
+/// v − σ0 |v| z/g(v)`, `g = F_C + (F_S − F_C) exp(−(v/v_S)²)`. Here the load is a factor, as contacts need it; so C.
+/// Canudas de Wit, P. Tsiotras, "Dynamic tire friction models for vehicle traction control", Proc. 38th IEEE CDC
+/// (1999), with another exponent in g.
+///
+/// Unbent bristles at v_T above μ_s/σ1, as where a contact begins fast, give more than μ_s F_N. With F_N held and
+/// `½ σ0 z²` stored, `F v − σ0 z ż = (σ0 z)² |v|/g + σ1 v ż + σ2 v²`, and as `v ż ≥ −v² (μ_s − μ)/μ` for |z| ≤ μ_s/σ0 the
+/// law is passive if σ2 ≥ σ1 (μ_s − μ)/μ; else it may give energy where a speed changes fast. The energy balance counts
+/// all that friction takes as dissipated, what bends bristles too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bristles {
+    /// `σ0` [1/m].
+    pub stiffness: f64,
+    /// `σ1` [s/m].
+    pub damping: f64,
+    /// `σ2` [s/m].
+    pub viscosity: f64,
+    /// `μ_s − μ`.
+    pub excess: f64,
+    /// `v_S` [m/s].
+    pub speed: f64,
+}
+
+impl Bristles {
+    /// `σ0 z + σ1 ż + σ2 v_T` and `ż` [m/s], where v_T has the sign `sigma`, past zero too.
+    #[inline(always)]
+    pub(super) fn bent<S: Real>(&self, mu: f64, sigma: f64, v_t: S, z: S) -> (S, S) {
+        let s = v_t * sigma;
+        let g = s.apart(&Piece { shape: self.without_viscosity(), mu, piece: 0 });
+        let z_dot = v_t - z * s * self.stiffness / g;
+        (z * self.stiffness + z_dot * self.damping + v_t * self.viscosity, z_dot)
+    }
+
+    /// `g/σ0` at rest [m].
+    pub(super) fn most_deflection(&self, mu: f64) -> f64 {
+        (mu + self.excess.max(0.0)) / self.stiffness
+    }
+
+    /// g as a shape.
+    fn without_viscosity(&self) -> Shape {
+        Shape::Stribeck { excess: self.excess, speed: self.speed }
+    }
 }
 
 impl Shape {
     /// The shape of a configuration.
     pub fn new(friction: &Friction) -> Self {
         let speed = friction.regularisation_speed;
+        let excess = friction.static_coefficient - friction.coefficient;
         match friction.law {
-            FrictionLaw::Coulomb | FrictionLaw::Lugre => Self::Constant,
-            FrictionLaw::Stribeck => Self::Stribeck {
-                excess: friction.static_coefficient - friction.coefficient,
+            FrictionLaw::Coulomb => Self::Constant,
+            FrictionLaw::Stribeck => Self::Stribeck { excess, speed: friction.stribeck_speed },
+            FrictionLaw::Lugre => Self::Lugre(Bristles {
+                stiffness: friction.bristle_stiffness,
+                damping: friction.bristle_damping,
+                viscosity: friction.viscosity,
+                excess,
                 speed: friction.stribeck_speed,
-            },
+            }),
             FrictionLaw::Tanh => Self::Tanh { speed },
             FrictionLaw::Ambrosio => Self::Ambrosio { dead: friction.dead_ratio * speed, speed },
             FrictionLaw::Threlfall => Self::Threlfall { speed },
@@ -63,6 +127,14 @@ impl Shape {
     /// Whether it can hold at s = 0.
     pub fn sticks(&self) -> bool {
         matches!(self, Self::Constant | Self::Stribeck { .. })
+    }
+
+    /// What it keeps of its sliding, where it does.
+    pub fn bristles(&self) -> Option<Bristles> {
+        match self {
+            Self::Lugre(bristles) => Some(*bristles),
+            _ => None,
+        }
     }
 
     /// `m(0)` of a law that sticks.
@@ -85,7 +157,7 @@ impl Shape {
     /// Whether it is one piece.
     #[inline(always)]
     pub(super) fn is_whole(&self) -> bool {
-        matches!(self, Self::Constant | Self::Stribeck { .. } | Self::Tanh { .. })
+        matches!(self, Self::Constant | Self::Stribeck { .. } | Self::Tanh { .. } | Self::Lugre(_))
     }
 
     /// `touch` in the piece of a speed `s`.
@@ -120,6 +192,9 @@ impl Shape {
                 let part = s / speed;
                 -2.0 * excess * part / speed * libm::exp(-part * part)
             }
+            (Self::Lugre(own), piece) => {
+                own.without_viscosity().slope(mu, piece, s) + own.viscosity
+            }
             (Self::Tanh { speed }, _) => {
                 let cosh = libm::cosh(s / speed);
                 mu / (speed * cosh * cosh)
@@ -146,6 +221,10 @@ impl Function for Piece {
                 let part = s / speed;
                 (-(part * part)).exp() * excess + mu
             }
+            (Shape::Lugre(own), _) => {
+                let part = s / own.speed;
+                (-(part * part)).exp() * own.excess + mu + s * own.viscosity
+            }
             (Shape::Tanh { speed }, _) => {
                 // Of the argument's size: no power overflows.
                 let sign = if s.value() < 0.0 { -1.0 } else { 1.0 };
@@ -167,13 +246,29 @@ mod tests {
 
     use super::*;
 
-    const SHAPES: [Shape; 5] = [
+    const BRISTLES: Bristles =
+        Bristles { stiffness: 1e5, damping: 10.0, viscosity: 2.0, excess: 0.05, speed: 1e-3 };
+
+    const SHAPES: [Shape; 6] = [
+        Shape::Lugre(BRISTLES),
         Shape::Constant,
         Shape::Stribeck { excess: 0.05, speed: 1e-3 },
         Shape::Tanh { speed: 1e-4 },
         Shape::Ambrosio { dead: 1e-5, speed: 1e-4 },
         Shape::Threlfall { speed: 1e-4 },
     ];
+
+    #[test]
+    fn bristles_that_no_longer_bend_give_the_friction_of_their_speed() {
+        for (sigma, s) in [(1.0, 2e-3), (-1.0, 5e-4)] {
+            let g = Shape::Lugre(BRISTLES).ratio(0.1, 0, s) - BRISTLES.viscosity * s;
+            let (v_t, z) = (sigma * s, sigma * g / BRISTLES.stiffness);
+            let (ratio, z_dot) = BRISTLES.bent(0.1, sigma, v_t, z);
+            assert!(z_dot.abs() < 1e-15 * s, "{z_dot:e}");
+            let steady = sigma * (g + BRISTLES.viscosity * s);
+            assert!((ratio / steady - 1.0).abs() < 1e-15, "{ratio} against {steady}");
+        }
+    }
 
     #[test]
     fn friction_is_continuous_where_its_pieces_meet_and_its_slope_is_its_derivative() {

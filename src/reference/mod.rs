@@ -11,11 +11,11 @@ use crate::energy_balance::Balance;
 use crate::metrics::contacts::{Contact, total_impulse};
 use crate::metrics::dense::Node;
 use crate::metrics::{ErrorScale, EventMatch, match_events, sample_error, worse};
-use crate::model::{Block, Mechanism, State};
+use crate::model::{Block, Mechanism, Part, State};
 use crate::run::{BlockTrajectory, Limits, ModeChange, mode_changes};
 
 pub use solve::{HORIZON_ERROR, RECIPE};
-use solve::{Solved, solve, solve_extended};
+use solve::{JointPath, Path, Solved, solve, solve_extended};
 
 /// Why there is no reference.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -51,9 +51,11 @@ pub enum ReferenceError {
     NoMethod(&'static str),
 }
 
-/// The reference of one block.
+/// The reference of one joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BlockReference {
+pub struct JointReference {
+    /// Its bay, from 1.
+    pub bay: usize,
     /// Number of the joint.
     pub joint: usize,
     /// States on the grid.
@@ -62,8 +64,8 @@ pub struct BlockReference {
     pub times: Vec<f64>,
     /// Mode changes at the roots of their guards; the first one may be the start's own, see [`counted`].
     pub events: Vec<ModeChange>,
-    /// First sample time at which a last-bit change of the start exceeds [`HORIZON_ERROR`] [s];
-    /// infinite where none does.
+    /// First sample time at which a last-bit change of the start exceeds [`HORIZON_ERROR`] in any joint of its
+    /// part [s]; infinite where none does.
     #[serde(with = "finite_or_none")]
     pub lost_at: f64,
     /// The end of the run [s].
@@ -78,8 +80,6 @@ pub struct BlockReference {
     pub nodes: Vec<Node>,
     /// Contacts.
     pub contacts: Vec<Contact>,
-    /// Energy balance.
-    pub balance: Balance,
 }
 
 /// JSON has no infinity.
@@ -98,8 +98,8 @@ mod finite_or_none {
 /// The reference of a mechanism.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
-    /// Block by block.
-    pub blocks: Vec<BlockReference>,
+    /// Joint by joint, in the order of [`Mechanism::joints`].
+    pub joints: Vec<JointReference>,
     /// How it was made, and how good it is.
     pub summary: ReferenceSummary,
 }
@@ -118,6 +118,12 @@ pub struct ReferenceSummary {
     pub event_time_agreement_s: Option<f64>,
     /// Largest |θ| over samples and joints, the scale of θ in `e` [rad].
     pub theta_scale_rad: f64,
+    /// The bay of each joint, from 1.
+    #[serde(default)]
+    pub bays: Vec<usize>,
+    /// The number of each joint.
+    #[serde(default)]
+    pub joints: Vec<usize>,
     /// Horizon of each joint [s].
     pub horizon_s: Vec<f64>,
     /// End of each joint's run [s].
@@ -143,9 +149,9 @@ pub fn counted(events: &[ModeChange], block: &Block) -> Vec<ModeChange> {
 impl Reference {
     /// Makes the reference of `mechanism` on the sample times `times` up to `t_end`.
     ///
-    /// Of each block a run by Taylor series at rtol 1e-14, one at 1e-15, which tells the error of the
+    /// Of each part a run by Taylor series at rtol 1e-14, one at 1e-15, which tells the error of the
     /// first, and one like the first from a start changed in its last bit, whose growth is the horizon. A
-    /// block whose series cost more than `limits` allow (one of order N as N²/2 right-hand sides), fail, or
+    /// part whose series cost more than `limits` allow (one of order N as N²/2 right-hand sides), fail, or
     /// differ by more than 1e-8 or in their events, goes to `radau5` at 1e-14 and 1e-13, then to `rodas5p`
     /// with `radau5`, then to `vern98` with `dop853`.
     ///
@@ -157,9 +163,10 @@ impl Reference {
         times: &[f64],
         limits: Limits<'_>,
     ) -> Result<Self, ReferenceError> {
-        let blocks = mechanism.blocks.iter();
-        let solved = blocks.map(|block| solve(block, t_end, times, limits));
-        Ok(Self::joined(mechanism, solved.collect::<Result<Vec<_>, _>>()?))
+        Self::by(mechanism, |part| match part {
+            Part::Block(block) => solve(block, t_end, times, limits),
+            Part::Chain(chain) => solve(chain, t_end, times, limits),
+        })
     }
 
     /// The same with 31 digits: Taylor series of order 25 over pairs of f64, at rtol 1e-18, its error told by
@@ -173,12 +180,21 @@ impl Reference {
         times: &[f64],
         limits: Limits<'_>,
     ) -> Result<Self, ReferenceError> {
-        let blocks = mechanism.blocks.iter();
-        let solved = blocks.map(|block| solve_extended(block, t_end, times, limits));
-        Ok(Self::joined(mechanism, solved.collect::<Result<Vec<_>, _>>()?))
+        Self::by(mechanism, |part| match part {
+            Part::Block(block) => solve_extended(block, t_end, times, limits),
+            Part::Chain(chain) => solve_extended(chain, t_end, times, limits),
+        })
     }
 
-    /// The reference that these runs of the blocks of `mechanism` make, whatever they were computed in.
+    fn by(
+        mechanism: &Mechanism,
+        solve: impl FnMut(&Part) -> Result<Solved, ReferenceError>,
+    ) -> Result<Self, ReferenceError> {
+        let solved = mechanism.parts.iter().map(solve).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self::joined(mechanism, solved))
+    }
+
+    /// The reference that these runs of the parts of `mechanism` make, whatever they were computed in.
     fn joined(mechanism: &Mechanism, solved: Vec<Solved>) -> Self {
         let theta = solved.iter().map(|solved| solved.path.largest_angle()).fold(0.0, f64::max);
         let mut agreement = 0.0_f64;
@@ -186,48 +202,63 @@ impl Reference {
         let mut energy = Balance::default();
         let of_joints = |text: fn(&Solved) -> &String| joined_text(solved.iter().map(text));
         let (method, check) = (of_joints(|s| &s.method), of_joints(|s| &s.check_method));
-        let mut blocks = Vec::new();
-        for (block, solved) in mechanism.blocks.iter().zip(solved) {
+        let mut joints = Vec::new();
+        for (block, solved) in mechanism.blocks().into_iter().zip(solved) {
             let scale = ErrorScale::of(block, theta);
             let lost_at = solved.lost_at(scale);
             let (e, times) = solved.disagreement(block, scale, lost_at);
             agreement = worse(agreement, e);
             event_agreement = event_agreement.zip(times).map(|(a, b)| a.max(b));
             energy += solved.path.balance;
-            blocks.push(BlockReference::new(solved, scale, lost_at));
+            joints.extend(JointReference::all(solved, scale, lost_at));
         }
-        let events = mechanism.blocks.iter().zip(&blocks);
+        let events = mechanism.joints().into_iter().zip(&joints);
         let summary = ReferenceSummary {
             method,
             check,
             agreement,
             event_time_agreement_s: event_agreement,
             theta_scale_rad: theta,
-            horizon_s: blocks.iter().map(BlockReference::horizon).collect(),
-            t_end_s: blocks.iter().map(|block| block.t_end).collect(),
-            n_events: events.map(|(block, own)| counted(&own.events, block).len()).collect(),
-            impulse_n_s: blocks.iter().map(|block| total_impulse(&block.contacts)).collect(),
+            horizon_s: joints.iter().map(JointReference::horizon).collect(),
+            t_end_s: joints.iter().map(|joint| joint.t_end).collect(),
+            bays: joints.iter().map(|joint| joint.bay).collect(),
+            joints: joints.iter().map(|joint| joint.joint).collect(),
+            n_events: events.map(|((_, block), own)| counted(&own.events, block).len()).collect(),
+            impulse_n_s: joints.iter().map(|joint| total_impulse(&joint.contacts)).collect(),
             energy,
         };
-        Self { blocks, summary }
+        Self { joints, summary }
     }
 
     /// Leaves of its samples, events, nodes and contacts those up to `t_end` [s], and measures angles by the
     /// largest that is left; states at the end, balances and the summary stay those of the whole.
     pub fn cut(&mut self, t_end: f64) {
-        for block in &mut self.blocks {
-            block.cut(t_end);
+        for joint in &mut self.joints {
+            joint.cut(t_end);
         }
-        let angles = self.blocks.iter().flat_map(|block| &block.samples).map(|y| y[2].abs());
+        let angles = self.joints.iter().flat_map(|joint| &joint.samples).map(|y| y[2].abs());
         let theta = angles.fold(0.0, f64::max);
-        for block in &mut self.blocks {
-            block.scale.theta = theta;
+        for joint in &mut self.joints {
+            joint.scale.theta = theta;
         }
     }
 
-    /// The shortest horizon of its blocks [s].
+    /// The shortest horizon of its joints [s].
     pub fn horizon(&self) -> f64 {
-        self.blocks.iter().fold(f64::INFINITY, |least, block| least.min(block.horizon()))
+        self.joints.iter().fold(f64::INFINITY, |least, joint| least.min(joint.horizon()))
+    }
+
+    /// Those of each part of `mechanism`, in its order.
+    pub fn of_parts<'a>(
+        &'a self,
+        mechanism: &'a Mechanism,
+    ) -> impl Iterator<Item = (&'a Part, &'a [JointReference])> {
+        let mut ahead = self.joints.as_slice();
+        mechanism.parts.iter().map(move |part| {
+            let (own, rest) = ahead.split_at(part.n_joints().min(ahead.len()));
+            ahead = rest;
+            (part, own)
+        })
     }
 }
 
@@ -252,6 +283,18 @@ impl ReferenceSummary {
         self.agreement <= 0.1 * e
     }
 
+    /// Number and bay of the joint at place `i`; a summary of one bay may have been written without them.
+    fn joint(&self, i: usize) -> (usize, usize) {
+        let own = self.joints.get(i).zip(self.bays.get(i));
+        own.map_or((i + 1, 1), |(joint, bay)| (*joint, *bay))
+    }
+
+    /// The horizon of each joint [s], said once for all bays of a chain.
+    pub fn horizons(&self) -> String {
+        let of_root = self.horizon_s.iter().enumerate().filter(|(i, _)| self.joint(*i).1 == 1);
+        of_root.map(|(_, t)| format!("{t}")).collect::<Vec<_>>().join(" and ")
+    }
+
     /// What it cannot serve for, a sentence each.
     pub fn limits(&self) -> Vec<String> {
         let mut limits = Vec::new();
@@ -264,8 +307,11 @@ impl ReferenceSummary {
         if self.event_time_agreement_s.is_none() {
             limits.push("its two runs differ in their events: missed, spurious and event times are doubtful".into());
         }
-        for (joint, (horizon, t_end)) in (1..).zip(self.horizon_s.iter().zip(&self.t_end_s)) {
-            if horizon < t_end {
+        for (i, (horizon, t_end)) in self.horizon_s.iter().zip(&self.t_end_s).enumerate() {
+            // The joints of a chain have one horizon.
+            if let (joint, 1) = self.joint(i)
+                && horizon < t_end
+            {
                 limits.push(format!(
                     "joint {joint} is predictable up to {horizon} s of {t_end} s: beyond, only the number of events, impulse and dissipation are compared"
                 ));
@@ -275,30 +321,34 @@ impl ReferenceSummary {
     }
 }
 
-impl BlockReference {
-    fn new(solved: Solved, scale: ErrorScale, lost_at: f64) -> Self {
-        let path = solved.path;
-        let mut amplitude = [0.0_f64; 6];
-        for node in &path.nodes {
-            for (largest, y) in amplitude.iter_mut().zip(node.y) {
-                *largest = largest.max(y.abs());
+impl JointReference {
+    /// Those of the joints of a part.
+    fn all(solved: Solved, scale: ErrorScale, lost_at: f64) -> Vec<Self> {
+        let Path { run, joints, .. } = solved.path;
+        let joint = |(k, own): (usize, JointPath)| {
+            let mut amplitude = [0.0_f64; 6];
+            for node in &own.nodes {
+                for (largest, y) in amplitude.iter_mut().zip(node.y) {
+                    *largest = largest.max(y.abs());
+                }
             }
-        }
-        let samples = path.trajectory.samples;
-        Self {
-            joint: path.run.joint,
-            times: samples.iter().map(|Sample { t, .. }| *t).collect(),
-            samples: samples.into_iter().map(|Sample { y, .. }| y).collect(),
-            events: path.events,
-            lost_at,
-            t_end: path.run.t,
-            y_end: path.run.y,
-            scale,
-            amplitude,
-            nodes: path.nodes,
-            contacts: path.contacts,
-            balance: path.balance,
-        }
+            let samples = own.trajectory.samples;
+            Self {
+                bay: k + 1,
+                joint: run.joint,
+                times: samples.iter().map(|Sample { t, .. }| *t).collect(),
+                samples: samples.into_iter().map(|Sample { y, .. }| y).collect(),
+                events: own.events,
+                lost_at,
+                t_end: run.t,
+                y_end: run.y[k],
+                scale,
+                amplitude,
+                nodes: own.nodes,
+                contacts: own.contacts,
+            }
+        };
+        joints.into_iter().enumerate().map(joint).collect()
     }
 
     fn cut(&mut self, t_end: f64) {

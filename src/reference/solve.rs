@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use deltazero_solvers::taylor::MAX_ORDER;
 use deltazero_solvers::{
-    Accepted, Event, Grid, Method, Next, Outcome, Record, System as _, Trajectory,
+    Accepted, Event, Grid, Method, Next, Outcome, Record, Trajectory, Vector as _,
 };
 use num_dual::Dual64;
 
@@ -15,13 +15,14 @@ use crate::energy_balance::{Balance, EnergyBalance};
 use crate::metrics::contacts::{Contact, Contacts};
 use crate::metrics::dense::{Node, Nodes};
 use crate::metrics::{ErrorScale, match_events, sample_error, worse};
-use crate::model::{Block, State};
+use crate::model::{Block, Jointed, State};
 use crate::run::{
-    Accuracy, BlockRun, BlockTrajectory, Limits, ModeChange, Setting, integrate, integrate_extended,
+    Accuracy, BlockTrajectory, Integrable, JointsRun, Limits, ModeChange, OwnRun, Setting,
+    integrate, trajectories,
 };
 
 /// Changes with whatever changes references: those kept on disk are then made anew.
-pub const RECIPE: u32 = 2;
+pub const RECIPE: u32 = 3;
 
 /// Method and tolerance of the reference, and those of the run that tells its error.
 type Pair = [(&'static str, f64); 2];
@@ -49,19 +50,25 @@ const AGREED: f64 = 1e-8;
 /// A last-bit change of the start that grows beyond this `e` ends the horizon.
 pub const HORIZON_ERROR: f64 = 1e-9;
 
-/// One run of a block, and what a reference keeps of it.
+/// One run of a part, and what a reference keeps of it.
 #[derive(Clone, Debug)]
 pub(super) struct Path {
-    pub(super) run: BlockRun,
+    pub(super) run: JointsRun,
+    pub(super) joints: Vec<JointPath>,
+    pub(super) balance: Balance,
+}
+
+/// What it keeps of one joint.
+#[derive(Clone, Debug)]
+pub(super) struct JointPath {
     pub(super) trajectory: BlockTrajectory,
     /// Mode changes, at the roots of their guards.
     pub(super) events: Vec<ModeChange>,
     pub(super) nodes: Vec<Node>,
     pub(super) contacts: Vec<Contact>,
-    pub(super) balance: Balance,
 }
 
-/// What the reference of a block is made of.
+/// What the reference of a part is made of.
 #[derive(Clone, Debug)]
 pub(super) struct Solved {
     /// Method and setting of the reference.
@@ -70,18 +77,22 @@ pub(super) struct Solved {
     pub(super) check_method: String,
     pub(super) path: Path,
     pub(super) check: Path,
-    /// The samples of a run like `path` from a start changed in its last bit.
-    pub(super) nudged: BlockTrajectory,
+    /// The samples of a run like `path` from a start changed in its last bit, of each joint.
+    pub(super) nudged: Vec<BlockTrajectory>,
 }
 
 impl Solved {
-    /// The first sample time at which a last-bit change of the start exceeds [`HORIZON_ERROR`] [s];
-    /// infinite where none does.
+    /// The first sample time at which a last-bit change of the start exceeds [`HORIZON_ERROR`] in any joint
+    /// [s]; infinite where none does.
     pub(super) fn lost_at(&self, scale: ErrorScale) -> f64 {
-        let mut pairs = self.path.trajectory.samples.iter().zip(&self.nudged.samples);
         let is_lost =
             |a: &State<f64>, b| sample_error(b, a, scale).total_cmp(&HORIZON_ERROR).is_gt();
-        pairs.find(|(a, b)| is_lost(&a.y, &b.y)).map_or(f64::INFINITY, |(a, _)| a.t)
+        let joints = self.path.joints.iter().zip(&self.nudged);
+        let lost = joints.filter_map(|(own, nudged)| {
+            let mut pairs = own.trajectory.samples.iter().zip(&nudged.samples);
+            pairs.find(|(a, b)| is_lost(&a.y, &b.y)).map(|(a, _)| a.t)
+        });
+        lost.fold(f64::INFINITY, f64::min)
     }
 
     /// Largest `e` between both runs before `lost_at`, and the largest difference of their event times
@@ -92,26 +103,30 @@ impl Solved {
         scale: ErrorScale,
         lost_at: f64,
     ) -> (f64, Option<f64>) {
-        let pairs = self.path.trajectory.samples.iter().zip(&self.check.trajectory.samples);
-        let errors = pairs.filter(|(a, _)| a.t < lost_at);
-        let e = errors.map(|(a, b)| sample_error(&b.y, &a.y, scale)).fold(0.0, worse);
-        let events = |path: &Path| -> Vec<ModeChange> {
-            let events = counted(&path.events, block).into_iter();
-            events.filter(|event| event.t < lost_at).collect()
-        };
-        let times = match_events(&events(&self.check), &events(&self.path));
-        let is_whole = times.missed == 0 && times.spurious == 0;
-        (e, is_whole.then_some(times.time_error))
+        let (mut largest, mut latest) = (0.0, Some(0.0_f64));
+        for (own, check) in self.path.joints.iter().zip(&self.check.joints) {
+            let pairs = own.trajectory.samples.iter().zip(&check.trajectory.samples);
+            let errors = pairs.filter(|(a, _)| a.t < lost_at);
+            largest = errors.map(|(a, b)| sample_error(&b.y, &a.y, scale)).fold(largest, worse);
+            let events = |path: &JointPath| -> Vec<ModeChange> {
+                let events = counted(&path.events, block).into_iter();
+                events.filter(|event| event.t < lost_at).collect()
+            };
+            let times = match_events(&events(check), &events(own));
+            let is_whole = times.missed == 0 && times.spurious == 0;
+            latest = latest.filter(|_| is_whole).map(|most| most.max(times.time_error));
+        }
+        (largest, latest)
     }
 }
 
-/// The reference of `block` in f64: the first of [`PAIRS`] whose runs come to their end and agree; else
+/// The reference of `part` in f64: the first of [`PAIRS`] whose runs come to their end and agree; else
 /// the one that agrees best.
 ///
 /// # Errors
 /// That of the last pair, where none came to its end.
-pub(super) fn solve(
-    block: &Block,
+pub(super) fn solve<P: Integrable>(
+    part: &P,
     t_end: f64,
     times: &[f64],
     limits: Limits<'_>,
@@ -119,13 +134,13 @@ pub(super) fn solve(
     let mut best: Option<(f64, Solved)> = None;
     let mut failure = None;
     for pair in PAIRS {
-        match solve_by(pair, block, t_end, times, limits) {
+        match solve_by(pair, part, t_end, times, limits) {
             Err(ReferenceError::Interrupted) => return Err(ReferenceError::Interrupted),
             Err(error) => failure = Some(error),
             Ok(solved) => {
                 let theta = solved.path.largest_angle();
-                let scale = ErrorScale::of(block, theta);
-                let (e, times) = solved.disagreement(block, scale, solved.lost_at(scale));
+                let scale = ErrorScale::of(part.block(), theta);
+                let (e, times) = solved.disagreement(part.block(), scale, solved.lost_at(scale));
                 if e <= AGREED && times.is_some() {
                     return Ok(solved);
                 }
@@ -142,9 +157,9 @@ pub(super) fn solve(
     }
 }
 
-fn solve_by(
+fn solve_by<P: Integrable>(
     pair: Pair,
-    block: &Block,
+    part: &P,
     t_end: f64,
     times: &[f64],
     limits: Limits<'_>,
@@ -155,39 +170,44 @@ fn solve_by(
         Ok(Maker::Method(Setting { method, events: Events::Located, accuracy }))
     };
     let [own, other] = pair.map(setting);
-    solve_with([own?, other?], block, t_end, times, limits)
+    solve_with([own?, other?], part, t_end, times, limits)
 }
 
-/// The reference of `block` in extended precision.
+/// The reference of `part` in extended precision.
 ///
 /// # Errors
 /// [`ReferenceError`].
-pub(super) fn solve_extended(
-    block: &Block,
+pub(super) fn solve_extended<P: Integrable>(
+    part: &P,
     t_end: f64,
     times: &[f64],
     limits: Limits<'_>,
 ) -> Result<Solved, ReferenceError> {
-    solve_with(EXTENDED_RTOL.map(Maker::Extended), block, t_end, times, limits)
+    solve_with(EXTENDED_RTOL.map(Maker::Extended), part, t_end, times, limits)
 }
 
-fn solve_with(
+fn solve_with<P: Integrable>(
     [own, other]: [Maker; 2],
-    block: &Block,
+    part: &P,
     t_end: f64,
     times: &[f64],
     limits: Limits<'_>,
 ) -> Result<Solved, ReferenceError> {
-    let y0 = block.initial_state();
-    let nudge = |y: f64| if y == 0.0 { y } else { y.next_up() };
+    let y0 = part.start();
+    let mut nudged_y0 = y0.clone();
+    for y in nudged_y0.as_mut().iter_mut().filter(|y| **y != 0.0) {
+        *y = y.next_up();
+    }
     // First the one that may cost more: too much of it, and the others are spared.
-    let check = path(block, &other, y0, t_end, times, limits)?;
+    let check = path(part, &other, y0.clone(), t_end, times, limits)?;
+    let own_path = path(part, &own, y0, t_end, times, limits)?;
+    let nudged = path(part, &own, nudged_y0, t_end, times, limits)?;
     Ok(Solved {
         method: own.described(),
         check_method: other.described(),
-        path: path(block, &own, y0, t_end, times, limits)?,
+        path: own_path,
         check,
-        nudged: path(block, &own, y0.map(nudge), t_end, times, limits)?.trajectory,
+        nudged: nudged.joints.into_iter().map(|joint| joint.trajectory).collect(),
     })
 }
 
@@ -229,61 +249,69 @@ impl Maker {
         self.series_order().map_or(1, |order| (order * order / 2) as u64)
     }
 
-    fn run(
+    fn run<P: Integrable>(
         &self,
-        block: &Block,
-        y0: State<f64>,
+        part: &P,
+        y0: P::State<f64>,
         t_end: f64,
-        record: &mut dyn Record<Block>,
-    ) -> BlockRun {
+        record: &mut dyn Record<P>,
+    ) -> OwnRun<P> {
         match self {
-            Self::Method(setting) => integrate(block, setting, y0, t_end, record),
-            Self::Extended(rtol) => integrate_extended(block, *rtol, y0, t_end, record),
+            Self::Method(setting) => integrate(part, setting, y0, t_end, record),
+            Self::Extended(rtol) => part.integrate_extended(*rtol, y0, t_end, record),
         }
     }
 }
 
-fn path(
-    block: &Block,
+fn path<P: Integrable>(
+    part: &P,
     maker: &Maker,
-    y0: State<f64>,
+    y0: P::State<f64>,
     t_end: f64,
     times: &[f64],
     limits: Limits<'_>,
 ) -> Result<Path, ReferenceError> {
     let own_limits = Limits { max_rhs: limits.max_rhs / maker.rhs_for_each(), ..limits };
     let trajectory = Trajectory::on(Grid::Times(times.to_vec()));
-    let contacts = Contacts::new(block, Events::Located);
-    let balance = EnergyBalance::new(block, Events::Located, &y0);
-    let mut record =
-        (((trajectory, own_limits), Roots::new(block, maker)), (Nodes::new(), (contacts, balance)));
-    let run = maker.run(block, y0, t_end, &mut record);
+    let contacts = Contacts::new(part, Events::Located);
+    let balance = EnergyBalance::new(part, Events::Located, &y0);
+    let roots = Roots::new(part, maker);
+    let mut record = (((trajectory, own_limits), roots), (Nodes::new(part), (contacts, balance)));
+    let run = maker.run(part, y0, t_end, &mut record);
     let (((trajectory, _), roots), (nodes, (contacts, balance))) = record;
     match &run.outcome {
         Err(error) => Err(ReferenceError::Failed {
             method: maker.name(),
             joint: run.joint,
             t: run.t,
-            mode: run.mode.to_string(),
+            mode: format!("{:?}", run.mode),
             error: error.clone(),
         }),
         Ok(Outcome::Interrupted) if limits.is_stopped() => Err(ReferenceError::Interrupted),
         Ok(Outcome::Interrupted) => Err(ReferenceError::TooMuchWork { max_rhs: limits.max_rhs }),
-        Ok(_) => Ok(Path {
-            balance: balance.at(run.mode, &run.y),
-            run,
-            trajectory,
-            events: roots.changes,
-            nodes: nodes.list,
-            contacts: contacts.list,
-        }),
+        Ok(_) => {
+            let kept = roots.changes.into_iter().zip(nodes.lists).zip(contacts.lists());
+            let joints = trajectories(part, &trajectory).into_iter().zip(kept);
+            let joint = |(trajectory, ((events, nodes), contacts))| JointPath {
+                trajectory,
+                events,
+                nodes,
+                contacts,
+            };
+            Ok(Path {
+                balance: balance.at(run.mode.clone(), &run.y),
+                joints: joints.map(joint).collect(),
+                run: run.by_joint(part),
+            })
+        }
     }
 }
 
 impl Path {
     /// Largest |θ| of the samples [rad].
     pub(super) fn largest_angle(&self) -> f64 {
-        let angles = self.trajectory.samples.iter().map(|sample| sample.y[2].abs());
+        let samples = self.joints.iter().flat_map(|joint| &joint.trajectory.samples);
+        let angles = samples.map(|sample| sample.y[2].abs());
         angles.fold(f64::MIN_POSITIVE, f64::max)
     }
 }
@@ -292,44 +320,48 @@ impl Path {
 ///
 /// A run lands past the surface, by half the guard's rounding bound: where a guard falls slowly, as that of
 /// sticking does, that is late by picoseconds. One step of Newton's iteration goes back to the root.
-struct Roots<'a> {
-    block: &'a Block,
-    changes: Vec<ModeChange>,
+struct Roots<'a, P> {
+    part: &'a P,
+    /// Of each joint.
+    changes: Vec<Vec<ModeChange>>,
     /// Whether runs land on the root itself.
     is_exact: bool,
     /// By how much the last step landed late [s].
     late: f64,
 }
 
-impl<'a> Roots<'a> {
-    fn new(block: &'a Block, maker: &Maker) -> Self {
+impl<'a, P: Jointed> Roots<'a, P> {
+    fn new(part: &'a P, maker: &Maker) -> Self {
         let is_exact = matches!(maker, Maker::Extended(_));
-        Self { block, changes: Vec::new(), is_exact, late: 0.0 }
+        Self { part, changes: vec![Vec::new(); part.n_joints()], is_exact, late: 0.0 }
     }
 }
 
-impl Record<Block> for Roots<'_> {
-    fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
+impl<P: Jointed> Record<P> for Roots<'_, P> {
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let guard = match accepted.landed_on {
             Some(guard) if !self.is_exact => guard,
             _ => return ControlFlow::Continue(()),
         };
         let step = accepted.step;
-        let (y, slope) = (step.y1(), step.slope1());
-        let along: State<Dual64> = std::array::from_fn(|i| Dual64::new(y[i], slope[i]));
-        let mut guards = [Dual64::new(0.0, 0.0); 4];
-        self.block.guards(accepted.mode, Dual64::new(step.t1(), 1.0), &along, &mut guards);
-        let late = guards[guard].re / guards[guard].eps;
+        let (y, slope) = (step.y1().as_ref(), step.slope1().as_ref());
+        let along = P::State::from_fn(y.len(), |i| Dual64::new(y[i], slope[i]));
+        let mut guards = P::Guards::from_fn(self.part.n_guards(), |_| Dual64::new(0.0, 0.0));
+        let t = Dual64::new(step.t1(), 1.0);
+        self.part.guards(accepted.mode.clone(), t, &along, &mut guards);
+        let guard = guards.as_ref()[guard];
+        let late = guard.re / guard.eps;
         self.late = if late.abs() <= step.t1() - step.t0() { late } else { 0.0 };
         ControlFlow::Continue(())
     }
 
-    fn event(&mut self, event: &Event<'_, Block>) -> ControlFlow<()> {
-        if let Next::Mode(after) = event.after
-            && after.code() != event.before.code()
-        {
-            let (before, after) = (event.before.code(), after.code());
-            self.changes.push(ModeChange { t: event.t - self.late, before, after });
+    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
+        let k = P::joint_of_guard(event.guard);
+        if let Next::Mode(after) = &event.after {
+            let [before, after] = [&event.before, after].map(|mode| P::joint_mode(mode, k).code());
+            if before != after {
+                self.changes[k].push(ModeChange { t: event.t - self.late, before, after });
+            }
         }
         ControlFlow::Continue(())
     }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::{exact, field};
 use crate::config::{Config, Events};
-use crate::contest::{CUT, EVENTS_FROM, Entry};
+use crate::contest::{CUT, EVENTS_FROM, Entry, Standings};
 use crate::figures::Drawing;
 use crate::study::regimes::{Cell, CellStatus, maps, of_map};
 
@@ -175,19 +175,28 @@ fn location(cells: &[&Cell]) -> String {
             .filter(|cell| cell.best(|entry| entry.events == other).is_none())
             .count()
     };
-    let mut text = "Locating events ".to_owned();
+    let mut text = String::new();
     if let (Some((least, at)), Some((most, best)), Some((median, _))) =
         (ratios.first(), ratios.last(), ratios.get(ratios.len() / 2))
     {
         let pays = ratios.iter().filter(|(ratio, _)| *ratio > 1.0).count();
         let _ = write!(
             text,
-            "pays in {pays} of {} cells where both arrive: best blind over best located takes {least:.2} ({}) \
+            "Locating events pays in {pays} of {} cells where both arrive: best blind over best located takes {least:.2} ({}) \
              to {most:.2} ({}) times as long, median {median:.2}. ",
             ratios.len(),
             place(at),
             place(best)
         );
+    }
+    let is_blind = |cell: &&&Cell| {
+        let Standings { entries, failures, .. } = &cell.standings;
+        let tried =
+            entries.iter().map(|own| own.events).chain(failures.iter().map(|own| own.events));
+        tried.into_iter().any(|events| events == Events::Blind)
+    };
+    if cells.iter().find(is_blind).is_none() {
+        return "No run is blind.".to_owned();
     }
     let (located, blind) = (only(Events::Located), only(Events::Blind));
     let _ = write!(

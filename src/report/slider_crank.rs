@@ -9,7 +9,7 @@ use crate::study::motion::SliderRow;
 /// `trajectory.csv` of a slider-crank: the pin in its bush (d1 along the slider's way, d2 across it), the
 /// angles of crank and rod, the slider's place, their rates, the slider's acceleration and that without
 /// clearance, the forces of the contact, and the torque that holds the crank's speed.
-pub(super) fn trajectory_csv(joints: &[JointHistory<'_>]) -> String {
+pub(super) fn trajectory_csv(joints: &[&JointHistory<'_>]) -> String {
     let mut csv = String::from(
         "bay,joint,t_s,mode,d1_m,d2_m,crank_rad,rod_rad,slider_m,v1_m_s,v2_m_s,crank_rad_s,rod_rad_s,\
          slider_m_s,slider_m_s2,ideal_slider_m_s2,f_n_n,f_t_n,torque_n_m\n",

@@ -1,7 +1,8 @@
 //! What does regularising friction cost or save, and what error does it bring?
 //!
-//! Table 1 in the reading `full`, where the pins stick: every regularised law at several speeds v_r, by an
-//! explicit and an implicit method at one tolerance, against Coulomb's friction with true stick.
+//! Table 1 in the reading `full`, where the pins stick: every regularised law at several speeds v_r, and
+//! bristles of several stiffnesses σ0, by an explicit and an implicit method at one tolerance, against Coulomb's
+//! friction with true stick.
 
 use std::sync::atomic::AtomicBool;
 
@@ -20,16 +21,39 @@ const REFERENCE_RTOL: f64 = 1e-11;
 pub const T_END: f64 = 2.0;
 /// Regularisation speeds [m/s].
 const SPEEDS: [f64; 5] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6];
+/// Stiffnesses of bristles [1/m].
+const STIFFNESSES: [f64; 5] = [1e3, 1e4, 1e5, 1e6, 1e7];
 /// The methods: explicit, implicit.
 pub const METHODS: [&str; 2] = ["rk45", "rodas5p"];
 
-/// One law at one speed.
+/// How near a law is to Coulomb's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Softness {
+    /// v_r [m/s] of a regularised law.
+    pub speed: Option<f64>,
+    /// σ0 [1/m] of bristles, which slide at the coefficient of the others.
+    pub stiffness: Option<f64>,
+}
+
+impl Softness {
+    /// The keys that set it.
+    fn sets(self) -> Vec<String> {
+        let speed = self.speed.map(|v| format!("friction.regularisation_speed={v:e}"));
+        let stiffness = self.stiffness.map(|s| format!("friction.bristle_stiffness={s:e}"));
+        // No more friction at rest than in motion.
+        let static_coefficient = "friction.static_coefficient=0.1".to_owned();
+        speed.into_iter().chain(stiffness).chain([static_coefficient]).collect()
+    }
+}
+
+/// One law at one softness.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Cost {
     /// The law.
     pub law: FrictionLaw,
-    /// Its v_r [m/s]; none where it is not regularised.
-    pub speed: Option<f64>,
+    /// How near it is to Coulomb's.
+    #[serde(flatten)]
+    pub softness: Softness,
     /// Evaluations of the right-hand side, by the methods in turn; none for a run that failed.
     pub n_rhs: [Option<u64>; 2],
     /// Events, of the first.
@@ -38,17 +62,23 @@ pub struct Cost {
     pub e: f64,
 }
 
-/// Coulomb's friction, and every regularised law by decreasing speed.
+/// Coulomb's friction, every regularised law by decreasing speed, and bristles by growing stiffness.
 ///
 /// # Errors
 /// A configuration that is refused: a mistake in this program, excluded by a test.
 pub fn costs() -> Result<Vec<Cost>, ConfigError> {
-    let reference = run(FrictionLaw::Coulomb, None, METHODS[0], REFERENCE_RTOL)?;
-    let mut costs = vec![cost(&reference, FrictionLaw::Coulomb, None)?];
+    let coulomb = Softness::default();
+    let reference = run(FrictionLaw::Coulomb, coulomb, METHODS[0], REFERENCE_RTOL)?;
+    let mut costs = vec![cost(&reference, FrictionLaw::Coulomb, coulomb)?];
     for law in [FrictionLaw::Tanh, FrictionLaw::Ambrosio, FrictionLaw::Threlfall] {
         for speed in SPEEDS {
-            costs.push(cost(&reference, law, Some(speed))?);
+            let softness = Softness { speed: Some(speed), ..coulomb };
+            costs.push(cost(&reference, law, softness)?);
         }
+    }
+    for stiffness in STIFFNESSES {
+        let softness = Softness { stiffness: Some(stiffness), ..coulomb };
+        costs.push(cost(&reference, FrictionLaw::Lugre, softness)?);
     }
     Ok(costs)
 }
@@ -56,14 +86,14 @@ pub fn costs() -> Result<Vec<Cost>, ConfigError> {
 fn cost(
     (mechanism, reference): &(Mechanism, Run),
     law: FrictionLaw,
-    speed: Option<f64>,
+    softness: Softness,
 ) -> Result<Cost, ConfigError> {
-    let runs = [run(law, speed, METHODS[0], RTOL)?.1, run(law, speed, METHODS[1], RTOL)?.1];
+    let runs = [run(law, softness, METHODS[0], RTOL)?.1, run(law, softness, METHODS[1], RTOL)?.1];
     let samples = reference.trajectories.iter().flat_map(|trajectory| &trajectory.samples);
     let theta = samples.fold(0.0_f64, |most, sample| most.max(sample.y[2].abs()));
     let mut e = 0.0;
     let pairs = reference.trajectories.iter().zip(&runs[0].trajectories);
-    for (block, (exact, own)) in mechanism.blocks.iter().zip(pairs) {
+    for (block, (exact, own)) in mechanism.blocks().into_iter().zip(pairs) {
         let scale = ErrorScale { clearance: block.clearance, theta };
         for (exact, own) in exact.samples.iter().zip(&own.samples) {
             e = worse(e, sample_error(&own.y, &exact.y, scale));
@@ -71,17 +101,17 @@ fn cost(
     }
     let work = |run: &Run| run.error().is_none().then(|| run.stats().work.n_rhs);
     let n_rhs = runs.each_ref().map(work);
-    Ok(Cost { law, speed, n_rhs, n_events: runs[0].stats().n_events, e })
+    Ok(Cost { law, softness, n_rhs, n_events: runs[0].stats().n_events, e })
 }
 
 fn run(
     law: FrictionLaw,
-    speed: Option<f64>,
+    softness: Softness,
     method: &str,
     rtol: f64,
 ) -> Result<(Mechanism, Run), ConfigError> {
     let mut sets = vec!["reading=full".to_owned(), format!("friction.law={law}")];
-    sets.extend(speed.map(|speed| format!("friction.regularisation_speed={speed:e}")));
+    sets.extend(softness.sets());
     let config = Config::load(None, &sets)?;
     let mechanism = Mechanism::new(&config);
     let method = Method::named(method)

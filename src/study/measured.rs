@@ -8,11 +8,11 @@ use crate::metrics::contacts::{Contact, Contacts, contact_errors, total_impulse}
 use crate::metrics::dense::Distance;
 use crate::metrics::work::WorkByPhase;
 use crate::metrics::worse;
-use crate::model::{Mechanism, Mode};
-use crate::reference::{BlockReference, Reference, counted};
-use crate::run::{Limits, Run, Setting, integrate, mode_changes};
+use crate::model::{Mechanism, Part, State};
+use crate::reference::{JointReference, Reference, counted};
+use crate::run::{Integrable, Limits, Run, Setting, integrate, mode_changes, trajectories};
 
-/// Errors of a run beside `e`, the worst of both joints. Up to the horizon, but for those of impulse and
+/// Errors of a run beside `e`, the worst of all joints. Up to the horizon, but for those of impulse and
 /// dissipation, which are of the whole run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
@@ -57,23 +57,27 @@ pub struct Compared {
     pub errors: Errors,
 }
 
-/// A run of both blocks, seen by every recorder there is: none of its time is a cost of the method.
+/// A run of a mechanism, seen by every recorder there is: none of its time is a cost of the method.
 #[derive(Clone, Debug)]
 pub struct Measured {
     /// The run.
     pub run: Run,
     /// Where its work went.
     pub work: WorkByPhase,
-    /// What was recorded of each block.
+    /// What was recorded of each joint.
     audits: Vec<Audit>,
+    /// All parts together.
+    balance: Balance,
 }
 
+/// What is recorded of one joint.
 #[derive(Clone, Debug)]
 struct Audit {
     /// `e_max` and `e_l2`.
     dense: (f64, f64),
     contacts: Vec<Contact>,
-    balance: Balance,
+    /// State at its end.
+    y_end: State<f64>,
 }
 
 impl Measured {
@@ -87,29 +91,53 @@ impl Measured {
         limits: Limits<'_>,
     ) -> Self {
         let mut left = limits;
-        let mut run = Run { blocks: Vec::new(), trajectories: Vec::new() };
-        let (mut audits, mut work) = (Vec::new(), Vec::<(&'static str, Stats)>::new());
-        for (block, reference) in mechanism.blocks.iter().zip(&reference.blocks) {
-            let y0 = block.initial_state();
-            let trajectory = Trajectory::on(grid.clone());
-            let distance = Distance::new(reference.nodes_within(), reference.scale);
-            let contacts = Contacts::new(block, setting.events);
-            let balance = EnergyBalance::new(block, setting.events, &y0);
-            let kinds = WorkByKind::new(Mode::phase);
-            let mut record = ((trajectory, left), ((distance, contacts), (balance, kinds)));
-            let own = integrate(block, setting, y0, t_end, &mut record);
-            let ((trajectory, _), ((distance, contacts), (balance, kinds))) = record;
-            left.max_rhs = left.max_rhs.saturating_sub(own.stats.work.n_rhs);
-            work.extend(kinds.kinds);
-            audits.push(Audit {
-                dense: (distance.largest, distance.l2()),
-                contacts: contacts.list,
-                balance: balance.at(own.mode, &own.y),
+        let run = Run { parts: Vec::new(), trajectories: Vec::new() };
+        let (work, audits) = (WorkByPhase::default(), Vec::new());
+        let mut all = Self { run, work, audits, balance: Balance::default() };
+        let mut kinds = Vec::new();
+        for (part, joints) in reference.of_parts(mechanism) {
+            kinds.extend(match part {
+                Part::Block(block) => all.add(block, joints, setting, t_end, grid, left),
+                Part::Chain(chain) => all.add(chain, joints, setting, t_end, grid, left),
             });
-            run.blocks.push(own);
-            run.trajectories.push(trajectory);
+            let done = all.run.parts.last().map_or(0, |run| run.stats.work.n_rhs);
+            left.max_rhs = left.max_rhs.saturating_sub(done);
         }
-        Self { run, work: WorkByPhase::new(&work), audits }
+        all.work = WorkByPhase::new(&kinds);
+        all
+    }
+
+    /// Runs one part, whose joints have these references; its work by phase.
+    fn add<P: Integrable>(
+        &mut self,
+        part: &P,
+        joints: &[JointReference],
+        setting: &Setting,
+        t_end: f64,
+        grid: &Grid,
+        limits: Limits<'_>,
+    ) -> Vec<(&'static str, Stats)> {
+        let y0 = part.start();
+        let trajectory = Trajectory::on(grid.clone());
+        let of_joints = joints.iter().map(|joint| (joint.nodes_within(), joint.scale));
+        let distance = Distance::new(part, of_joints);
+        let contacts = Contacts::new(part, setting.events);
+        let balance = EnergyBalance::new(part, setting.events, &y0);
+        let kinds = WorkByKind::new(|mode: P::Mode| P::phase(&mode));
+        let mut record = ((trajectory, limits), ((distance, contacts), (balance, kinds)));
+        let run = integrate(part, setting, y0, t_end, &mut record);
+        let ((trajectory, _), ((distance, contacts), (balance, kinds))) = record;
+        self.balance += balance.at(run.mode.clone(), &run.y);
+        let run = run.by_joint(part);
+        let kept = distance.joints.iter().zip(contacts.lists()).zip(&run.y);
+        self.audits.extend(kept.map(|((dense, contacts), y_end)| Audit {
+            dense: (dense.largest, dense.l2()),
+            contacts,
+            y_end: *y_end,
+        }));
+        self.run.parts.push(run);
+        self.run.trajectories.extend(trajectories(part, &trajectory));
+        kinds.kinds
     }
 
     /// The run against the reference that it was measured with.
@@ -123,10 +151,9 @@ impl Measured {
             errors: Errors::default(),
         };
         let errors = &mut all.errors;
-        let mut balance = Balance::default();
-        let blocks = mechanism.blocks.iter().zip(&reference.blocks);
-        let runs = self.run.blocks.iter().zip(&self.run.trajectories).zip(&self.audits);
-        for ((block, reference), ((run, trajectory), audit)) in blocks.zip(runs) {
+        let joints = mechanism.joints().into_iter().zip(&reference.joints);
+        let runs = self.run.trajectories.iter().zip(&self.audits);
+        for (((_, block), reference), (trajectory, audit)) in joints.zip(runs) {
             let e = reference.error(trajectory);
             all.e = worse(all.e, e);
             let events = reference.matched(block, trajectory);
@@ -139,10 +166,10 @@ impl Measured {
             let (largest, l2) = audit.dense;
             errors.e_max = worst(errors.e_max, Some(worse(e, largest)));
             errors.e_l2 = worst(errors.e_l2, Some(l2));
-            errors.e_final = worst(errors.e_final, reference.end_error(&run.y));
+            errors.e_final = worst(errors.e_final, reference.end_error(&audit.y_end));
             audit.add_to(errors, reference);
-            balance += audit.balance;
         }
+        let balance = self.balance;
         let energy = reference.summary.energy;
         let part = |joules: f64| (energy.work != 0.0).then(|| (joules / energy.work).abs());
         errors.dissipation_error = part(balance.dissipated - energy.dissipated);
@@ -154,7 +181,7 @@ impl Measured {
 
 impl Audit {
     /// Enters what it says of the contacts.
-    fn add_to(&self, errors: &mut Errors, reference: &BlockReference) {
+    fn add_to(&self, errors: &mut Errors, reference: &JointReference) {
         let within = |contacts: &[Contact]| -> Vec<Contact> {
             contacts.iter().filter(|contact| reference.is_within(contact.end)).copied().collect()
         };

@@ -1,12 +1,15 @@
 //! What does the pin do: its gap, its forces, its orbit in the bush.
 
-use deltazero_solvers::{Grid, Method, Sample, Trajectory};
+use deltazero_solvers::{Grid, Method, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use crate::config::{Config, Events};
-use crate::model::{Block, Mechanism, Mode, State};
+use crate::model::{Mechanism, Part};
 use crate::reference::counted;
-use crate::run::{Accuracy, BlockTrajectory, Limits, ModeChange, Setting, integrate, mode_changes};
+use crate::run::{
+    Accuracy, Integrable, JointHistory, JointSample, Limits, ModeChange, Setting, histories,
+    integrate,
+};
 
 /// Tolerance of the run that is shown: beyond what a picture can tell.
 const RTOL: f64 = 1e-10;
@@ -55,7 +58,7 @@ pub struct SliderRow {
 /// The motion of a mechanism.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
-    /// The whole run, joint by joint.
+    /// The whole run, joint by joint; of several bays that at the root.
     pub rows: Vec<MotionRow>,
     /// The slider over the whole run, where there is one.
     pub slider: Vec<SliderRow>,
@@ -79,36 +82,56 @@ pub fn motion(config: &Config, limits: Limits<'_>) -> Option<Motion> {
     let setting = Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(RTOL, None) };
     let mechanism = Mechanism::new(config);
     let t_end = config.run.t_end;
-    let run = |block: &Block, times: Vec<f64>, t_end: f64| -> BlockTrajectory {
-        let mut record = (Trajectory::on(Grid::Times(times)), limits);
-        integrate(block, &setting, block.initial_state(), t_end, &mut record);
-        record.0
-    };
     let (mut rows, mut slider) = (Vec::new(), Vec::new());
-    for block in &mechanism.blocks {
-        let spacing = t_end / f64::from(POINTS);
-        let times = (1..=POINTS).map(|k| (spacing * f64::from(k)).min(t_end)).collect();
-        let trajectory = run(block, times, t_end);
-        rows.extend(trajectory.samples.iter().map(|sample| row(block, sample)));
-        slider.extend(trajectory.samples.iter().filter_map(|sample| slider_row(block, sample)));
+    let spacing = t_end / f64::from(POINTS);
+    let times: Vec<f64> = (1..=POINTS).map(|k| (spacing * f64::from(k)).min(t_end)).collect();
+    for part in &mechanism.parts {
+        let histories = run(part, &setting, &times, t_end, limits);
+        rows.extend(histories.iter().flat_map(rows_of));
+        slider.extend(histories.iter().flat_map(slider_rows_of));
     }
-    let joint_1 = &mechanism.blocks[0];
-    let events = mode_changes(&run(joint_1, Vec::new(), t_end));
-    let flight = flight_window(&counted(&events, joint_1), t_end);
+    let root = mechanism.parts.first()?;
+    let events = run(root, &setting, &[], t_end, limits).swap_remove(0).changes;
+    let flight = flight_window(&counted(&events, root.block()), t_end);
     let (from, to) = flight.unwrap_or((0.0, FIRST_PART * t_end));
     let spacing = (to - from) / f64::from(ZOOM_POINTS);
-    let times = (0..=ZOOM_POINTS).map(|k| from + spacing * f64::from(k)).collect();
-    let trajectory = run(joint_1, times, to);
+    let times: Vec<f64> = (0..=ZOOM_POINTS).map(|k| from + spacing * f64::from(k)).collect();
+    let zoom = run(root, &setting, &times, to, limits);
     let inside = events.iter().filter(|event| from <= event.t && event.t <= to);
     Some(Motion {
         rows,
         slider,
-        zoom: trajectory.samples.iter().map(|sample| row(joint_1, sample)).collect(),
+        zoom: zoom.iter().flat_map(rows_of).collect(),
         zooms_on_flight: flight.is_some(),
         zoom_modes: inside.map(|event| (event.t, event.after)).collect(),
-        clearance_m: mechanism.blocks.iter().map(|block| block.clearance).collect(),
+        clearance_m: mechanism.blocks().iter().map(|block| block.clearance).collect(),
         method: setting.to_string(),
     })
+}
+
+/// The history of a part at `times`; of several bays that at the root.
+fn run<'a>(
+    part: &'a Part,
+    setting: &Setting,
+    times: &[f64],
+    t_end: f64,
+    limits: Limits<'_>,
+) -> Vec<JointHistory<'a>> {
+    fn of<'a, P: Integrable>(
+        part: &'a P,
+        setting: &Setting,
+        times: &[f64],
+        t_end: f64,
+        limits: Limits<'_>,
+    ) -> Vec<JointHistory<'a>> {
+        let mut record = (Trajectory::on(Grid::Times(times.to_vec())), limits);
+        integrate(part, setting, part.start(), t_end, &mut record);
+        histories(part, &record.0, 1)
+    }
+    match part {
+        Part::Block(block) => of(block, setting, times, t_end, limits),
+        Part::Chain(chain) => of(chain, setting, times, t_end, limits),
+    }
 }
 
 /// From before the first flight to after it, if there is one.
@@ -118,28 +141,32 @@ fn flight_window(events: &[ModeChange], t_end: f64) -> Option<(f64, f64)> {
     Some(((flight[0].t - margin).max(0.0), (flight[1].t + 2.0 * margin).min(t_end)))
 }
 
-fn slider_row(block: &Block, sample: &Sample<State<f64>, Mode>) -> Option<SliderRow> {
-    let slider = block.slider(sample.mode, &sample.y)?;
-    Some(SliderRow {
-        t_s: sample.t,
-        crank_rad: sample.y[2],
-        slider_m_s2: slider.acceleration,
-        ideal_m_s2: slider.ideal_acceleration,
-    })
+fn slider_rows_of(joint: &JointHistory<'_>) -> Vec<SliderRow> {
+    let row = |sample: &JointSample| {
+        let slider = joint.block.slider(sample.mode, &sample.y)?;
+        Some(SliderRow {
+            t_s: sample.t,
+            crank_rad: sample.y[2],
+            slider_m_s2: slider.acceleration,
+            ideal_m_s2: slider.ideal_acceleration,
+        })
+    };
+    joint.samples.iter().filter_map(row).collect()
 }
 
-fn row(block: &Block, sample: &Sample<State<f64>, Mode>) -> MotionRow {
-    let [d1_m, d2_m, ..] = block.in_paper_order(&sample.y);
-    let pose = block.pose(&sample.y);
-    let forces = block.forces(sample.mode, &sample.y, &pose);
-    MotionRow {
-        joint: block.joint,
-        t_s: sample.t,
-        mode: sample.mode.code(),
-        d1_m,
-        d2_m,
-        delta_m: pose.delta,
-        f_n_n: forces.normal,
-        f_t_n: forces.tangential,
-    }
+fn rows_of(joint: &JointHistory<'_>) -> Vec<MotionRow> {
+    let row = |sample: &JointSample| {
+        let [d1_m, d2_m, ..] = sample.y;
+        MotionRow {
+            joint: joint.block.joint,
+            t_s: sample.t,
+            mode: sample.mode.code(),
+            d1_m,
+            d2_m,
+            delta_m: joint.block.pose(&sample.y).delta,
+            f_n_n: sample.forces.normal,
+            f_t_n: sample.forces.tangential,
+        }
+    };
+    joint.samples.iter().map(row).collect()
 }

@@ -9,9 +9,9 @@ use crate::config::{Config, Events};
 use crate::contest::{Arena, CUT, Candidate, Contest, Entry, Failure, FailureKind, Standings};
 use crate::reference::ReferenceError;
 
-/// More mode changes than this a second are named chatter \[1/s\]: Table 1 has 30. Of a slider-crank a turn
-/// counts as that second: the benchmark has 36.
-const CHATTER_RATE: f64 = 1000.0;
+/// More mode changes of a joint than this a second are named chatter \[1/s\]: Table 1 has 15. Of a slider-crank a
+/// turn counts as that second: the benchmark has 36.
+const CHATTER_RATE: f64 = 500.0;
 
 /// What a user should know before trusting an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -101,7 +101,8 @@ pub fn recommend(
         let reason = format!("ill-posed: {reason}");
         return Recommendation::none(accuracy, arena.t_end, reason, warnings);
     }
-    let rate = arena.n_events as f64 / (arena.t_end / arena.unit_s);
+    let n_joints = arena.reference.joints.len() as f64;
+    let rate = arena.n_events as f64 / n_joints / (arena.t_end / arena.unit_s);
     if rate > CHATTER_RATE {
         let message = format!("{} mode changes in {} s", arena.n_events, arena.t_end);
         warnings.push(Warning { code: Code::Chatter, message });

@@ -9,7 +9,7 @@ pub const FIRST: usize = 10;
 /// Part of the settled step with which a method has recovered.
 const RECOVERED: f64 = 0.5;
 
-/// The steps with one number after the events of one method; both joints together.
+/// The steps with one number after the events of one method; all joints together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RestartRow {
     /// Method.
@@ -30,7 +30,7 @@ pub struct RestartRow {
     pub n_rejected: u64,
 }
 
-/// What events cost one method; both joints together.
+/// What events cost one method; all joints together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RestartCost {
     /// Method.
@@ -200,6 +200,7 @@ mod tests {
             setting: String::new(),
             e: 0.0,
             joint: 1,
+            bays: 1,
             steps: (0..40).map(row).collect(),
             events: vec![2.0],
             n_rhs: 41 * 4 + 5,

@@ -71,7 +71,7 @@ fn simulated(law: ContactLaw, e: f64) -> Result<f64, ConfigError> {
     let law = format!("contact.law={law}");
     let e = format!("contact.restitution={e}");
     let sets = [law, e, "drive.m1=0".to_owned(), "friction.coefficient=0".to_owned()];
-    let block = Mechanism::new(&Config::load(None, &sets)?).blocks[0].clone();
+    let block = Mechanism::new(&Config::load(None, &sets)?).blocks()[0].clone();
     let Some(method) = Method::named("dop853") else { return Ok(f64::NAN) };
     let accuracy = Accuracy::Rtol(RTOL, None);
     let mut start = block.initial_state();

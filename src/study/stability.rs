@@ -1,12 +1,14 @@
 //! Where does stability limit the step of rk4, and is it what binds it?
 
+use std::iter::repeat_n;
+
 use deltazero_solvers::{Grid, Method, Outcome, System, Trajectory};
 use nalgebra::{Complex, Matrix6};
 use serde::{Deserialize, Serialize};
 
 use crate::config::{Config, Events};
 use crate::metrics::{ErrorScale, sample_error, worse};
-use crate::model::{Block, Mechanism, Mode, State};
+use crate::model::{Block, Mechanism, Mode, Part, State};
 use crate::run::{Accuracy, BlockTrajectory, Limits, Setting, integrate};
 use crate::study::work_precision::{WorkPrecision, sample_times};
 
@@ -99,7 +101,8 @@ fn spectrum(block: &Block, mode: Mode, t: f64, y: &State<f64>) -> [Complex<f64>;
 }
 
 /// The limit of rk4 at the contacts of `config`, and runs of it around that limit; none without rk4
-/// among the study's methods, or without a contact.
+/// among the study's methods, or without a contact. Chains, and joints with bristles, are left out: their limit is
+/// not of one spring.
 pub fn stability(config: &Config, table: &WorkPrecision, limits: Limits<'_>) -> Option<Stability> {
     if !config.study.methods.iter().any(|name| name == "rk4") {
         return None;
@@ -117,7 +120,10 @@ pub fn stability(config: &Config, table: &WorkPrecision, limits: Limits<'_>) -> 
         (record.0, matches!(run.outcome, Ok(Outcome::Finished | Outcome::Stopped)))
     };
     let mut result = Stability::default();
-    for (block, horizon) in Mechanism::new(config).blocks.iter().zip(&table.reference.horizon_s) {
+    let mechanism = Mechanism::new(config);
+    let parts = mechanism.parts.iter().flat_map(|part| repeat_n(part, part.n_joints()));
+    for (part, horizon) in parts.zip(&table.reference.horizon_s) {
+        let Part::Block(block) = part else { continue };
         let (reference, _) = run(block, &tight);
         let Some(stiffness) = stiffness(block, &reference) else { continue };
         let clearance = if block.clearance > 0.0 { block.clearance } else { 1e-4 };
@@ -186,7 +192,7 @@ mod tests {
     #[test]
     fn the_spectrum_of_a_contact_across_the_arm_is_that_of_a_linear_oscillator() {
         // At θ = 0 below the centre, Y is alone: M_y ÿ = −K δ − D δ̇.
-        let block = &Mechanism::new(&Config::table1().unwrap()).blocks[0];
+        let block = &Mechanism::new(&Config::table1().unwrap()).blocks()[0].clone();
         let y = [0.0, -block.clearance - 1e-9, 0.0, 0.0, 0.0, 0.0];
         let Body::Struts(inertia) = &block.body else { panic!("joint 1 holds struts") };
         let (k, d, m) = (block.normal.elastic.slope(0.0), block.normal.damping, inertia.m_y);

@@ -7,7 +7,7 @@ use super::step_size::{ModeKind, StepHistory};
 /// Bins a decade; one is centred on each power of ten.
 const BINS_PER_DECADE: f64 = 10.0;
 
-/// The steps of one method, in one kind of mode, of about one size; both joints together.
+/// The steps of one method, in one kind of mode, of about one size; all joints together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BinRow {
     /// Method.

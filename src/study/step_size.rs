@@ -6,8 +6,8 @@ use deltazero_solvers::{Accepted, Event, Method, Record};
 use serde::{Deserialize, Serialize};
 
 use crate::config::{Config, Events};
-use crate::model::{Block, Mechanism};
-use crate::run::{Accuracy, Limits, Setting, integrate};
+use crate::model::{Jointed, Mechanism, Part};
+use crate::run::{Accuracy, Integrable, Limits, Setting, integrate};
 use crate::study::work_precision::{Row, WorkPrecision};
 
 /// Error at which methods are compared: each at its cheapest setting that reaches it with all events.
@@ -60,7 +60,7 @@ pub struct StepRow {
     pub t_s: f64,
     /// Its size [s].
     pub h_s: f64,
-    /// Its mode: 0 free, ±1 slip, 2 stick.
+    /// Its mode: 0 free, ±1 slip, 2 stick; of several joints see [`Jointed::code`].
     pub mode: i8,
     /// Its number since the last event, or the start of the run, from 1.
     pub since_restart: usize,
@@ -89,10 +89,13 @@ pub struct StepHistory {
     pub method: String,
     /// Tolerance or step as text.
     pub setting: String,
-    /// Error `e` of that setting in the study, both joints together.
+    /// Error `e` of that setting in the study, all joints together.
     pub e: f64,
     /// Joint, 1 or 2.
     pub joint: usize,
+    /// Bays of it that step together.
+    #[serde(default = "one_bay")]
+    pub bays: usize,
     /// Accepted steps, in the order of the run.
     pub steps: Vec<StepRow>,
     /// Times of the events [s].
@@ -105,6 +108,11 @@ pub struct StepHistory {
     pub n_rhs_location: u64,
 }
 
+/// Of histories that were written without a number.
+fn one_bay() -> usize {
+    1
+}
+
 impl StepHistory {
     /// Method and setting.
     pub fn title(&self) -> String {
@@ -112,7 +120,7 @@ impl StepHistory {
     }
 }
 
-/// The accepted steps of every method of the study on both joints, joint by joint, at the cheapest
+/// The accepted steps of every method of the study on every part, part by part, at the cheapest
 /// located setting of `table` with `e` at most [`ACCURACY`] and the events of the reference, or the
 /// most accurate one where there is none; a method without a finished run is left out.
 pub fn step_histories(
@@ -122,11 +130,14 @@ pub fn step_histories(
 ) -> Vec<StepHistory> {
     let mechanism = Mechanism::new(config);
     let mut histories = Vec::new();
-    for block in &mechanism.blocks {
+    for part in &mechanism.parts {
         for name in &config.study.methods {
             let chosen = comparable(&table.rows, name).and_then(|row| {
-                let setting = setting(row, config)?;
-                Some(history(block, &setting, row, config.run.t_end, limits))
+                let (setting, t_end) = (setting(row, config)?, config.run.t_end);
+                Some(match part {
+                    Part::Block(block) => history(block, &setting, row, t_end, limits),
+                    Part::Chain(chain) => history(chain, &setting, row, t_end, limits),
+                })
             });
             histories.extend(chosen);
         }
@@ -156,21 +167,22 @@ fn setting(row: &Row, config: &Config) -> Option<Setting> {
     Some(Setting { method: Method::named(&row.method)?, events: row.events, accuracy })
 }
 
-fn history(
-    block: &Block,
+fn history<P: Integrable>(
+    part: &P,
     setting: &Setting,
     row: &Row,
     t_end: f64,
     limits: Limits<'_>,
 ) -> StepHistory {
     let mut record = (Steps::default(), limits);
-    let run = integrate(block, setting, block.initial_state(), t_end, &mut record);
+    let run = integrate(part, setting, part.start(), t_end, &mut record);
     let Steps { steps, events, .. } = record.0;
     StepHistory {
         method: row.method.clone(),
         setting: setting.accuracy.to_string(),
         e: row.e.unwrap_or(f64::NAN),
-        joint: block.joint,
+        joint: run.joint,
+        bays: part.n_joints(),
         steps,
         events,
         n_rhs: run.stats.work.n_rhs,
@@ -188,15 +200,15 @@ struct Steps {
     n_rejected: u64,
 }
 
-impl Record<Block> for Steps {
-    fn step(&mut self, accepted: &Accepted<'_, Block>) -> ControlFlow<()> {
+impl<P: Jointed> Record<P> for Steps {
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let (t0, t1) = (accepted.step.t0(), accepted.step.t1());
         let n_rejected = accepted.stats.n_rejected;
         self.since_restart += 1;
         self.steps.push(StepRow {
             t_s: t0,
             h_s: t1 - t0,
-            mode: accepted.mode.code(),
+            mode: P::code(&accepted.mode),
             since_restart: self.since_restart,
             n_rejected: n_rejected - self.n_rejected,
             lands: accepted.landed_on.is_some(),
@@ -205,7 +217,7 @@ impl Record<Block> for Steps {
         ControlFlow::Continue(())
     }
 
-    fn event(&mut self, event: &Event<'_, Block>) -> ControlFlow<()> {
+    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
         self.events.push(event.t);
         self.since_restart = 0;
         ControlFlow::Continue(())

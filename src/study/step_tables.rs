@@ -19,9 +19,9 @@ pub struct StepTables {
     pub histories: Vec<StepHistory>,
     /// How many of each size.
     pub histogram: Vec<BinRow>,
-    /// How many in each contact and flight.
+    /// How many in each contact and flight, of joints that step alone.
     pub stays: Vec<StayRow>,
-    /// The first ones after an event.
+    /// The first ones after an event, of joints that step alone.
     pub restarts: Vec<RestartRow>,
     /// What an event costs.
     pub restart_costs: Vec<RestartCost>,
@@ -36,14 +36,15 @@ impl StepTables {
     /// around its limit of stability.
     pub fn new(config: &Config, table: &WorkPrecision, limits: Limits<'_>) -> Self {
         let histories = step_histories(config, table, limits);
-        Self {
-            histogram: step_histogram(&histories),
-            stays: stays(&histories),
-            restarts: restarts(&histories),
-            restart_costs: restart_costs(&histories),
-            stability: stability(config, table, limits),
-            proportionality: proportionality(table),
-            histories,
-        }
+        let histogram = step_histogram(&histories);
+        // What a chain does in a step is that of several joints.
+        let (alone, mut all): (Vec<_>, Vec<_>) =
+            histories.into_iter().partition(|own| own.bays == 1);
+        let (stays, restarts, restart_costs) =
+            (stays(&alone), restarts(&alone), restart_costs(&alone));
+        all.extend(alone);
+        let stability = stability(config, table, limits);
+        let (histories, proportionality) = (all, proportionality(table));
+        Self { histories, histogram, stays, restarts, restart_costs, stability, proportionality }
     }
 }

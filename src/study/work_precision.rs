@@ -69,7 +69,7 @@ pub struct Row {
     pub spurious: Option<usize>,
     /// Time up to which it was compared [s].
     pub horizon_s: f64,
-    /// Evaluations of the right-hand side of a block.
+    /// Evaluations of the right-hand side of a part: a block, or all bays.
     pub n_rhs: u64,
     /// Accepted steps.
     pub n_accepted: u64,

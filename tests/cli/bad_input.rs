@@ -107,13 +107,20 @@ fn a_misspelt_or_misplaced_command_is_met_with_the_list_of_commands() {
 #[test]
 fn several_bays_are_refused_where_one_is_meant() {
     let scratch = Scratch::new();
-    for command in ["study", "regimes", "recommend"] {
-        let ran = scratch.run(&[command, "--set", "bays=3"]);
-        assert_eq!(ran.code, Some(2), "{command}: {}", ran.stderr);
-        assert!(ran.stderr.contains("bays = 3: this command takes one bay"), "{}", ran.stderr);
+    for (set, named) in [("bays=3", "bays = 3"), ("friction.law=lugre", "friction.law = lugre")] {
+        let ran = scratch.run(&["audit", "--set", set]);
+        assert_eq!(ran.code, Some(2), "{}", ran.stderr);
+        let expected = format!("{named}: an audit takes one bay");
+        assert!(ran.stderr.contains(&expected), "{}", ran.stderr);
     }
     let set = |set| ["--set", "bays=3", "--set", set];
     refused(&scratch, &set("reading=full"), &["reading = full", "sticks of neighbours"]);
     refused(&scratch, &set("joint.clearance=0"), &["joint.clearance = 0", "above zero"]);
-    refused(&scratch, &set("solver.events=blind"), &["solver.events = blind", "\"located\""]);
+    refused(&scratch, &set("regimes.readings=[\"full\"]"), &["regimes.readings", "[\"pin\"]"]);
+    refused(&scratch, &set("study.reference=extended"), &["study.reference = extended", "double"]);
+    refused(
+        &scratch,
+        &set("solver.events=blind"),
+        &["solver.events asks for blind runs", "one bay"],
+    );
 }

@@ -26,7 +26,7 @@ fn laws_are_listed_for_machines_with_what_they_deliver() {
     let json = scratch.succeed(&["laws", "--json"]).stdout;
     let laws: Value = serde_json::from_str(&json).unwrap();
     let list = laws["normal"].as_array().unwrap();
-    assert_eq!((list.len(), laws["friction"].as_array().map(Vec::len)), (15, Some(16)));
+    assert_eq!((list.len(), laws["friction"].as_array().map(Vec::len)), (15, Some(21)));
     for law in list {
         let n = law["impacts"].as_array().map_or(0, Vec::len);
         assert_eq!(n, if law["has_memory"] == true { 19 } else { 0 }, "{law}");

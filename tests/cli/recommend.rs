@@ -113,3 +113,16 @@ fn an_accuracy_that_cannot_be_asked_for_is_bad_usage() {
         assert!(ran.stderr.contains("from 1e-12 to 1e-1"), "{}", ran.stderr);
     }
 }
+
+#[test]
+fn chains_and_bristles_are_recommended_for() {
+    let scratch = Scratch::new();
+    for own in ["bays=2", "friction.law=lugre"] {
+        let methods = "contest.methods=[\"rk45\", \"radau5\"]";
+        let sets = [own, "run.t_end=0.1", methods, "contest.repeats=1"];
+        let answer = recommend(&scratch, "1e-4", &sets);
+        assert_eq!((&answer["method"], &answer["events"]), (&json!("rk45"), &json!("located")));
+        let e = answer["expected_e"].as_f64().unwrap();
+        assert!(e > 0.0 && e <= 1e-4, "{own}: {answer}");
+    }
+}

@@ -91,3 +91,16 @@ fn an_interrupted_map_takes_what_was_finished_and_does_the_rest() {
         assert_eq!(cell["error"] != Value::Null, cell["stiffness"] == 1e7, "{cell}");
     }
 }
+
+#[test]
+fn chains_have_a_map_without_blind_runs() {
+    let scratch = Scratch::new();
+    let args = with_sets(&["regimes", "--out", "out", "--quiet", "--set", "bays=2"], &SMALL);
+    scratch.succeed(&[&args[..], &["--set", "regimes.accuracy=[1e-3]"]].concat());
+    let table = scratch.table("out/regimes.csv");
+    assert_eq!(table.rows.len(), 4);
+    for row in &table.rows {
+        assert_eq!((row["status"].as_str(), row["events"].as_str()), ("ok", "located"), "{row:?}");
+    }
+    assert!(scratch.text("out/regimes.md").contains("- No run is blind."));
+}

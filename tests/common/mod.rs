@@ -5,12 +5,13 @@
 use std::sync::atomic::AtomicBool;
 
 use deltazero::config::{Config, Events};
+use deltazero::energy_balance::{Balance, EnergyBalance};
 use deltazero::metrics::{ErrorScale, EventMatch, match_events, sample_error};
-use deltazero::model::{Chain, Mechanism, State};
+use deltazero::model::{Chain, Jointed, Mechanism, Part, State};
 use deltazero::reference::counted;
 use deltazero::run::{
-    Accuracy, ChainTrajectory, Limits, ModeChange, Run, Setting, chain_mode_changes,
-    integrate_chain, mode_changes,
+    Accuracy, Integrable, Limits, ModeChange, OwnTrajectory, Run, Setting, integrate, mode_changes,
+    trajectories,
 };
 use deltazero_solvers::{Grid, Method, Trajectory};
 
@@ -40,7 +41,7 @@ impl Golden {
         let mut e = 0.0_f64;
         let mut matches = [EventMatch::default(); 2];
         for (i, trajectory) in run.trajectories.iter().enumerate() {
-            let block = &mechanism.blocks[i];
+            let block = &mechanism.blocks()[i];
             let scale = ErrorScale { clearance: block.clearance, theta };
             assert_eq!(trajectory.samples.len(), self.states[i].len());
             for (sample, (t, mode, golden)) in trajectory.samples.iter().zip(&self.states[i]) {
@@ -77,23 +78,23 @@ impl GoldenChain {
     }
 
     /// `e` of a run on the golden grid, and its events against the golden ones, bay by bay.
-    pub fn compare(&self, chain: &Chain, run: &ChainTrajectory) -> (f64, Vec<EventMatch>) {
+    pub fn compare(&self, chain: &Chain, run: &OwnTrajectory<Chain>) -> (f64, Vec<EventMatch>) {
         let states = || self.states.iter().flatten();
         let theta = states().fold(0.0_f64, |most, (_, _, y)| most.max(y[2].abs()));
         let scale = ErrorScale { clearance: chain.bay.clearance, theta };
         let mut e = 0.0_f64;
-        for (k, golden) in self.states.iter().enumerate() {
-            assert_eq!(run.samples.len(), golden.len());
-            for (sample, (t, mode, golden)) in run.samples.iter().zip(golden) {
+        let bays = trajectories(chain, run);
+        for (k, (own, golden)) in bays.iter().zip(&self.states).enumerate() {
+            assert_eq!(own.samples.len(), golden.len());
+            for (sample, (t, mode, golden)) in own.samples.iter().zip(golden) {
                 assert!((sample.t - t).abs() < 1e-12);
-                assert_eq!(sample.mode[k].code(), *mode, "bay {} at {t} s", k + 1);
-                e = e.max(sample_error(&Chain::state_of(&sample.y, k), golden, scale));
+                assert_eq!(sample.mode.code(), *mode, "bay {} at {t} s", k + 1);
+                e = e.max(sample_error(&sample.y, golden, scale));
             }
         }
-        let counted = |events: &Vec<ModeChange>| counted(events, &chain.bay);
-        let own = chain_mode_changes(chain, run);
-        let pairs = own.iter().zip(&self.events);
-        (e, pairs.map(|(own, golden)| match_events(&counted(own), &counted(golden))).collect())
+        let counted = |events: &[ModeChange]| counted(events, &chain.bay);
+        let pairs = bays.iter().map(mode_changes).zip(&self.events);
+        (e, pairs.map(|(own, golden)| match_events(&counted(&own), &counted(golden))).collect())
     }
 }
 
@@ -130,14 +131,31 @@ pub fn run(config: &Config, setting: &Setting) -> (Mechanism, Run) {
     (mechanism, run)
 }
 
+/// The energy balance of a run, all parts together.
+pub fn balance(config: &Config, setting: &Setting) -> Balance {
+    fn of<P: Integrable>(part: &P, config: &Config, setting: &Setting) -> Balance {
+        let y0 = part.start();
+        let mut record = EnergyBalance::new(part, setting.events, &y0);
+        let run = integrate(part, setting, y0, config.run.t_end, &mut record);
+        assert!(run.outcome.is_ok(), "{:?}", run.outcome);
+        record.at(run.mode, &run.y)
+    }
+    let mut sum = Balance::default();
+    for part in &Mechanism::new(config).parts {
+        sum += match part {
+            Part::Block(block) => of(block, config, setting),
+            Part::Chain(chain) => of(chain, config, setting),
+        };
+    }
+    sum
+}
+
 /// The chain of a configuration, sampled every 0.01 s.
-pub fn run_chain(config: &Config, method: &str, rtol: f64) -> (Chain, ChainTrajectory) {
+pub fn run_chain(config: &Config, method: &str, rtol: f64) -> (Chain, OwnTrajectory<Chain>) {
     let chain = Chain::new(config);
     let t_end = config.run.t_end;
     let mut trajectory = Trajectory::on(Grid::uniform(0.01, t_end));
-    let (method, accuracy) = (Method::named(method).unwrap(), Accuracy::Rtol(rtol, None));
-    let y0 = chain.initial_state();
-    let run = integrate_chain(&chain, method, accuracy, y0, t_end, &mut trajectory);
+    let run = integrate(&chain, &located(method, rtol), chain.start(), t_end, &mut trajectory);
     assert!(run.outcome.is_ok(), "{:?}", run.outcome);
     (chain, trajectory)
 }

@@ -57,7 +57,7 @@ impl Problem {
         let mut golden = [Track::default(), Track::default()];
         let mut times = Vec::new();
         for [joint, t, _mode, y @ ..] in rows::<9>(STATES)? {
-            let block = &mechanism.blocks[joint as usize - 1];
+            let block = &mechanism.blocks()[joint as usize - 1];
             // The exchange of coordinates is its own inverse.
             golden[joint as usize - 1].samples.push(block.in_paper_order(&y));
             if joint == 1.0 {
@@ -81,7 +81,7 @@ impl Problem {
     pub(crate) fn judge(&self, delivered: &[Track; 2]) -> Result<Verdict, Box<dyn Error>> {
         let nothing = EventMatch::default();
         let mut verdict = Verdict { e: 0.0, delta: nothing, slip: nothing };
-        for ((block, own), golden) in self.mechanism.blocks.iter().zip(delivered).zip(&self.golden)
+        for ((block, own), golden) in self.mechanism.blocks().into_iter().zip(delivered).zip(&self.golden)
         {
             if own.samples.len() != golden.samples.len() {
                 return Err(
@@ -116,7 +116,7 @@ impl Problem {
         &self,
         mut run: impl FnMut(&Block) -> Result<Track, Box<dyn Error>>,
     ) -> Result<[Track; 2], Box<dyn Error>> {
-        Ok([run(&self.mechanism.blocks[0])?, run(&self.mechanism.blocks[1])?])
+        Ok([run(&self.mechanism.blocks()[0])?, run(&self.mechanism.blocks()[1])?])
     }
 }
 

@@ -35,6 +35,9 @@ fn table_1_is_the_default() {
             stribeck_speed: 1e-3,
             regularisation_speed: 1e-4,
             dead_ratio: 0.1,
+            bristle_stiffness: 1e5,
+            bristle_damping: 10.0,
+            viscosity: 0.0,
         },
     };
     assert_eq!(config.joints, [joint.clone(), joint]);

@@ -64,8 +64,9 @@ fn the_json_of_the_default_is_this_text() {
         \"methods\":[\"rk4\",\"bs32\",\"rk45\",\"dop853\",\"vern98\",\"taylor\",\"rodas5p\",\"radau5\",\
         \"bdf\",\"auto\"],\"repeats\":5},\
         \"drive\":{\"m1\":1.0,\"m4\":0.3},\
-        \"friction\":{\"coefficient\":0.1,\"dead_ratio\":0.1,\"law\":\"coulomb\",\
-        \"regularisation_speed\":0.0001,\"static_coefficient\":0.15,\"stribeck_speed\":0.001},\
+        \"friction\":{\"bristle_damping\":10.0,\"bristle_stiffness\":100000.0,\"coefficient\":0.1,\
+        \"dead_ratio\":0.1,\"law\":\"coulomb\",\"regularisation_speed\":0.0001,\
+        \"static_coefficient\":0.15,\"stribeck_speed\":0.001,\"viscosity\":0.0},\
         \"joint\":{\"clearance\":0.0001,\"pin_radius\":0.0049},\
         \"mechanism\":\"strut\",\
         \"reading\":\"pin\",\

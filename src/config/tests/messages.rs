@@ -199,8 +199,8 @@ fn values_that_do_not_go_together_are_refused() {
     );
     assert_eq!(
         refusal("bays = 2\nsolver.events = 'blind'"),
-        "bad.toml:2: solver.events = blind does not go with bays = 2: the blind baseline is built for one \
-         bay; use \"located\""
+        "bad.toml:2: solver.events asks for blind runs, but the blind baseline is built for one bay; use \
+         events = \"located\""
     );
     assert_eq!(refusal("bays = 0"), "bad.toml:1: bays = 0 is out of range: from 1 to 1000000");
     let text = "run.sample = 1e-2 s up to run.t_end = 1e9 s makes 1.0e11 samples, at most 1e8; \
@@ -249,10 +249,40 @@ fn a_blind_run_of_a_law_that_remembers_is_refused() {
 }
 
 #[test]
-fn bristles_are_refused_with_the_reason() {
-    let message = refusal("[joint2]\nfriction.law = \"lugre\"");
-    assert!(
-        message.starts_with("bad.toml:2: friction.law = lugre needs the deflection"),
-        "{message}"
-    );
+fn bristles_say_what_they_do_not_go_with() {
+    for (text, expected) in [
+        (
+            "friction.law = \"lugre\"\nsolver.events = \"blind\"",
+            "bad.toml:2: solver.events asks for blind",
+        ),
+        (
+            "mechanism = \"slider-crank\"\nfriction.law = \"lugre\"",
+            "bad.toml:1: mechanism = slider-crank does not",
+        ),
+        (
+            "[joint2]\nfriction.law = \"lugre\"\njoint.clearance = 0",
+            "bad.toml:3: joint.clearance = 0 does not",
+        ),
+        (
+            "friction.law = \"lugre\"\njoint2.joint.clearance = 0",
+            "bad.toml:2: joint.clearance = 0 does not",
+        ),
+        (
+            "friction.law = \"lugre\"\njoint2.friction.static_coefficient = 0",
+            "bad.toml:2: friction.static_coefficient = 0 does not",
+        ),
+        (
+            "friction.law = \"lugre\"\nfriction.coefficient = 0",
+            "bad.toml:2: friction.coefficient = 0 does not",
+        ),
+        (
+            "study.reference = \"extended\"\nfriction.law = \"lugre\"",
+            "bad.toml:1: study.reference = extended does",
+        ),
+    ] {
+        let message = refusal(text);
+        assert!(message.starts_with(expected), "{message}");
+    }
+    let config = load("[joint2]\nfriction.law = \"lugre\"", &[]).unwrap();
+    assert_eq!(config.permitted(&config.study.events), [Events::Located]);
 }

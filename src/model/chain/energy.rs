@@ -1,6 +1,6 @@
 //! Energies and powers of one state of a chain.
 
-use super::{Chain, Modes, STATES};
+use super::{Chain, Modes};
 use crate::model::energy::{Energy, Power};
 
 impl Chain {
@@ -9,8 +9,8 @@ impl Chain {
     pub fn energy(&self, modes: &Modes, y: &[f64]) -> Energy {
         let mut sum = Energy::default();
         let mut bush = [0.0; 2];
-        for (k, own) in y.chunks_exact(STATES).enumerate() {
-            let mut y = Self::state_of(own, 0);
+        for k in 0..self.bays {
+            let mut y = self.state_of(y, k);
             y[3] += bush[0];
             y[4] += bush[1];
             let energy = self.bay.energy(modes[k], &y);

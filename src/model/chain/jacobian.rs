@@ -1,6 +1,9 @@
 //! The analytic Jacobian of a chain, block-tridiagonal where no joint sticks.
 
-use super::{Chain, Motion, STATES};
+use deltazero_solvers::System as _;
+use num_dual::Dual64;
+
+use super::{Chain, Modes, Motion, STATES};
 use crate::model::block::{ContactForces, Posture, State};
 use crate::model::contact::PinPose;
 use crate::model::jacobian::{FrozenContact, Gradient, gradient};
@@ -57,6 +60,33 @@ impl Chain {
         });
     }
 
+    /// The same where friction has bristles: the rates of a bay go with its own states and those of its
+    /// neighbours alone, so one dual number serves every third bay.
+    pub(super) fn dual_jacobian(
+        &self,
+        modes: &Modes,
+        y: &[f64],
+        mut entry: impl FnMut(usize, usize, f64),
+    ) {
+        let stride = self.stride();
+        for (third, j) in
+            (0..self.bays.min(3)).flat_map(|third| (0..stride).map(move |j| (third, j)))
+        {
+            let is_seeded = |i: usize| i / stride % 3 == third && i % stride == j;
+            let seed = |(i, y): (usize, &f64)| Dual64::new(*y, f64::from(is_seeded(i)));
+            let seeded: Vec<_> = y.iter().enumerate().map(seed).collect();
+            let mut dydt = seeded.clone();
+            self.rhs(modes.clone(), Dual64::from_re(0.0), &seeded, &mut dydt);
+            for b in (third..self.bays).step_by(3) {
+                for k in b.saturating_sub(1)..=(b + 1).min(self.bays - 1) {
+                    for (i, rate) in (stride * k..).zip(&dydt[stride * k..stride * (k + 1)]) {
+                        entry(i, stride * b + j, rate.eps);
+                    }
+                }
+            }
+        }
+    }
+
     /// The force of joint `k` on its bush, and its gradient by the state of bay `k`.
     fn push_gradient(
         &self,
@@ -65,7 +95,7 @@ impl Chain {
         k: usize,
     ) -> Option<([f64; 2], [Gradient; 2])> {
         let (pose, touch) = self.contact(modes, y, k)?;
-        let y = Self::state_of(y, k);
+        let y = self.state_of(y, k);
         let normal = self.bay.normal.force(pose.delta, pose.delta_dot, touch);
         let forces = ContactForces::frictionless(normal);
         let by = self.bay.frozen_contact(&self.inertia, (modes[k], touch), &y, &pose, forces);
@@ -180,12 +210,8 @@ impl Chain {
 
 #[cfg(test)]
 mod tests {
-    use deltazero_solvers::System;
-    use num_dual::Dual64;
-
     use super::*;
-    use crate::config::Config;
-    use crate::model::chain::Modes;
+    use crate::config::{Config, FrictionLaw};
     use crate::model::contact::Touch;
 
     const BAYS: usize = 5;
@@ -255,6 +281,28 @@ mod tests {
                         );
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn the_jacobian_of_bristles_is_that_of_each_column() {
+        use Mode::Apart;
+        let [_, plus, minus, _] = in_contact();
+        let mut config = Config::table1().unwrap();
+        (config.bays, config.joints[0].friction.law) = (BAYS as u32, FrictionLaw::Lugre);
+        let (chain, modes) =
+            (Chain::new(&config), Modes::from(vec![plus, minus, Apart, plus, plus]));
+        let bent = |(k, bay): (usize, &[f64])| [bay, &[1e-7 * k as f64]].concat();
+        let y: Vec<f64> = state().chunks(STATES).enumerate().flat_map(bent).collect();
+        let (rows, _) = analytic(&chain, &modes, &y);
+        for j in 0..y.len() {
+            let seed = |i| Dual64::new(y[i], if i == j { 1.0 } else { 0.0 });
+            let seeded: Vec<Dual64> = (0..y.len()).map(seed).collect();
+            let mut dydt = seeded.clone();
+            chain.rhs(modes.clone(), Dual64::from_re(0.0), &seeded, &mut dydt);
+            for (i, row) in rows.iter().enumerate() {
+                assert_eq!(row[j], dydt[i].eps, "({i}, {j})");
             }
         }
     }

@@ -27,6 +27,7 @@ use super::block::{Held, Posture};
 use super::contact::{PinPose, Touch};
 use super::inertia::{Arrow, BlockInertia};
 use super::mode::Mode;
+use super::sliding::Bristles;
 use crate::config::Config;
 
 pub use mode::Modes;
@@ -36,17 +37,21 @@ const GUARDS: usize = 4;
 /// States of a bay.
 const STATES: usize = 6;
 
-/// A chain of equal bays, a hybrid system of six states a bay, [`State`] after [`State`] from the root.
+/// A chain of equal bays, a hybrid system of six states a bay, [`State`] after [`State`] from the root; of
+/// seven where friction has [`Bristles`], whose deflection z [m] follows the six.
 ///
-/// It has a joint 1 in each bay; joint 2 is at the root alone and shares no term with them.
+/// It has a joint 1 in each bay; joint 2 is at the root alone and shares no term with them. A joint whose
+/// friction has bristles is a chain of one bay.
 #[derive(Clone, Debug)]
 pub struct Chain {
-    /// A bay on its own. Its reading is `pin`, its clearance above zero.
+    /// A bay on its own. Of several the reading is `pin`; the clearance is above zero.
     pub bay: Block,
     /// Its mass matrix.
     inertia: BlockInertia,
     /// Number of bays, at least one.
     pub bays: usize,
+    /// What the friction of its joints keeps of their sliding.
+    bristles: Option<Bristles>,
 }
 
 /// How one bay moves among the others.
@@ -54,6 +59,8 @@ struct Motion<S> {
     y: State<S>,
     /// Its contact, if any.
     contact: Option<(PinPose<S>, ContactForces<S>, Touch)>,
+    /// ż of its bristles [m/s].
+    bristles: S,
     /// `(d̈, θ̈)`, the displacement relative to the bush.
     relative: [S; 3],
     /// What the neighbours add to them.
@@ -71,7 +78,29 @@ impl Chain {
     /// The chain of a configuration: joint 1 in each of its bays.
     pub fn new(config: &Config) -> Self {
         let ([bay, _], bays) = (Mechanism::struts(config), config.bays as usize);
-        Self { bay, inertia: BlockInertia::joint_1(&config.strut), bays }
+        Self::of(bay, BlockInertia::joint_1(&config.strut), bays)
+    }
+
+    /// `bays` of struts with this `inertia`.
+    pub(super) fn of(bay: Block, inertia: BlockInertia, bays: usize) -> Self {
+        let bristles = bay.sliding.bristles();
+        Self { bay, inertia, bays, bristles }
+    }
+
+    /// States of a bay.
+    fn stride(&self) -> usize {
+        if self.bristles.is_some() { STATES + 1 } else { STATES }
+    }
+
+    /// `of_bay` for each bay, followed by `of_bristles` where there are any.
+    pub(super) fn of_each(&self, of_bay: State<f64>, of_bristles: f64) -> Vec<f64> {
+        let bay = of_bay.into_iter().chain([of_bristles]).take(self.stride());
+        bay.collect::<Vec<_>>().repeat(self.bays)
+    }
+
+    /// The deflection at which bristles slide at rest [m].
+    pub(super) fn bristle_scale(&self) -> f64 {
+        self.bristles.map_or(0.0, |bristles| bristles.most_deflection(self.bay.mu))
     }
 
     /// The bay, counted from zero, that a guard belongs to.
@@ -79,24 +108,15 @@ impl Chain {
         guard / GUARDS
     }
 
-    /// The bay, counted from zero, that a component of the state belongs to.
-    pub fn bay_of_state(component: usize) -> usize {
-        component / STATES
+    /// The six states of bay `k`, counted from zero.
+    fn state_of<S: Real>(&self, y: &[S], k: usize) -> State<S> {
+        let first = self.stride() * k;
+        std::array::from_fn(|i| y[first + i])
     }
 
-    /// The start of the paper in every bay: d = (0, −c), θ = 0, at rest.
-    pub fn initial_state(&self) -> Vec<f64> {
-        self.bay.initial_state().repeat(self.bays)
-    }
-
-    /// The scale of each state; see [`Block::scale`].
-    pub fn scale(&self) -> Vec<f64> {
-        self.bay.scale().repeat(self.bays)
-    }
-
-    /// The state of bay `k`, counted from zero.
-    pub fn state_of<S: Real>(y: &[S], k: usize) -> State<S> {
-        std::array::from_fn(|i| y[STATES * k + i])
+    /// The deflection of its bristles [m]; zero where there are none.
+    fn deflection<S: Real>(&self, y: &[S], k: usize) -> S {
+        if self.bristles.is_some() { y[self.stride() * k + STATES] } else { S::cst(0.0) }
     }
 
     /// The contact forces of every bay.
@@ -112,7 +132,7 @@ impl Chain {
     /// How the pin of joint `k` stands in its bush, where the two are in contact.
     fn contact<S: Real>(&self, modes: &[Mode], y: &[S], k: usize) -> Option<(PinPose<S>, Touch)> {
         let mode = modes.get(k).filter(|mode| mode.is_contact())?;
-        mode.touch().map(|touch| (self.bay.pose(&Self::state_of(y, k)), touch))
+        mode.touch().map(|touch| (self.bay.pose(&self.state_of(y, k)), touch))
     }
 
     /// The normal force of a contact on the bush, `F_N n` [N].
@@ -140,43 +160,53 @@ impl Chain {
         let mut own = self.contact(modes, y, range.start);
         for k in range {
             let next = self.contact(modes, y, k + 1);
-            let motion = self.motion(modes[k], &Self::state_of(y, k), own, next, bush);
+            let state = (&self.state_of(y, k), self.deflection(y, k));
+            let motion = self.motion(modes[k], state, own, next, bush);
             see(k, &motion);
             (own, bush) = (next, motion.end);
         }
     }
 
-    /// A bay at `y` in `mode` with its `own` contact and the `next` one at its end, its bush accelerating
-    /// with `bush`.
+    /// A bay at `y`, its bristles at `z`, in `mode` with its `own` contact and the `next` one at its end, its
+    /// bush accelerating with `bush`.
     // A function of its own: inlined in every pass, series of it take minutes to compile.
     #[inline(never)]
     fn motion<S: Real>(
         &self,
         mode: Mode,
-        y: &State<S>,
+        (y, z): (&State<S>, S),
         own: Option<(PinPose<S>, Touch)>,
         next: Option<(PinPose<S>, Touch)>,
         bush: [S; 2],
     ) -> Motion<S> {
         let bay = &self.bay;
         let (arrow, omega_sq) = (self.inertia.at(y[2]), y[5] * y[5]);
-        let none = [S::cst(0.0); 3];
+        let (none, mut bristles) = ([S::cst(0.0); 3], S::cst(0.0));
         let response =
             next.map_or(none, |(pose, touch)| self.response(&arrow, self.push(&pose, touch)));
         let extra = [response[0] - bush[0], response[1] - bush[1], response[2]];
         let (contact, alone) = match own {
             Some((pose, touch)) => {
                 let held = Held::Struts(&self.inertia);
-                let forces = bay.forces_among(held, mode, y, &pose, Some(extra));
+                let forces = match (self.bristles, mode.sigma()) {
+                    (Some(own), Some(sigma)) => {
+                        let v_t = bay.v_t_of(held, &pose, y);
+                        let (ratio, z_dot) = own.bent(bay.mu, sigma, v_t, z);
+                        let normal = bay.normal.force(pose.delta, pose.delta_dot, touch);
+                        bristles = z_dot;
+                        ContactForces { normal, tangential: -(normal * ratio) }
+                    }
+                    _ => bay.forces_among(held, mode, y, &pose, Some(extra)),
+                };
                 let posture = Posture::Struts(&self.inertia, arrow);
                 (Some((pose, forces, touch)), bay.accelerations(y, &posture, &pose, forces))
             }
-            None => (None, self.inertia.free_accelerations(&arrow, omega_sq, bay.torque)),
+            None => (None, bay.free_accelerations(&self.inertia, y, &arrow)),
         };
         let [a_x, a_y, theta]: [S; 3] = std::array::from_fn(|i| alone[i] + response[i]);
         let swing = (arrow.cos * theta - arrow.sin * omega_sq) * self.reach();
         let relative = [a_x - bush[0], a_y - bush[1], theta];
-        Motion { y: *y, contact, relative, extra, end: [a_x + swing, a_y] }
+        Motion { y: *y, contact, bristles, relative, extra, end: [a_x + swing, a_y] }
     }
 
     /// What its neighbours add to the accelerations of bay `k`.
@@ -195,7 +225,7 @@ impl System for Chain {
     type Guards<S: Real> = Vec<S>;
 
     fn dim(&self) -> usize {
-        STATES * self.bays
+        self.stride() * self.bays
     }
 
     fn n_guards(&self) -> usize {
@@ -204,17 +234,17 @@ impl System for Chain {
 
     /// A guard goes with the states of its bay, and sticking with those of its neighbours.
     fn guard_span(&self) -> usize {
-        3 * STATES
+        3 * self.stride()
     }
 
     /// Each bay as a [`Block`] of its own has it, the sign of its slip decided among the others.
     fn initial_mode(&self, t: f64, y: &Vec<f64>) -> Modes {
-        let alone = |k| self.bay.initial_mode(t, &Self::state_of(y, k));
+        let alone = |k| self.bay.initial_mode(t, &self.state_of(y, k));
         let mut modes: Vec<Mode> = (0..self.bays).map(alone).collect();
         for k in 0..self.bays {
             if modes[k].is_contact() {
                 let extra = self.extra(&modes, y, k);
-                modes[k] = self.bay.entered(&Self::state_of(y, k), Some(extra));
+                modes[k] = self.bay.entered(&self.state_of(y, k), Some(extra));
             }
         }
         modes.into()
@@ -222,9 +252,11 @@ impl System for Chain {
 
     fn rhs<S: Real>(&self, modes: Modes, _t: S, y: &Vec<S>, dydt: &mut Vec<S>) {
         self.along(&modes, y, 0..self.bays, |k, motion| {
-            let rates = &mut dydt[STATES * k..STATES * (k + 1)];
+            let stride = self.stride();
+            let rates = &mut dydt[stride * k..stride * (k + 1)];
             rates[..3].copy_from_slice(&motion.y[3..]);
-            rates[3..].copy_from_slice(&motion.relative);
+            rates[3..STATES].copy_from_slice(&motion.relative);
+            rates[STATES..].fill(motion.bristles);
         });
     }
 
@@ -237,14 +269,14 @@ impl System for Chain {
             // Where nothing sticks they go with no acceleration.
             let extra = extra.get(k).copied().unwrap_or([none; 3]);
             let held = Held::Struts(&self.inertia);
-            let own = Self::state_of(y, k);
+            let own = self.state_of(y, k);
             g.copy_from_slice(&self.bay.guards_of(held, modes[k], &own, Some(extra)));
         }
     }
 
     fn guard_bounds(&self, modes: Modes, _t: f64, y: &Vec<f64>, bounds: &mut Vec<f64>) {
         for k in 0..self.bays {
-            let own = self.bay.guard_bounds_of(modes[k], &Self::state_of(y, k));
+            let own = self.bay.guard_bounds_of(modes[k], &self.state_of(y, k));
             bounds[GUARDS * k..GUARDS * (k + 1)].copy_from_slice(&own);
         }
     }
@@ -258,18 +290,27 @@ impl System for Chain {
     ) -> Next<Modes> {
         let (k, guard) = (Self::bay_of(guard), guard % GUARDS);
         let extra = Some(self.extra(&modes, y, k));
-        let mut own = Self::state_of(y, k);
+        let mut own = self.state_of(y, k);
         match self.bay.after(modes[k], guard, &mut own, extra) {
             Next::Stop => Next::Stop,
             Next::Mode(mode) => {
-                y[STATES * k..STATES * (k + 1)].copy_from_slice(&own);
+                let first = self.stride() * k;
+                y[first..first + STATES].copy_from_slice(&own);
+                // What touches anew is not bent yet.
+                if !(modes[k].is_contact() && mode.is_contact()) {
+                    y[first + STATES..first + self.stride()].fill(S::cst(0.0));
+                }
                 Next::Mode(modes.with(k, mode))
             }
         }
     }
 
     fn jacobian(&self, modes: Modes, _t: f64, y: &Vec<f64>, entry: impl FnMut(usize, usize, f64)) {
-        self.jacobian_entries(&modes, y, entry);
+        if self.bristles.is_some() {
+            self.dual_jacobian(&modes, y, entry);
+        } else {
+            self.jacobian_entries(&modes, y, entry);
+        }
     }
 
     fn time_derivative(&self, _modes: Modes, _t: f64, _y: &Vec<f64>, dfdt: &mut Vec<f64>) {

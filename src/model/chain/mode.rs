@@ -20,11 +20,11 @@ impl Modes {
         self
     }
 
-    /// What the whole chain is in, when its work is counted: `stick` where any joint sticks, else `contact`
-    /// where any is in contact, else `flight`.
-    pub fn phase(&self) -> &'static str {
-        let any = |phase: &str| self.iter().any(|mode| mode.phase() == phase);
-        ["stick", "contact"].into_iter().find(|phase| any(phase)).unwrap_or("flight")
+    /// What the whole chain is in, when its work is counted: the first mode that sticks, else the first in
+    /// contact, else that of the root.
+    pub(crate) fn foremost(&self) -> Mode {
+        let first = |is: fn(Mode) -> bool| self.iter().copied().find(|mode| is(*mode));
+        first(Mode::sticks).or_else(|| first(Mode::is_contact)).unwrap_or(self[0])
     }
 }
 

@@ -3,7 +3,7 @@
 use deltazero_solvers::Method;
 
 use super::{Heading, Page, Part, Section, Table};
-use crate::config::{Config, JointConfig, MechanismName, SliderCrank};
+use crate::config::{Config, FrictionLaw, JointConfig, MechanismName, SliderCrank};
 use crate::figures::Picture;
 use crate::reference::{HORIZON_ERROR, ReferenceSummary};
 use crate::report::{ANSWER, answer_rows};
@@ -48,11 +48,14 @@ fn contact(config: &Config) -> Vec<(String, String)> {
         let mechanism = fact("Mechanism", slider_crank(&config.slider_crank));
         return vec![mechanism, time, fact("Joint of rod and slider", joint(one))];
     }
-    let mut facts = vec![
-        fact("Reading", config.reading.name()),
+    let mut facts = vec![fact("Reading", config.reading.name())];
+    if config.bays > 1 {
+        facts.push(fact("Bays", config.bays.to_string()));
+    }
+    facts.extend([
         time,
         fact("Torques", format!("M1 = {} N m, M4 = {} N m", config.drive.m1, config.drive.m4)),
-    ];
+    ]);
     if one == two {
         facts.push(fact("Both joints", joint(one)));
     } else {
@@ -74,9 +77,20 @@ fn slider_crank(own: &SliderCrank) -> String {
 }
 
 fn joint(JointConfig { joint, contact, friction }: &JointConfig) -> String {
+    let bristles = match friction.law {
+        FrictionLaw::Lugre => format!(
+            ", at rest μ_s = {}, v_S = {:e} m/s, bristles σ0 = {:e} 1/m, σ1 = {} s/m, σ2 = {} s/m",
+            friction.static_coefficient,
+            friction.stribeck_speed,
+            friction.bristle_stiffness,
+            friction.bristle_damping,
+            friction.viscosity
+        ),
+        _ => String::new(),
+    };
     format!(
         "clearance c = {:e} m, contact law {}, stiffness K = {:e} N/mⁿ, damping D = {} N s/m, \
-         exponent n = {}, friction law {}, coefficient μ = {}",
+         exponent n = {}, friction law {}, coefficient μ = {}{bristles}",
         joint.clearance,
         contact.law,
         contact.stiffness,
@@ -183,7 +197,6 @@ fn method(study: &StudyRecord) -> Vec<Part> {
 }
 
 fn reference(reference: &ReferenceSummary) -> Vec<Part> {
-    let horizons: Vec<String> = reference.horizon_s.iter().map(|t| format!("{t} s")).collect();
     let times = reference.event_time_agreement_s;
     let facts = vec![
         fact("Made by", reference.method.clone()),
@@ -199,9 +212,9 @@ fn reference(reference: &ReferenceSummary) -> Vec<Part> {
         fact(
             "Horizon",
             format!(
-                "{}, joint by joint: up to there a last-bit change of the start grows to no more than \
+                "{} s, part by part: up to there a last-bit change of the start grows to no more than \
                  e = {HORIZON_ERROR:e}, and errors are taken",
-                horizons.join(" and ")
+                reference.horizons()
             ),
         ),
     ];

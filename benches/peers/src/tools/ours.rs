@@ -58,7 +58,7 @@ fn run(problem: &Problem, setting: &Setting) -> Result<[Track; 2], deltazero_sol
         Track {
             samples: trajectory.samples.iter().map(|sample| sample.y).collect(),
             events: mode_changes(trajectory),
-            n_rhs: Some(run.blocks[i].stats.work.n_rhs),
+            n_rhs: Some(run.parts[i].stats.work.n_rhs),
         }
     }))
 }
