@@ -20,14 +20,27 @@ fn the_answer_in_the_readme_is_that_of_the_committed_study() {
     assert!(file("README.md").contains(&report::answer(&table)));
 }
 
-#[test]
-fn the_answer_on_the_page_of_the_slider_crank_is_that_of_its_committed_study() {
-    let study: Value = serde_json::from_str(&file("docs/slider_crank/study.json")).unwrap();
+/// The study of a page, which is of the defaults with these keys.
+fn study_of(name: &str, sets: &[&str]) -> WorkPrecision {
+    let study: Value = serde_json::from_str(&file(&format!("docs/{name}/study.json"))).unwrap();
     let mut config = Config::from_json(&study["config"]).unwrap();
     config.study.repeats = 3;
-    assert_eq!(config, Config::load(None, &["mechanism=slider-crank".to_owned()]).unwrap());
-    let table: WorkPrecision = serde_json::from_value(study).unwrap();
-    assert!(file("docs/slider_crank.md").contains(&report::answer(&table)));
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+    assert_eq!(config, Config::load(None, &sets).unwrap());
+    serde_json::from_value(study).unwrap()
+}
+
+#[test]
+fn the_answers_on_the_pages_are_those_of_their_committed_studies() {
+    let methods = "study.methods=[\"rk4\", \"rk45\", \"dop853\", \"vern98\", \"taylor\", \"rodas5p\", \"radau5\", \
+                   \"bdf\", \"auto\"]";
+    for (name, sets) in [
+        ("slider_crank", &["mechanism=slider-crank"][..]),
+        ("chain", &["bays=3", "run.t_end=0.5", methods]),
+    ] {
+        let answer = report::answer(&study_of(name, sets));
+        assert!(file(&format!("docs/{name}.md")).contains(&answer), "{name}: {answer}");
+    }
 }
 
 fn committed_audit() -> (Value, Audit) {
