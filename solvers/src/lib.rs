@@ -44,6 +44,7 @@
 //! | name | method | order | step |
 //! |---|---|---|---|
 //! | `rk4` | [classical Runge–Kutta](methods::CLASSICAL_4) | 4 | fixed |
+//! | `rk43` | [Kutta's 3/8 rule](methods::KUTTA_43) with an error estimate | 4 | fixed or adaptive |
 //! | `bs32` | [Bogacki–Shampine 3(2)](methods::BOGACKI_SHAMPINE_3) | 3 | fixed or adaptive |
 //! | `rk45` | [Dormand–Prince 5(4)](methods::DORMAND_PRINCE_5) | 5 | fixed or adaptive |
 //! | `dop853` | [Dormand–Prince 8(5,3)](methods::DORMAND_PRINCE_853) | 8 | fixed or adaptive |
@@ -55,7 +56,7 @@
 //! | `tr_bdf2` | its TR-BDF2 | 2 | adaptive |
 //! | `esdirk34` | its ESDIRK 3(4) | 3 | adaptive |
 //! | `tsit45` | its Tsitouras 5(4) | 5 | adaptive |
-//! | `auto` | [the choice between two](auto): explicit or implicit, step by step | 5 or 8, implicit 5 | adaptive |
+//! | `auto` | [the choice between two](auto): explicit or implicit, step by step | 4 or 8, implicit 5 | adaptive |
 //!
 //! # Modules, in the order in which data flow
 //!

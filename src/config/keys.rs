@@ -541,7 +541,7 @@ pub const KEYS: &[Key] = &[
         path: "contest.methods",
         kind: Kind::List(&Kind::Word(METHODS), None),
         default: Toml(
-            "[\"rk4\", \"bs32\", \"rk45\", \"dop853\", \"vern98\", \"taylor\", \"rodas5p\", \"radau5\", \"bdf\", \"auto\"]",
+            "[\"rk4\", \"rk43\", \"bs32\", \"rk45\", \"dop853\", \"vern98\", \"taylor\", \"rodas5p\", \"radau5\", \"bdf\", \"auto\"]",
         ),
         unit: "",
         doc: "Methods among which recommend and regimes choose",

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 /// A new method is one line here; it joins the study by default with one word in the default of
 /// `study.methods`.
 pub const METHODS: &[&str] = &[
-    "rk4", "bs32", "rk45", "dop853", "vern98", "taylor", "rodas5p", "radau5", "bdf", "tr_bdf2",
-    "esdirk34", "tsit45", "auto",
+    "rk4", "rk43", "bs32", "rk45", "dop853", "vern98", "taylor", "rodas5p", "radau5", "bdf",
+    "tr_bdf2", "esdirk34", "tsit45", "auto",
 ];
 
 /// The columns of `study.csv` that `study.x` and `study.y` accept: those of errors and of work.

@@ -4,7 +4,7 @@
 //! An explicit pair and [`RADAU_IIA_5`](crate::methods::RADAU_IIA_5) take turns; either hands over at the
 //! end of an accepted step, where the other begins as at the start of a phase. Events are those of the
 //! half whose step they lie on. The pair is chosen by the tolerance, measured on the contact of
-//! `deltazero`: [`DORMAND_PRINCE_5`](crate::methods::DORMAND_PRINCE_5) for
+//! `deltazero`: [`KUTTA_43`](crate::methods::KUTTA_43) for
 //! `rtol ≥ 1e-4`, [`DORMAND_PRINCE_853`](crate::methods::DORMAND_PRINCE_853) below. The implicit
 //! half is held to 0.1 of the tolerance, where its error is about that of the explicit one (0.01 to 0.1 there,
 //! measured): a few of its steps do not spoil a run.
@@ -14,8 +14,7 @@
 //! Work is counted in right-hand sides; an attempt of an implicit step is taken for 40 of them. With ρ, the
 //! spectral radius of the Jacobian at the start of the phase, by power iteration:
 //!
-//! - An explicit step is not longer than `1.7/ρ` (fifth-order pair) or `2.5/ρ`, inside its bound of stability
-//!   there; a look at ρ that finds it halved lets steps grow, one that finds it grown is no bound before
+//! - An explicit step is not longer than `2.5/ρ`, inside its bound of stability there; a look at ρ that finds it halved lets steps grow, one that finds it grown is no bound before
 //!   the next turn.
 //!   At the bound, error control would keep errors of the size of the tolerance alive: a contact stiffer than
 //!   the tolerance resolves then opens and closes by noise, and every second step is rejected.
@@ -48,14 +47,13 @@ use crate::system::System;
 use crate::tolerance::Tolerance;
 use pilot::{Leg, Pilot, Turn};
 
-/// Least relative tolerance at which the fifth-order pair is the explicit half.
+/// Least relative tolerance at which the fourth-order pair is the explicit half.
 pub(crate) const LOOSE: f64 = 1e-4;
 
-/// `hρ` of the longest step of the fifth-order pair, and of the eighth-order one: both are stable there for
-/// decay, the fifth-order pair for oscillation from a damping ratio of 0.005 on. Of 1 to 3, measured on contacts
-/// at e ≤ 1e-3 and 1e-6, they need the least work.
-pub(crate) const REACH_5: f64 = 1.7;
-pub(crate) const REACH_8: f64 = 2.5;
+/// `hρ` of the longest explicit step: both pairs are stable there for decay and, the fourth-order one, for
+/// oscillation too. Of 2 to 2.6 (fourth order) and 1 to 3 (eighth), measured on contacts at e ≤ 1e-3 and 1e-6, about the
+/// least work, with room for what ρ is off by.
+const REACH: f64 = 2.5;
 
 /// Part of the tolerance that the implicit half is held to.
 const IMPLICIT_SHARE: f64 = 0.1;
@@ -72,20 +70,17 @@ pub(crate) fn held(tolerance: &Tolerance) -> Control {
 pub(crate) struct AutoSolver<'p, P: System> {
     explicit: Box<dyn Paced<P> + 'p>,
     implicit: Box<dyn Paced<P> + 'p>,
-    /// `hρ` of the longest explicit step.
-    reach: f64,
     pilot: Pilot,
 }
 
 impl<'p, P: System> AutoSolver<'p, P> {
-    /// Both halves on `problem`; no explicit step is longer than `reach/ρ`.
+    /// Both halves on `problem`.
     pub(crate) fn new(
         problem: &P,
         explicit: Box<dyn Paced<P> + 'p>,
         implicit: Box<dyn Paced<P> + 'p>,
-        reach: f64,
     ) -> Self {
-        Self { explicit, implicit, reach, pilot: Pilot::new(problem.dim()) }
+        Self { explicit, implicit, pilot: Pilot::new(problem.dim()) }
     }
 }
 
@@ -108,7 +103,7 @@ impl<P: System> PhaseSolver<P> for AutoSolver<'_, P> {
                 half.begin_with(h);
             }
             if !is_implicit {
-                half.keep_below(self.reach / self.pilot.radius());
+                half.keep_below(REACH / self.pilot.radius());
             }
             let mut leg = Leg::new(&mut self.pilot, problem, record, is_implicit, stats);
             let end = half.solve_phase(problem, point, t_end, stats, &mut leg);

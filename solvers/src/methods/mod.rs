@@ -4,6 +4,7 @@ mod bogacki_shampine_3;
 mod classical_4;
 mod dormand_prince_5;
 mod dormand_prince_853;
+mod kutta_43;
 mod radau_iia_5;
 mod rodas_5p;
 mod verner_98;
@@ -12,6 +13,7 @@ pub use bogacki_shampine_3::BOGACKI_SHAMPINE_3;
 pub use classical_4::CLASSICAL_4;
 pub use dormand_prince_5::DORMAND_PRINCE_5;
 pub use dormand_prince_853::DORMAND_PRINCE_853;
+pub use kutta_43::KUTTA_43;
 pub use radau_iia_5::RADAU_IIA_5;
 pub use rodas_5p::RODAS_5P;
 pub use verner_98::VERNER_98;
@@ -23,7 +25,7 @@ use crate::erk::ExplicitRk;
 use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
 use crate::lanes::pool;
-use crate::one_step::OneStepSolver;
+use crate::one_step::{OneStepSolver, Paced};
 use crate::phase::PhaseSolver;
 use crate::radau::{Radau, RadauMethod};
 use crate::record::Record;
@@ -48,6 +50,7 @@ pub struct Method {
 #[derive(Debug)]
 enum Scheme {
     Explicit4(&'static Tableau<4>),
+    Explicit5(&'static Tableau<5>),
     Explicit7(&'static Tableau<7>),
     Explicit12(&'static Tableau<12>),
     Rosenbrock8(&'static Rosenbrock<8>),
@@ -73,6 +76,7 @@ macro_rules! by_scheme {
     ) => {
         match $scheme {
             Scheme::Explicit4($tableau) => $explicit,
+            Scheme::Explicit5($tableau) => $explicit,
             Scheme::Explicit7($tableau) => $explicit,
             Scheme::Explicit12($tableau) => $explicit,
             Scheme::Rosenbrock8($rosenbrock) => $implicit,
@@ -92,6 +96,12 @@ pub static METHODS: &[Method] = &[
         order: CLASSICAL_4.order,
         about: "classical Runge-Kutta, explicit, fixed step: the paper's method and the baseline",
         scheme: Scheme::Explicit4(&CLASSICAL_4),
+    },
+    Method {
+        name: "rk43",
+        order: KUTTA_43.order,
+        about: "Kutta 4(3), the 3/8 rule with an error estimate, explicit, adaptive: loose tolerances, stiff springs",
+        scheme: Scheme::Explicit5(&KUTTA_43),
     },
     Method {
         name: "bs32",
@@ -162,7 +172,7 @@ pub static METHODS: &[Method] = &[
     Method {
         name: "auto",
         order: DORMAND_PRINCE_853.order,
-        about: "rk45 or dop853 by tolerance, radau5 where stability binds their step: any damping",
+        about: "rk43 or dop853 by tolerance, radau5 where stability binds their step: any damping",
         scheme: Scheme::Auto,
     },
 ];
@@ -268,15 +278,14 @@ impl Method {
                 let implicit = Box::new(OneStepSolver::new(problem, radau, held));
                 let is_loose = tolerance.rtol >= auto::LOOSE;
                 let control = Control::Adaptive(tolerance);
-                if is_loose {
-                    let pair = ExplicitRk::new(&DORMAND_PRINCE_5, n);
-                    let explicit = Box::new(OneStepSolver::new(problem, pair, control));
-                    Box::new(AutoSolver::new(problem, explicit, implicit, auto::REACH_5))
+                let explicit: Box<dyn Paced<P> + 'p> = if is_loose {
+                    let pair = ExplicitRk::new(&KUTTA_43, n);
+                    Box::new(OneStepSolver::new(problem, pair, control))
                 } else {
                     let pair = ExplicitRk::new(&DORMAND_PRINCE_853, n);
-                    let explicit = Box::new(OneStepSolver::new(problem, pair, control));
-                    Box::new(AutoSolver::new(problem, explicit, implicit, auto::REACH_8))
-                }
+                    Box::new(OneStepSolver::new(problem, pair, control))
+                };
+                Box::new(AutoSolver::new(problem, explicit, implicit))
             },
         ))
     }

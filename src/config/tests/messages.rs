@@ -90,7 +90,7 @@ fn an_unknown_word_names_the_words_and_the_nearest() {
     );
     assert_eq!(
         set_refusal("solver.method=RK4"),
-        "--set solver.method=RK4: solver.method = \"RK4\" is unknown: rk4, bs32, rk45, dop853, vern98, taylor, rodas5p, radau5, bdf, tr_bdf2, esdirk34, tsit45 or auto; \
+        "--set solver.method=RK4: solver.method = \"RK4\" is unknown: rk4, rk43, bs32, rk45, dop853, vern98, taylor, rodas5p, radau5, bdf, tr_bdf2, esdirk34, tsit45 or auto; \
          did you mean \"rk4\"?"
     );
     assert_eq!(
@@ -102,7 +102,7 @@ fn an_unknown_word_names_the_words_and_the_nearest() {
     );
     assert_eq!(
         refusal("study.methods = [\"rk4\", \"rk455\"]"),
-        "bad.toml:1: study.methods[1] = \"rk455\" is unknown: rk4, bs32, rk45, dop853, vern98, taylor, rodas5p, radau5, bdf, tr_bdf2, esdirk34, tsit45 or auto; \
+        "bad.toml:1: study.methods[1] = \"rk455\" is unknown: rk4, rk43, bs32, rk45, dop853, vern98, taylor, rodas5p, radau5, bdf, tr_bdf2, esdirk34, tsit45 or auto; \
          did you mean \"rk45\"?"
     );
     assert_eq!(
