@@ -29,6 +29,13 @@ pub enum Accuracy {
     Step(f64),
 }
 
+impl Accuracy {
+    /// That of a row of a table, with a tolerance or a step; none where it has neither.
+    pub fn of_columns(rtol: Option<f64>, step: Option<f64>, atol: Option<Atol>) -> Option<Self> {
+        rtol.map(|rtol| Self::Rtol(rtol, atol)).or(step.map(Self::Step))
+    }
+}
+
 impl fmt::Display for Accuracy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

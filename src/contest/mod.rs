@@ -133,10 +133,7 @@ impl Entry {
 
     /// Tolerance or step as text: `rtol 1e-6`, `h 1e-4 s`.
     pub fn setting(&self) -> String {
-        let accuracy = match (self.rtol, self.step) {
-            (Some(rtol), _) => Some(Accuracy::Rtol(rtol, None)),
-            (None, step) => step.map(Accuracy::Step),
-        };
+        let accuracy = Accuracy::of_columns(self.rtol, self.step, None);
         accuracy.map_or_else(String::new, |accuracy| accuracy.to_string())
     }
 }

@@ -45,15 +45,11 @@ pub enum Start {
 
 impl Start {
     fn of<P: Jointed>(self, part: &P) -> P::State<f64> {
-        let mut start = part.start();
-        for y in start.as_mut().iter_mut().filter(|y| **y != 0.0) {
-            *y = match self {
-                Self::Exact => *y,
-                Self::Up => y.next_up(),
-                Self::Down => y.next_down(),
-            };
+        match self {
+            Self::Exact => part.start(),
+            Self::Up => part.start_nudged(f64::next_up),
+            Self::Down => part.start_nudged(f64::next_down),
         }
-        start
     }
 }
 

@@ -30,6 +30,15 @@ pub trait Jointed: System {
     /// The start; see [`Block::initial_state`].
     fn start(&self) -> Self::State<f64>;
 
+    /// The start with each of its numbers but zeros moved by `nudge`: by its last bit, to see what that does.
+    fn start_nudged(&self, nudge: fn(f64) -> f64) -> Self::State<f64> {
+        let mut start = self.start();
+        for y in start.as_mut().iter_mut().filter(|y| **y != 0.0) {
+            *y = nudge(*y);
+        }
+        start
+    }
+
     /// The scale of each state; see [`Block::scale`].
     fn scales(&self) -> Self::State<f64>;
 

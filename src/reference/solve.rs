@@ -194,14 +194,10 @@ fn solve_with<P: Integrable>(
     limits: Limits<'_>,
 ) -> Result<Solved, ReferenceError> {
     let y0 = part.start();
-    let mut nudged_y0 = y0.clone();
-    for y in nudged_y0.as_mut().iter_mut().filter(|y| **y != 0.0) {
-        *y = y.next_up();
-    }
     // First the one that may cost more: too much of it, and the others are spared.
     let check = path(part, &other, y0.clone(), t_end, times, limits)?;
     let own_path = path(part, &own, y0, t_end, times, limits)?;
-    let nudged = path(part, &own, nudged_y0, t_end, times, limits)?;
+    let nudged = path(part, &own, part.start_nudged(f64::next_up), t_end, times, limits)?;
     Ok(Solved {
         method: own.described(),
         check_method: other.described(),

@@ -14,7 +14,7 @@ use super::work_precision::Progress;
 use crate::config::{Config, Events, ReadingName};
 use crate::energy_balance::EnergyBalance;
 use crate::metrics::{ErrorScale, sample_error};
-use crate::model::{Block, Mechanism, State};
+use crate::model::{Block, Jointed, Mechanism, State};
 use crate::reference::{HORIZON_ERROR, counted};
 use crate::run::{Accuracy, BlockRun, BlockTrajectory, Limits, Setting, integrate, mode_changes};
 
@@ -185,9 +185,8 @@ fn course(
     let run = integrate(block, setting, y0, t_end, &mut record);
     let ((binning, balance), (trajectory, _)) = record;
 
-    let nudge = |y: f64| if y == 0.0 { y } else { y.next_up() };
     let mut record = (samples(), limits);
-    let nudged = integrate(block, setting, y0.map(nudge), t_end, &mut record);
+    let nudged = integrate(block, setting, block.start_nudged(f64::next_up), t_end, &mut record);
     let horizon_s = lost_at(block, &trajectory, &record.0);
 
     let bins = binning.bins;

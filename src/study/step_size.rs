@@ -160,10 +160,7 @@ fn comparable<'a>(rows: &'a [Row], method: &str) -> Option<&'a Row> {
 
 /// The setting of a row.
 fn setting(row: &Row, config: &Config) -> Option<Setting> {
-    let accuracy = match (row.rtol, row.step) {
-        (Some(rtol), _) => Accuracy::Rtol(rtol, config.solver.atol),
-        (None, step) => Accuracy::Step(step?),
-    };
+    let accuracy = Accuracy::of_columns(row.rtol, row.step, config.solver.atol)?;
     Some(Setting { method: Method::named(&row.method)?, events: row.events, accuracy })
 }
 
