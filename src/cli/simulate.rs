@@ -100,7 +100,7 @@ fn simulate<'a, P: Integrable>(
     let balance = EnergyBalance::new(part, setting.events, &y0);
     let trajectory = || Trajectory::on(Grid::uniform(config.run.sample, t_end));
     let limits = Limits { max_rhs: u64::MAX, stop };
-    let work = WorkByKind::new(|mode: P::Mode| P::phase(&mode));
+    let work = WorkByKind::new(|mode: P::Mode| P::foremost(&mode).phase());
     let mut record = ((trajectory(), balance), ((time, limits), work));
     let run = integrate(part, setting, y0.clone(), t_end, &mut record);
     let ((kept, balance), (_, work)) = record;

@@ -322,7 +322,7 @@ impl Block {
     ///
     /// # Errors
     /// [`Error::OutsideModel`]: the law never has that force.
-    pub fn check(&self) -> Result<(), Error> {
+    pub fn check_load(&self) -> Result<(), Error> {
         let (most, least) =
             (self.normal.elastic.strongest(), self.torque.abs() / self.strut_length);
         if self.clearance == 0.0 || most > least {

@@ -8,9 +8,6 @@ use super::energy::{Energy, Power};
 use super::mode::Mode;
 use crate::config::Events;
 
-/// States of a joint that every joint has.
-const STATES: usize = 6;
-
 /// A hybrid system of one joint or more, each with a state and a mode of its own.
 pub trait Jointed: System {
     /// A joint with what hangs on it, alone; all of a system are equal.
@@ -19,12 +16,12 @@ pub trait Jointed: System {
     /// Number of joints: of a chain one a bay.
     fn n_joints(&self) -> usize;
 
-    /// Whether the contacts can carry what the drive alone asks of them; see [`Block::check`].
+    /// Whether the contacts can carry what the drive alone asks of them; see [`Block::check_load`].
     ///
     /// # Errors
     /// [`Error::OutsideModel`]: they cannot, or the system is not the one to integrate.
     fn check(&self) -> Result<(), Error> {
-        self.block().check()
+        self.block().check_load()
     }
 
     /// The start; see [`Block::initial_state`].
@@ -48,12 +45,9 @@ pub trait Jointed: System {
     /// The joint that a guard is of.
     fn joint_of_guard(guard: usize) -> usize;
 
-    /// What the whole is in, when its work is counted; see [`Mode::phase`].
-    fn phase(mode: &Self::Mode) -> &'static str;
-
-    /// Code of a mode as the files write it; of several joints that of the first which sticks, else of the
-    /// first in contact, else 0.
-    fn code(mode: &Self::Mode) -> i8;
+    /// The mode that stands for the whole where one has to: of several joints that of the first which sticks,
+    /// else of the first in contact, else of the root.
+    fn foremost(mode: &Self::Mode) -> Mode;
 
     /// The contact forces of every joint.
     fn joint_forces(&self, mode: &Self::Mode, y: &Self::State<f64>) -> Vec<ContactForces<f64>>;
@@ -119,7 +113,7 @@ pub trait Jointed: System {
     fn set_each(&self, all: &mut [f64], each: &State<f64>) {
         for k in 0..self.n_joints() {
             let offset = self.offset(k);
-            all[offset..offset + STATES].copy_from_slice(each);
+            all[offset..offset + each.len()].copy_from_slice(each);
         }
     }
 }
@@ -136,7 +130,7 @@ impl Jointed for Block {
             let mode = Mode::Apart.to_string();
             return Err(Error::OutsideModel { t: 0.0, mode, reason: reason.to_owned() });
         }
-        Self::check(self)
+        self.check_load()
     }
 
     fn n_joints(&self) -> usize {
@@ -159,12 +153,8 @@ impl Jointed for Block {
         0
     }
 
-    fn phase(mode: &Mode) -> &'static str {
-        mode.phase()
-    }
-
-    fn code(mode: &Mode) -> i8 {
-        mode.code()
+    fn foremost(mode: &Mode) -> Mode {
+        *mode
     }
 
     fn joint_forces(&self, mode: &Mode, y: &State<f64>) -> Vec<ContactForces<f64>> {
@@ -226,12 +216,8 @@ impl Jointed for Chain {
         Self::bay_of(guard)
     }
 
-    fn phase(modes: &Modes) -> &'static str {
-        modes.foremost().phase()
-    }
-
-    fn code(modes: &Modes) -> i8 {
-        modes.foremost().code()
+    fn foremost(modes: &Modes) -> Mode {
+        modes.foremost()
     }
 
     fn joint_forces(&self, modes: &Modes, y: &Vec<f64>) -> Vec<ContactForces<f64>> {

@@ -107,7 +107,7 @@ impl Integrable for Block {
         let blind = Blind(self);
         let mut run = Integration::new(&blind, 0.0, y0);
         let mut record = Unblind::new(self, 0.0, &y0, record);
-        let outcome = Jointed::check(self).and_then(|()| {
+        let outcome = self.check().and_then(|()| {
             let mut solver = setting.method.solver(&blind, setting.control(self))?;
             run.run(t_end, &mut *solver, &mut record)
         });

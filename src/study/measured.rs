@@ -123,7 +123,7 @@ impl Measured {
         let distance = Distance::new(part, of_joints);
         let contacts = Contacts::new(part, setting.events);
         let balance = EnergyBalance::new(part, setting.events, &y0);
-        let kinds = WorkByKind::new(|mode: P::Mode| P::phase(&mode));
+        let kinds = WorkByKind::new(|mode: P::Mode| P::foremost(&mode).phase());
         let mut record = ((trajectory, limits), ((distance, contacts), (balance, kinds)));
         let run = integrate(part, setting, y0, t_end, &mut record);
         let ((trajectory, _), ((distance, contacts), (balance, kinds))) = record;

@@ -82,25 +82,21 @@ pub fn motion(config: &Config, limits: Limits<'_>) -> Option<Motion> {
     let setting = Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(RTOL, None) };
     let mechanism = Mechanism::new(config);
     let t_end = config.run.t_end;
-    let (mut rows, mut slider) = (Vec::new(), Vec::new());
+    let shown = Shown { setting, limits };
     let spacing = t_end / f64::from(POINTS);
     let times: Vec<f64> = (1..=POINTS).map(|k| (spacing * f64::from(k)).min(t_end)).collect();
-    for part in &mechanism.parts {
-        let histories = run(part, &setting, &times, t_end, limits);
-        rows.extend(histories.iter().flat_map(rows_of));
-        slider.extend(histories.iter().flat_map(slider_rows_of));
-    }
-    let root = mechanism.parts.first()?;
-    let events = run(root, &setting, &[], t_end, limits).swap_remove(0).changes;
-    let flight = flight_window(&counted(&events, root.block()), t_end);
+    let parts = mechanism.parts.iter();
+    let histories: Vec<_> = parts.flat_map(|part| shown.run(part, &times, t_end)).collect();
+    let root = histories.first()?;
+    let flight = flight_window(&counted(&root.changes, root.block), t_end);
     let (from, to) = flight.unwrap_or((0.0, FIRST_PART * t_end));
     let spacing = (to - from) / f64::from(ZOOM_POINTS);
     let times: Vec<f64> = (0..=ZOOM_POINTS).map(|k| from + spacing * f64::from(k)).collect();
-    let zoom = run(root, &setting, &times, to, limits);
-    let inside = events.iter().filter(|event| from <= event.t && event.t <= to);
+    let zoom = shown.run(mechanism.parts.first()?, &times, to);
+    let inside = root.changes.iter().filter(|event| from <= event.t && event.t <= to);
     Some(Motion {
-        rows,
-        slider,
+        rows: histories.iter().flat_map(rows_of).collect(),
+        slider: histories.iter().flat_map(slider_rows_of).collect(),
         zoom: zoom.iter().flat_map(rows_of).collect(),
         zooms_on_flight: flight.is_some(),
         zoom_modes: inside.map(|event| (event.t, event.after)).collect(),
@@ -109,28 +105,30 @@ pub fn motion(config: &Config, limits: Limits<'_>) -> Option<Motion> {
     })
 }
 
-/// The history of a part at `times`; of several bays that at the root.
-fn run<'a>(
-    part: &'a Part,
-    setting: &Setting,
-    times: &[f64],
-    t_end: f64,
-    limits: Limits<'_>,
-) -> Vec<JointHistory<'a>> {
-    fn of<'a, P: Integrable>(
-        part: &'a P,
-        setting: &Setting,
+/// How the runs are made that are shown.
+struct Shown<'a> {
+    setting: Setting,
+    limits: Limits<'a>,
+}
+
+impl Shown<'_> {
+    /// The history of a part at `times`; of several bays that at the root.
+    fn run<'p>(&self, part: &'p Part, times: &[f64], t_end: f64) -> Vec<JointHistory<'p>> {
+        match part {
+            Part::Block(block) => self.history(block, times, t_end),
+            Part::Chain(chain) => self.history(chain, times, t_end),
+        }
+    }
+
+    fn history<'p, P: Integrable>(
+        &self,
+        part: &'p P,
         times: &[f64],
         t_end: f64,
-        limits: Limits<'_>,
-    ) -> Vec<JointHistory<'a>> {
-        let mut record = (Trajectory::on(Grid::Times(times.to_vec())), limits);
-        integrate(part, setting, part.start(), t_end, &mut record);
+    ) -> Vec<JointHistory<'p>> {
+        let mut record = (Trajectory::on(Grid::Times(times.to_vec())), self.limits);
+        integrate(part, &self.setting, part.start(), t_end, &mut record);
         histories(part, &record.0, 1)
-    }
-    match part {
-        Part::Block(block) => of(block, setting, times, t_end, limits),
-        Part::Chain(chain) => of(chain, setting, times, t_end, limits),
     }
 }
 

@@ -60,7 +60,7 @@ pub struct StepRow {
     pub t_s: f64,
     /// Its size [s].
     pub h_s: f64,
-    /// Its mode: 0 free, ±1 slip, 2 stick; of several joints see [`Jointed::code`].
+    /// Its mode: 0 free, ±1 slip, 2 stick; of several joints that of [`Jointed::foremost`].
     pub mode: i8,
     /// Its number since the last event, or the start of the run, from 1.
     pub since_restart: usize,
@@ -205,7 +205,7 @@ impl<P: Jointed> Record<P> for Steps {
         self.steps.push(StepRow {
             t_s: t0,
             h_s: t1 - t0,
-            mode: P::code(&accepted.mode),
+            mode: P::foremost(&accepted.mode).code(),
             since_restart: self.since_restart,
             n_rejected: n_rejected - self.n_rejected,
             lands: accepted.landed_on.is_some(),

@@ -249,6 +249,15 @@ mod tests {
         (rows, pattern)
     }
 
+    /// The rates with their derivatives by state `j`, by dual numbers.
+    fn column(chain: &Chain, modes: &Modes, y: &[f64], j: usize) -> Vec<Dual64> {
+        let seed = |i| Dual64::new(y[i], if i == j { 1.0 } else { 0.0 });
+        let seeded: Vec<Dual64> = (0..y.len()).map(seed).collect();
+        let mut dydt = seeded.clone();
+        chain.rhs(modes.clone(), Dual64::from_re(0.0), &seeded, &mut dydt);
+        dydt
+    }
+
     #[test]
     fn the_analytic_jacobian_is_that_of_dual_numbers_in_every_mode() {
         use Mode::Apart;
@@ -265,10 +274,7 @@ mod tests {
                 let (chain, modes) = (chain(exponent), Modes::from(modes.to_vec()));
                 let (rows, _) = analytic(&chain, &modes, &y);
                 for j in 0..y.len() {
-                    let seed = |i| Dual64::new(y[i], if i == j { 1.0 } else { 0.0 });
-                    let seeded: Vec<Dual64> = (0..y.len()).map(seed).collect();
-                    let mut dydt = seeded.clone();
-                    chain.rhs(modes.clone(), Dual64::from_re(0.0), &seeded, &mut dydt);
+                    let dydt = column(&chain, &modes, &y, j);
                     for (i, row) in rows.iter().enumerate() {
                         let size = row.iter().fold(1e-9, |m: f64, x| m.max(x.abs()));
                         let difference = (row[j] - dydt[i].eps).abs() / size;
@@ -297,10 +303,7 @@ mod tests {
         let y: Vec<f64> = state().chunks(STATES).enumerate().flat_map(bent).collect();
         let (rows, _) = analytic(&chain, &modes, &y);
         for j in 0..y.len() {
-            let seed = |i| Dual64::new(y[i], if i == j { 1.0 } else { 0.0 });
-            let seeded: Vec<Dual64> = (0..y.len()).map(seed).collect();
-            let mut dydt = seeded.clone();
-            chain.rhs(modes.clone(), Dual64::from_re(0.0), &seeded, &mut dydt);
+            let dydt = column(&chain, &modes, &y, j);
             for (i, row) in rows.iter().enumerate() {
                 assert_eq!(row[j], dydt[i].eps, "({i}, {j})");
             }
