@@ -1,8 +1,8 @@
 //! How good are recommendations? Random configurations, each recommended a setting, run again with it, and
 //! compared with an exhaustive search.
 //!
-//! `cargo bench --bench recommend -- 200 40` does 200 of them, and the exhaustive search for the first 40;
-//! without numbers, 3 and 3. `KEY=VALUE` sets a key of all, as `--set` does on the command line.
+//! `cargo bench --bench recommend -- 0..200 0..40` does the first 200 draws, and the exhaustive search for the
+//! first 40; without ranges, `0..3 0..3`. `KEY=VALUE` sets a key of all, as `--set` does on the command line.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -10,6 +10,7 @@
     reason = "a bench panics to fail, and prints"
 )]
 
+use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -79,26 +80,36 @@ struct Tally {
 
 fn main() {
     let args: Vec<String> = std::env::args().skip(1).filter(|arg| arg != "--bench").collect();
-    let numbers: Vec<usize> = args.iter().filter_map(|arg| arg.parse().ok()).collect();
-    let n = numbers.first().copied().unwrap_or(3);
-    let n_exhaustive = numbers.get(1).copied().unwrap_or(n);
+    let ranges: Vec<Range<usize>> = args.iter().filter_map(|arg| range(arg)).collect();
+    let draws = ranges.first().cloned().unwrap_or(0..3);
+    let searched = ranges.get(1).unwrap_or(&draws);
     let more: Vec<String> = args.iter().filter(|arg| arg.contains('=')).cloned().collect();
     let mut random = Random(SEED);
     let mut tally = Tally::default();
-    for i in 0..n {
+    for i in 0..draws.end {
         let (mut sets, accuracy) = draw(&mut random);
+        if i < draws.start {
+            continue;
+        }
         sets.extend(more.iter().cloned());
         let config = Config::load(None, &sets).expect("the draws are in range");
-        one(i, &config, &sets, accuracy, i < n_exhaustive, &mut tally);
+        one(i, &config, &sets, accuracy, searched.contains(&i), &mut tally);
     }
     let Tally { none, warned, reached, missed, extended, mut ratios } = tally;
     ratios.sort_by(f64::total_cmp);
     let cheap = ratios.iter().filter(|ratio| **ratio <= 1.25).count();
     println!(
-        "{n} configurations: {warned} warned, {none} without an answer; of the others {reached} reach \
+        "{} configurations: {warned} warned, {none} without an answer; of the others {reached} reach \
          again, {missed} do not, {extended} judged in extended precision; cost within 1.25 of the exhaustive search in {cheap} of {}",
+        draws.len(),
         ratios.len()
     );
+}
+
+/// `FROM..TO`.
+fn range(arg: &str) -> Option<Range<usize>> {
+    let (from, to) = arg.split_once("..")?;
+    Some(from.parse().ok()?..to.parse().ok()?)
 }
 
 fn one(i: usize, config: &Config, sets: &[String], accuracy: f64, search: bool, tally: &mut Tally) {

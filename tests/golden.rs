@@ -82,7 +82,7 @@ fn the_reference_reproduces_both_and_states_its_true_error() {
                 e = e.max(sample_error(&block.in_paper_order(y), golden, own.scale));
             }
             let exact = counted(&golden.events[i], block);
-            let events = match_events(&counted(&own.events, block), &exact);
+            let events = match_events(&counted(&own.events, block), &exact, own.scale);
             assert_eq!((events.missed, events.spurious), (0, 0), "joint {}", i + 1);
             late = late.max(events.time_error);
         }
@@ -152,10 +152,10 @@ fn auto_turns_implicit_in_a_hard_damped_contact_and_finds_its_events() {
     for (block, (own, other)) in
         mechanism.blocks().into_iter().zip(auto.trajectories.iter().zip(&tight.trajectories))
     {
+        let scale = ErrorScale::of(block, 1e-4);
         let changes = |run| counted(&mode_changes(run), block);
-        let found = match_events(&changes(own), &changes(other));
+        let found = match_events(&changes(own), &changes(other), scale);
         assert_eq!((found.missed, found.spurious), (0, 0), "joint {}", block.joint);
-        let scale = ErrorScale { clearance: block.clearance, theta: 1e-4 };
         for (own, other) in own.samples.iter().zip(&other.samples) {
             let e = sample_error(&own.y, &other.y, scale);
             assert!(e < 1e-5, "joint {} at {}: {e:e}", block.joint, own.t);
@@ -311,7 +311,7 @@ fn the_reference_of_a_chain_is_its_golden_run_and_states_its_true_error() {
             e = e.max(sample_error(y, golden, own.scale));
         }
         let exact = counted(&golden.events[k], block);
-        let events = match_events(&counted(&own.events, block), &exact);
+        let events = match_events(&counted(&own.events, block), &exact, own.scale);
         assert_eq!((events.missed, events.spurious), (0, 0), "bay {}", k + 1);
         late = late.max(events.time_error);
     }

@@ -79,6 +79,7 @@ pub const SLIDER_CRANK_DEFAULTS: &[(&str, &str)] = &[
     ("contact.stiffness", "6.61e10"),
     ("contact.exponent", "1.5"),
     ("friction.coefficient", "0.03"),
+    ("friction.static_coefficient", "0.045"),
     ("run.t_end", "0.024"),
     ("run.sample", "1e-4"),
     ("solver.step", "1e-6"),

@@ -204,11 +204,6 @@ impl Settings {
                 let place = place.unwrap_or(Place::Default);
                 Err(ConfigError::NotWithBristles { place, found, reason })
             };
-            if config.mechanism != MechanismName::Strut {
-                let reason = "its bristles are built for struts; use stribeck, or a regularised law (tanh, \
-                              ambrosio, threlfall)";
-                return refused("mechanism", config.mechanism.to_string(), reason);
-            }
             if joint.joint.clearance == 0.0 {
                 let reason =
                     "a pin that is held does not slide; use a clearance above zero, or coulomb";

@@ -1,9 +1,8 @@
 //! Where a contest takes place: a mechanism, its time, and the reference that judges.
 
-use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
 
-use crate::config::{Config, MechanismName};
+use crate::config::Config;
 use crate::model::Mechanism;
 use crate::reference::{Reference, ReferenceError, counted};
 use crate::run::Limits;
@@ -57,10 +56,7 @@ impl Arena {
             reference = Reference::new(&mechanism, t_end, &times, limits)?;
         }
         let n_events = n_counted(&mechanism, &reference);
-        let unit_s = match config.mechanism {
-            MechanismName::Strut => 1.0,
-            MechanismName::SliderCrank => TAU / config.slider_crank.crank_speed,
-        };
+        let unit_s = mechanism.blocks().first().map_or(1.0, |block| block.unit_of_time());
         Ok(Self { mechanism, reference, times, t_end, unit_s, horizon, n_events })
     }
 

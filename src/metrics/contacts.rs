@@ -7,7 +7,7 @@ use deltazero_solvers::{Accepted, Event, Next, Real, Record, Step, System};
 use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
-use super::{EVENT_WINDOW, worse};
+use super::{ErrorScale, worse};
 use crate::config::Events;
 use crate::model::{Block, Jointed, Mode, State};
 use crate::quadrature::GAUSS;
@@ -238,14 +238,18 @@ pub struct ContactErrors {
     pub impulse: f64,
 }
 
-/// Compares contacts whose ends are the same events, in order, both within 1e-3 s; none where there are
-/// no such pairs.
-pub fn contact_errors(run: &[Contact], reference: &[Contact]) -> Option<ContactErrors> {
+/// Compares contacts whose ends are the same events, in order, both within the window of `scale`; none
+/// where there are no such pairs.
+pub fn contact_errors(
+    run: &[Contact],
+    reference: &[Contact],
+    scale: ErrorScale,
+) -> Option<ContactErrors> {
     let largest = |of: fn(&Contact) -> f64| {
         reference.iter().map(of).fold(f64::MIN_POSITIVE, |largest, x| largest.max(x.abs()))
     };
     let (largest_peak, largest_impulse) = (largest(|c| c.peak), largest(|c| c.impulse));
-    let near = |a: f64, b: f64| (a - b).abs() <= EVENT_WINDOW;
+    let near = |a: f64, b: f64| (a - b).abs() <= scale.event_window;
     let mut ahead = run.iter();
     let mut errors: Option<ContactErrors> = None;
     for contact in reference {
@@ -337,8 +341,9 @@ mod tests {
             |begin: f64, impulse| Contact { begin, end: begin + 0.01, impulse, peak: 2.0 };
         let reference = [contact(0.0, 1.0), contact(0.1, 4.0), contact(0.2, 1.0)];
         let run = [contact(0.0, 1.1), contact(0.15, 9.0), contact(0.2, 1.2)];
-        let errors = contact_errors(&run, &reference).unwrap();
+        let scale = ErrorScale { clearance: 1e-4, theta: 1.0, event_window: 1e-3 };
+        let errors = contact_errors(&run, &reference, scale).unwrap();
         assert!((errors.impulse - 0.05).abs() < 1e-15 && errors.peak == 0.0, "{errors:?}");
-        assert_eq!(contact_errors(&run[1..2], &reference), None);
+        assert_eq!(contact_errors(&run[1..2], &reference, scale), None);
     }
 }

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use crate::model::{Block, State};
 use crate::run::ModeChange;
 
-/// Two events further apart than this are not the same event [s].
-pub const EVENT_WINDOW: f64 = 1e-3;
+/// Two events further apart than this are not the same event, in units of the mechanism's time.
+const EVENT_WINDOW: f64 = 1e-3;
 
 /// The scales that errors are measured in.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,12 +19,19 @@ pub struct ErrorScale {
     pub clearance: f64,
     /// Largest |θ| of the reference over all samples and joints [rad].
     pub theta: f64,
+    /// Two events further apart than this are not the same event [s]: a millisecond, of a slider-crank the
+    /// thousandth of a turn.
+    pub event_window: f64,
 }
 
 impl ErrorScale {
     /// Of `block`, where θ reaches `theta` [rad].
     pub fn of(block: &Block, theta: f64) -> Self {
-        Self { clearance: if block.clearance > 0.0 { block.clearance } else { 1e-4 }, theta }
+        Self {
+            clearance: if block.clearance > 0.0 { block.clearance } else { 1e-4 },
+            theta,
+            event_window: EVENT_WINDOW * block.unit_of_time(),
+        }
     }
 }
 
@@ -54,8 +61,8 @@ pub struct EventMatch {
 }
 
 /// Pairs the events of one joint in order: the longest common subsequence of equal modes within
-/// [`EVENT_WINDOW`], and of those the one with the smallest time error.
-pub fn match_events(run: &[ModeChange], reference: &[ModeChange]) -> EventMatch {
+/// the window of `scale`, and of those the one with the smallest time error.
+pub fn match_events(run: &[ModeChange], reference: &[ModeChange], scale: ErrorScale) -> EventMatch {
     // row[j]: most pairs of the events so far with the first j of the reference, and their error.
     let mut row = vec![(0_usize, 0.0_f64); reference.len() + 1];
     let better = |a: (usize, f64), b: (usize, f64)| {
@@ -68,7 +75,7 @@ pub fn match_events(run: &[ModeChange], reference: &[ModeChange]) -> EventMatch 
             let apart = (event.t - other.t).abs();
             let same = (event.before, event.after) == (other.before, other.after);
             let skip = better(above, row[j]);
-            row[j + 1] = if same && apart <= EVENT_WINDOW {
+            row[j + 1] = if same && apart <= scale.event_window {
                 better((diagonal.0 + 1, diagonal.1.max(apart)), skip)
             } else {
                 skip
@@ -104,6 +111,8 @@ pub fn log_log_slope(points: &[(f64, f64)]) -> Option<f64> {
 mod tests {
     use super::*;
 
+    const SCALE: ErrorScale = ErrorScale { clearance: 1e-4, theta: 0.02, event_window: 1e-3 };
+
     fn events(list: &[(f64, i8, i8)]) -> Vec<ModeChange> {
         list.iter().map(|&(t, before, after)| ModeChange { t, before, after }).collect()
     }
@@ -112,7 +121,7 @@ mod tests {
     fn equal_sequences_pair_whole_and_show_their_worst_time() {
         let reference = events(&[(0.1, 0, 1), (0.2, 1, 0)]);
         let run = events(&[(0.1 + 1e-9, 0, 1), (0.2 - 3e-9, 1, 0)]);
-        let found = match_events(&run, &reference);
+        let found = match_events(&run, &reference, SCALE);
         assert_eq!((found.paired, found.missed, found.spurious), (2, 0, 0));
         assert!((found.time_error - 3e-9).abs() < 1e-15);
     }
@@ -120,7 +129,7 @@ mod tests {
     #[test]
     fn a_flight_that_was_missed_is_two_missed_events() {
         let reference = events(&[(0.1, 1, 0), (0.1001, 0, 1), (0.2, 1, -1)]);
-        let found = match_events(&events(&[(0.2, 1, -1)]), &reference);
+        let found = match_events(&events(&[(0.2, 1, -1)]), &reference, SCALE);
         assert_eq!((found.paired, found.missed, found.spurious), (1, 2, 0));
     }
 
@@ -128,24 +137,23 @@ mod tests {
     fn chatter_is_spurious_and_the_nearest_of_its_events_is_the_pair() {
         let reference = events(&[(0.1, 1, 0)]);
         let run = events(&[(0.0995, 1, 0), (0.0998, 0, 1), (0.1, 1, 0)]);
-        let found = match_events(&run, &reference);
+        let found = match_events(&run, &reference, SCALE);
         assert_eq!((found.paired, found.missed, found.spurious), (1, 0, 2));
         assert_eq!(found.time_error, 0.0);
     }
 
     #[test]
     fn events_beyond_the_window_are_not_the_same() {
-        let found = match_events(&events(&[(0.1, 1, 0)]), &events(&[(0.102, 1, 0)]));
+        let found = match_events(&events(&[(0.1, 1, 0)]), &events(&[(0.102, 1, 0)]), SCALE);
         assert_eq!((found.paired, found.missed, found.spurious), (0, 1, 1));
     }
 
     #[test]
     fn a_sample_that_is_not_a_number_has_no_small_error() {
-        let scale = ErrorScale { clearance: 1e-4, theta: 0.02 };
         for i in 0..3 {
             let mut y = [0.0; 6];
             y[i] = f64::NAN;
-            assert!(sample_error(&y, &[0.0; 6], scale).is_nan());
+            assert!(sample_error(&y, &[0.0; 6], SCALE).is_nan());
         }
     }
 

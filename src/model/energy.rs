@@ -1,9 +1,8 @@
 //! Energies and powers of one state of a block.
 
 use super::block::{Block, Body, ContactForces, State};
-use super::contact::{PinPose, Touch};
 use super::mode::Mode;
-use super::slider_crank::{Slider, SliderCrank};
+use super::slider_crank::Slider;
 
 /// Energies of a state [J].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,52 +49,33 @@ impl Block {
     /// Powers at `y` in `mode`: that of the normal law's losses, and by friction `−F_T v_T` where it acts as a
     /// force and a torque, `−F_T r θ̇` where as a torque alone.
     pub fn power(&self, mode: Mode, y: &State<f64>) -> Power {
-        let (Some(touch), true) = (mode.touch(), mode.is_contact()) else {
-            return self.with_drive(mode, y, self.power_of(y, None));
-        };
-        let pose = self.pose(y);
-        let contact = Some((&pose, self.forces(mode, y, &pose), touch));
-        self.with_drive(mode, y, self.power_of(y, contact))
+        self.power_under(self.forces(mode, y, &self.pose(y)), mode, y)
     }
 
-    /// `power` with that of the torque which holds a crank's speed, where there is one.
-    fn with_drive(&self, mode: Mode, y: &State<f64>, power: Power) -> Power {
-        match self.slider(mode, y) {
-            Some(slider) => Power { drive: slider.torque * y[5], ..power },
-            None => power,
-        }
-    }
-
-    /// The load on the pin in `mode`, the one that holds it where it is held.
-    fn load_in(&self, crank: &SliderCrank, mode: Mode, y: &State<f64>) -> [f64; 3] {
-        match mode {
+    /// The slider at `y` in `mode` under the forces of its contact, where there is one.
+    pub fn slider(&self, mode: Mode, y: &State<f64>, forces: ContactForces<f64>) -> Option<Slider> {
+        let Body::SliderCrank(crank) = &self.body else { return None };
+        let load = match mode {
             Mode::Pinned => crank.ideal_load(y),
             Mode::Apart | Mode::Relaxing(_) => [0.0; 3],
-            _ => {
-                let pose = self.pose(y);
-                self.pin_load(&pose, self.forces(mode, y, &pose))
-            }
-        }
+            _ => self.pin_load(&self.pose(y), forces),
+        };
+        Some(crank.slider(y, load))
     }
 
-    /// The slider at `y` in `mode`, where there is one.
-    pub fn slider(&self, mode: Mode, y: &State<f64>) -> Option<Slider> {
-        match &self.body {
-            Body::Struts(_) => None,
-            Body::SliderCrank(crank) => Some(crank.slider(y, self.load_in(crank, mode, y))),
-        }
-    }
-
-    /// The same with the forces of the contact given, and how it began.
-    pub(super) fn power_of(
+    /// [`power`](Self::power) where these are the forces of the contact.
+    pub(super) fn power_under(
         &self,
+        forces: ContactForces<f64>,
+        mode: Mode,
         y: &State<f64>,
-        contact: Option<(&PinPose<f64>, ContactForces<f64>, Touch)>,
     ) -> Power {
-        let drive = self.torque * y[5];
-        let Some((pose, forces, touch)) = contact else {
+        let torque = self.slider(mode, y, forces).map_or(self.torque, |slider| slider.torque);
+        let drive = torque * y[5];
+        let (Some(touch), true) = (mode.touch(), mode.is_contact()) else {
             return Power { drive, dissipated: 0.0 };
         };
+        let pose = self.pose(y);
         let damping = self.normal.loss(pose.delta, pose.delta_dot, touch);
         let turning = self.pin_radius * self.body.held().spin(y);
         let speed = turning + self.reading.tangential_force * pose.w([y[3], y[4]]);

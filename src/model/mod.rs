@@ -76,17 +76,16 @@ impl Part {
 impl Mechanism {
     /// The mechanism of a configuration.
     pub fn new(config: &Config) -> Self {
-        let bays = [config.bays as usize, 1];
-        let part = |(block, bays): (Block, usize)| match &block.body {
-            Body::Struts(inertia) if bays > 1 || block.sliding.bristles().is_some() => {
-                let inertia = inertia.clone();
-                Part::Chain(Chain::of(block, inertia, bays))
-            }
-            _ => Part::Block(block),
+        let part = |(block, bays): (Block, usize)| match block.sliding.bristles() {
+            None if bays == 1 => Part::Block(block),
+            _ => Part::Chain(Chain::of(block, bays)),
         };
         let parts = match config.mechanism {
-            MechanismName::Strut => Self::struts(config).into_iter().zip(bays).map(part).collect(),
-            MechanismName::SliderCrank => vec![Part::Block(Self::slider_crank(config))],
+            MechanismName::Strut => {
+                let bays = [config.bays as usize, 1];
+                Self::struts(config).into_iter().zip(bays).map(part).collect()
+            }
+            MechanismName::SliderCrank => vec![part((Self::slider_crank(config), 1))],
         };
         Self { parts }
     }

@@ -8,6 +8,7 @@ use deltazero_solvers::{Next, Real};
 use super::block::{Block, Body, Held, State};
 use super::contact::Touch;
 use super::friction::Extra;
+use super::sliding::Shape;
 
 /// Guard: θ below 90°, where the struts line up, and in contact δ within the range of its law.
 pub const GUARD_END: usize = 0;
@@ -174,7 +175,7 @@ impl Block {
     /// Whether the guards of slipping are `(ρ + c) δ` and `ρ v_T`.
     #[inline(always)]
     fn has_products(&self, held: Held<'_>) -> bool {
-        self.normal.adhesion && self.sliding.is_whole() && matches!(held, Held::Struts(_))
+        self.normal.adhesion && matches!((self.sliding, held), (Shape::Constant, Held::Struts(_)))
     }
 
     /// `π/2 − θ` [rad] where the block ends at 90°.

@@ -1,5 +1,7 @@
 //! Natural scales of a block's states, from which absolute tolerances follow.
 
+use std::f64::consts::TAU;
+
 use super::block::{Block, Body, State};
 
 impl Block {
@@ -26,6 +28,14 @@ impl Block {
         let v = (2.0 * pull * d).sqrt();
         let l = self.strut_length;
         [d, d, d / l, v, v, v / l]
+    }
+
+    /// In what its time is counted [s]: a second, or the turn of a crank.
+    pub fn unit_of_time(&self) -> f64 {
+        match &self.body {
+            Body::Struts(_) => 1.0,
+            Body::SliderCrank(crank) => TAU / crank.speed,
+        }
     }
 
     /// Speed and force that are nothing beside those of the motion: a millionth of their scales.

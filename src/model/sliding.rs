@@ -6,6 +6,13 @@ use deltazero_solvers::real::Function;
 use super::contact::Touch;
 use crate::config::{Friction, FrictionLaw};
 
+/// Speeds v_S beyond which `exp(−(s/v_S)²)` is nothing beside one: e⁻³⁶ = 2.3e-16. What a law does below them is a
+/// piece of its own, as it is too narrow to be seen from afar: all terms of its series at 30 v_S are zero, and a step
+/// would pass over it.
+const STRIBECK_SETTLED: f64 = 6.0;
+/// Speeds v_r beyond which so is `1 − tanh(s/v_r)`: 2 e⁻³⁸ = 6e-17.
+const TANH_SETTLED: f64 = 19.0;
+
 /// Friction of a slip, `F_T = −σ m F_N` [N] with σ the sign of the tangential velocity v_T and `m(s)` of its
 /// size s = |v_T| [m/s]: smooth piece by piece, each piece a mode.
 ///
@@ -15,7 +22,7 @@ use crate::config::{Friction, FrictionLaw};
 pub enum Shape {
     /// `m = μ`. Eq. (4) of the paper.
     Constant,
-    /// `m = μ + (μ_s − μ) exp(−(s/v_S)²)`. R. Stribeck, Z. VDI 46 (1902); the Gaussian by L. C. Bo, D. Pavelescu,
+    /// `m = μ + (μ_s − μ) exp(−(s/v_S)²)` to 6 v_S, `μ` beyond. R. Stribeck, Z. VDI 46 (1902); the Gaussian by L. C. Bo, D. Pavelescu,
     /// Wear 82, 277–289 (1982).
     Stribeck {
         /// `μ_s − μ`.
@@ -23,7 +30,7 @@ pub enum Shape {
         /// `v_S` [m/s].
         speed: f64,
     },
-    /// `m = μ tanh(s/v_r)`, odd and smooth through zero.
+    /// `m = μ tanh(s/v_r)` to 19 v_r, `μ` beyond; odd and smooth through zero.
     Tanh {
         /// `v_r` [m/s].
         speed: f64,
@@ -52,7 +59,7 @@ pub enum Shape {
 /// ```text
 /// F_T = −F_N (σ0 z + σ1 ż + σ2 v_T)   [N]
 /// ż = v_T − σ0 |v_T| z/g(|v_T|)       [m/s]
-/// g(s) = μ + (μ_s − μ) exp(−(s/v_S)²)
+/// g(s) = μ + (μ_s − μ) exp(−(s/v_S)²) to 6 v_S, μ beyond
 /// ```
 ///
 /// z the deflection of the bristles [m]: zero where a contact begins, to ±g/σ0 where it slides. It does not stick,
@@ -83,11 +90,11 @@ pub struct Bristles {
 }
 
 impl Bristles {
-    /// `σ0 z + σ1 ż + σ2 v_T` and `ż` [m/s], where v_T has the sign `sigma`, past zero too.
+    /// `σ0 z + σ1 ż + σ2 v_T` and `ż` [m/s] in a piece of g, where v_T has the sign `sigma`, past zero too.
     #[inline(always)]
-    pub(super) fn bent<S: Real>(&self, mu: f64, sigma: f64, v_t: S, z: S) -> (S, S) {
+    pub(super) fn bent<S: Real>(&self, (mu, piece): (f64, u8), sigma: f64, v_t: S, z: S) -> (S, S) {
         let s = v_t * sigma;
-        let g = s.apart(&Piece { shape: self.without_viscosity(), mu, piece: 0 });
+        let g = s.apart(&Piece { shape: self.without_viscosity(), mu, piece });
         let z_dot = v_t - z * s * self.stiffness / g;
         (z * self.stiffness + z_dot * self.damping + v_t * self.viscosity, z_dot)
     }
@@ -150,14 +157,13 @@ impl Shape {
         match *self {
             Self::Ambrosio { dead, speed } => [dead, speed],
             Self::Threlfall { speed } => [speed, f64::INFINITY],
+            Self::Stribeck { excess, speed } if excess != 0.0 => {
+                [STRIBECK_SETTLED * speed, f64::INFINITY]
+            }
+            Self::Tanh { speed } => [TANH_SETTLED * speed, f64::INFINITY],
+            Self::Lugre(own) => own.without_viscosity().ends(),
             _ => [f64::INFINITY; 2],
         }
-    }
-
-    /// Whether it is one piece.
-    #[inline(always)]
-    pub(super) fn is_whole(&self) -> bool {
-        matches!(self, Self::Constant | Self::Stribeck { .. } | Self::Tanh { .. } | Self::Lugre(_))
     }
 
     /// `touch` in the piece of a speed `s`.
@@ -188,14 +194,14 @@ impl Shape {
     /// `dm/ds` [s/m] there.
     pub(super) fn slope(&self, mu: f64, piece: u8, s: f64) -> f64 {
         match (*self, piece) {
-            (Self::Stribeck { excess, speed }, _) => {
+            (Self::Stribeck { excess, speed }, 0) => {
                 let part = s / speed;
                 -2.0 * excess * part / speed * libm::exp(-part * part)
             }
             (Self::Lugre(own), piece) => {
                 own.without_viscosity().slope(mu, piece, s) + own.viscosity
             }
-            (Self::Tanh { speed }, _) => {
+            (Self::Tanh { speed }, 0) => {
                 let cosh = libm::cosh(s / speed);
                 mu / (speed * cosh * cosh)
             }
@@ -217,15 +223,15 @@ impl Function for Piece {
     fn of<S: Real>(&self, s: S) -> S {
         let Self { shape, mu, piece } = *self;
         match (shape, piece) {
-            (Shape::Stribeck { excess, speed }, _) => {
+            (Shape::Stribeck { excess, speed }, 0) => {
                 let part = s / speed;
                 (-(part * part)).exp() * excess + mu
             }
-            (Shape::Lugre(own), _) => {
-                let part = s / own.speed;
-                (-(part * part)).exp() * own.excess + mu + s * own.viscosity
+            (Shape::Lugre(own), piece) => {
+                let shape = own.without_viscosity();
+                Self { shape, mu, piece }.of(s) + s * own.viscosity
             }
-            (Shape::Tanh { speed }, _) => {
+            (Shape::Tanh { speed }, 0) => {
                 // Of the argument's size: no power overflows.
                 let sign = if s.value() < 0.0 { -1.0 } else { 1.0 };
                 let falls = (s * (-2.0 * sign / speed)).exp();
@@ -235,7 +241,7 @@ impl Function for Piece {
             (Shape::Ambrosio { dead, speed }, 1) => (s - dead) * (mu / (speed - dead)),
             (Shape::Threlfall { speed }, 0) => (-(s * (-3.0 / speed)).exp() + 1.0) * mu,
             (Shape::Threlfall { .. }, _) => S::cst(mu * -libm::expm1(-3.0)),
-            (Shape::Constant | Shape::Ambrosio { .. }, _) => S::cst(mu),
+            _ => S::cst(mu),
         }
     }
 }
@@ -263,7 +269,7 @@ mod tests {
         for (sigma, s) in [(1.0, 2e-3), (-1.0, 5e-4)] {
             let g = Shape::Lugre(BRISTLES).ratio(0.1, 0, s) - BRISTLES.viscosity * s;
             let (v_t, z) = (sigma * s, sigma * g / BRISTLES.stiffness);
-            let (ratio, z_dot) = BRISTLES.bent(0.1, sigma, v_t, z);
+            let (ratio, z_dot) = BRISTLES.bent((0.1, 0), sigma, v_t, z);
             assert!(z_dot.abs() < 1e-15 * s, "{z_dot:e}");
             let steady = sigma * (g + BRISTLES.viscosity * s);
             assert!((ratio / steady - 1.0).abs() < 1e-15, "{ratio} against {steady}");

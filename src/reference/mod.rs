@@ -406,6 +406,6 @@ impl JointReference {
             events.into_iter().filter(|event| self.is_within(event.t)).collect()
         };
         let run = within(counted(&mode_changes(run), block));
-        match_events(&run, &within(counted(&self.events, block)))
+        match_events(&run, &within(counted(&self.events, block)), self.scale)
     }
 }

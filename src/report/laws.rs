@@ -80,11 +80,15 @@ m = μ + (μ_s − μ) exp(−(s/v_S)²) stick at s = 0 while |F_T| < m(0) F_N. 
 
 | law | m(s) | pieces, each a mode |
 |---|---|---|
-| `tanh` | μ tanh(s/v_r) | one |
+| `tanh` | μ tanh(s/v_r) to 19 v_r, μ beyond | two |
 | `ambrosio` | 0 to v_0, μ (s − v_0)/(v_r − v_0) to v_r, μ beyond; v_0 = `dead_ratio` v_r | three |
 | `threlfall` | μ (1 − exp(−3 s/v_r)) to v_r, μ (1 − e⁻³) beyond (printed as 0.95 μ) | two |
 
 `threlfall` does not tend to `coulomb` with v_r: its limit is 0.95 μ.
+
+Where a law has settled to a double's last digit, at 19 v_r of `tanh` and 6 v_S of `stribeck` and `lugre`, it is constant: what it does below is a
+piece that starts with an event. Left smooth, it is a peak that a method of high order passes over, at any tolerance: all terms of
+its series at 30 v_S are zero.
 
 `lugre` bends bristles before they slide. Their deflection z [m] is a seventh state of the joint, zero where a contact begins:
 
@@ -97,7 +101,7 @@ Each change of the sign of v_T, where ż has a kink, is an event. Where bristles
 contact begins fast, F_T exceeds μ_s F_N; and σ_1 may give energy back where v_T falls from one speed to another with less friction: for a
 constant F_N the law is passive if σ_2 ≥ σ_1 (μ_s − μ)/μ. C. Canudas de Wit, H. Olsson, K. J. Åström, P. Lischinsky, IEEE Trans. Autom.
 Control 40(3), 419–425 (1995), where σ_0 z is a force, up to F_C for μ; F_N as a factor by C. Canudas de Wit, P. Tsiotras, Proc. 38th
-IEEE CDC (1999). Built for struts, events located, in f64.
+IEEE CDC (1999). For located events, in f64.
 
 ## What regularising costs, and what error it brings
 

@@ -16,7 +16,9 @@ pub(super) fn trajectory_csv(joints: &[&JointHistory<'_>]) -> String {
     );
     for JointHistory { bay, block, samples, .. } in joints {
         for sample in samples {
-            let Some(slider) = block.slider(sample.mode, &sample.y) else { continue };
+            let Some(slider) = block.slider(sample.mode, &sample.y, sample.forces) else {
+                continue;
+            };
             let [d1, d2, theta, v1, v2, omega] = sample.y;
             // A diverging state may be finite where its forces are not.
             let finite = |x: f64| exact(x.is_finite().then_some(x));

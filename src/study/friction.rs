@@ -94,7 +94,7 @@ fn cost(
     let mut e = 0.0;
     let pairs = reference.trajectories.iter().zip(&runs[0].trajectories);
     for (block, (exact, own)) in mechanism.blocks().into_iter().zip(pairs) {
-        let scale = ErrorScale { clearance: block.clearance, theta };
+        let scale = ErrorScale::of(block, theta);
         for (exact, own) in exact.samples.iter().zip(&own.samples) {
             e = worse(e, sample_error(&own.y, &exact.y, scale));
         }

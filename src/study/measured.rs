@@ -185,7 +185,8 @@ impl Audit {
         let within = |contacts: &[Contact]| -> Vec<Contact> {
             contacts.iter().filter(|contact| reference.is_within(contact.end)).copied().collect()
         };
-        if let Some(own) = contact_errors(&within(&self.contacts), &within(&reference.contacts)) {
+        let (own, exact) = (within(&self.contacts), within(&reference.contacts));
+        if let Some(own) = contact_errors(&own, &exact, reference.scale) {
             errors.peak_force_error = worst(errors.peak_force_error, Some(own.peak));
             errors.contact_impulse_error = worst(errors.contact_impulse_error, Some(own.impulse));
         }

@@ -141,7 +141,7 @@ fn flight_window(events: &[ModeChange], t_end: f64) -> Option<(f64, f64)> {
 
 fn slider_rows_of(joint: &JointHistory<'_>) -> Vec<SliderRow> {
     let row = |sample: &JointSample| {
-        let slider = joint.block.slider(sample.mode, &sample.y)?;
+        let slider = joint.block.slider(sample.mode, &sample.y, sample.forces)?;
         Some(SliderRow {
             t_s: sample.t,
             crank_rad: sample.y[2],

@@ -126,8 +126,7 @@ pub fn stability(config: &Config, table: &WorkPrecision, limits: Limits<'_>) -> 
         let Part::Block(block) = part else { continue };
         let (reference, _) = run(block, &tight);
         let Some(stiffness) = stiffness(block, &reference) else { continue };
-        let clearance = if block.clearance > 0.0 { block.clearance } else { 1e-4 };
-        let scale = ErrorScale { clearance, theta: table.reference.theta_scale_rad };
+        let scale = ErrorScale::of(block, table.reference.theta_scale_rad);
         for k in RUNS {
             let h_s = stiffness.limit_s * libm::exp2(f64::from(k) / RUNS_PER_OCTAVE);
             let (own, is_whole) = run(block, &located("rk4", Accuracy::Step(h_s))?);

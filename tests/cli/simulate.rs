@@ -42,8 +42,15 @@ fn check_files(trajectory: &Table, events: &Table) {
 
 #[test]
 fn a_slider_crank_writes_its_own_columns_and_its_energy_balances() {
+    for law in ["coulomb", "lugre"] {
+        slider_crank_columns(law);
+    }
+}
+
+fn slider_crank_columns(law: &str) {
     let scratch = Scratch::new();
-    let sets = ["mechanism=slider-crank", "run.t_end=0.003", "solver.rtol=1e-10"];
+    let friction = format!("friction.law={law}");
+    let sets = ["mechanism=slider-crank", "run.t_end=0.003", "solver.rtol=1e-10", &friction];
     scratch.simulate("out", &sets);
     let (table, run) = (scratch.table("out/trajectory.csv"), scratch.json("out/run.json"));
     assert_eq!(table.header[..6], ["bay", "joint", "t_s", "mode", "d1_m", "d2_m"]);

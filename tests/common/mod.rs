@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use deltazero::config::{Config, Events};
 use deltazero::energy_balance::{Balance, EnergyBalance};
-use deltazero::metrics::{ErrorScale, EventMatch, match_events, sample_error};
+use deltazero::metrics::{ErrorScale, EventMatch, match_events, sample_error, worse};
 use deltazero::model::{Chain, Jointed, Mechanism, Part, State};
 use deltazero::reference::counted;
 use deltazero::run::{
@@ -42,7 +42,7 @@ impl Golden {
         let mut matches = [EventMatch::default(); 2];
         for (i, trajectory) in run.trajectories.iter().enumerate() {
             let block = &mechanism.blocks()[i];
-            let scale = ErrorScale { clearance: block.clearance, theta };
+            let scale = ErrorScale::of(block, theta);
             assert_eq!(trajectory.samples.len(), self.states[i].len());
             for (sample, (t, mode, golden)) in trajectory.samples.iter().zip(&self.states[i]) {
                 assert!((sample.t - t).abs() < 1e-12);
@@ -52,7 +52,7 @@ impl Golden {
                 e = e.max(own);
             }
             let own = counted(&mode_changes(trajectory), block);
-            matches[i] = match_events(&own, &counted(&self.events[i], block));
+            matches[i] = match_events(&own, &counted(&self.events[i], block), scale);
         }
         (e, matches)
     }
@@ -81,7 +81,7 @@ impl GoldenChain {
     pub fn compare(&self, chain: &Chain, run: &OwnTrajectory<Chain>) -> (f64, Vec<EventMatch>) {
         let states = || self.states.iter().flatten();
         let theta = states().fold(0.0_f64, |most, (_, _, y)| most.max(y[2].abs()));
-        let scale = ErrorScale { clearance: chain.bay.clearance, theta };
+        let scale = ErrorScale::of(&chain.bay, theta);
         let mut e = 0.0_f64;
         let bays = trajectories(chain, run);
         for (k, (own, golden)) in bays.iter().zip(&self.states).enumerate() {
@@ -94,7 +94,12 @@ impl GoldenChain {
         }
         let counted = |events: &[ModeChange]| counted(events, &chain.bay);
         let pairs = bays.iter().map(mode_changes).zip(&self.events);
-        (e, pairs.map(|(own, golden)| match_events(&counted(&own), &counted(golden))).collect())
+        (
+            e,
+            pairs
+                .map(|(own, golden)| match_events(&counted(&own), &counted(golden), scale))
+                .collect(),
+        )
     }
 }
 
@@ -148,6 +153,13 @@ pub fn balance(config: &Config, setting: &Setting) -> Balance {
         };
     }
     sum
+}
+
+/// `e` of two runs of one configuration, both sampled alike.
+pub fn distance(one: &Run, other: &Run, scale: ErrorScale) -> f64 {
+    let joints = one.trajectories.iter().zip(&other.trajectories);
+    let samples = joints.flat_map(|(one, other)| one.samples.iter().zip(&other.samples));
+    samples.map(|(one, other)| sample_error(&one.y, &other.y, scale)).fold(0.0, worse)
 }
 
 /// The chain of a configuration, sampled every 0.01 s.

@@ -256,10 +256,6 @@ fn bristles_say_what_they_do_not_go_with() {
             "bad.toml:2: solver.events asks for blind",
         ),
         (
-            "mechanism = \"slider-crank\"\nfriction.law = \"lugre\"",
-            "bad.toml:1: mechanism = slider-crank does not",
-        ),
-        (
             "[joint2]\nfriction.law = \"lugre\"\njoint.clearance = 0",
             "bad.toml:3: joint.clearance = 0 does not",
         ),

@@ -24,10 +24,8 @@ impl Chain {
     /// Powers at `y` in `modes`, summed over the bays.
     pub fn power(&self, modes: &Modes, y: &[f64]) -> Power {
         let mut sum = Power::default();
-        self.along(modes, y, 0..self.bays, |_, motion| {
-            let contact =
-                motion.contact.as_ref().map(|(pose, forces, touch)| (pose, *forces, *touch));
-            let power = self.bay.power_of(&motion.y, contact);
+        self.along(modes, y, 0..self.bays, |k, motion| {
+            let power = self.bay.power_under(motion.forces(), modes[k], &motion.y);
             sum.drive += power.drive;
             sum.dissipated += power.dissipated;
         });

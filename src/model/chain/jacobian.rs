@@ -6,6 +6,7 @@ use num_dual::Dual64;
 use super::{Chain, Modes, Motion, STATES};
 use crate::model::block::{ContactForces, Posture, State};
 use crate::model::contact::PinPose;
+use crate::model::inertia::BlockInertia;
 use crate::model::jacobian::{FrozenContact, Gradient, gradient};
 use crate::model::mode::Mode;
 
@@ -33,6 +34,7 @@ impl Chain {
     /// bush, and hands the bay before on to the bay after it: its rows reach back as far as bays stick.
     pub(super) fn jacobian_entries(
         &self,
+        inertia: &BlockInertia,
         modes: &[Mode],
         y: &[f64],
         mut entry: impl FnMut(usize, usize, f64),
@@ -42,8 +44,8 @@ impl Chain {
             for i in 0..3 {
                 entry(STATES * k + i, STATES * k + 3 + i, 1.0);
             }
-            let next = self.push_gradient(modes, y, k + 1);
-            let (relative, end) = self.bay_gradients(modes[k], k, motion, next, &bush);
+            let next = self.push_gradient(inertia, modes, y, k + 1);
+            let (relative, end) = self.bay_gradients(inertia, modes[k], k, motion, next, &bush);
             let last = (k + 1).min(self.bays - 1);
             for b in relative.first.min(k.saturating_sub(1))..=last {
                 for (i, row) in relative.of(b).iter().enumerate() {
@@ -90,6 +92,7 @@ impl Chain {
     /// The force of joint `k` on its bush, and its gradient by the state of bay `k`.
     fn push_gradient(
         &self,
+        inertia: &BlockInertia,
         modes: &[Mode],
         y: &[f64],
         k: usize,
@@ -98,7 +101,7 @@ impl Chain {
         let y = self.state_of(y, k);
         let normal = self.bay.normal.force(pose.delta, pose.delta_dot, touch);
         let forces = ContactForces::frictionless(normal);
-        let by = self.bay.frozen_contact(&self.inertia, (modes[k], touch), &y, &pose, forces);
+        let by = self.bay.frozen_contact(inertia, (modes[k], touch), &y, &pose, forces);
         let turned = |i: usize| gradient(|j| by.normal[j] * pose.n[i] + normal * by.pose.n[i][j]);
         Some((self.push(&pose, touch), [turned(0), turned(1)]))
     }
@@ -106,6 +109,7 @@ impl Chain {
     /// Gradients of the relative accelerations of bay `k` and of the acceleration of its end.
     fn bay_gradients(
         &self,
+        inertia: &BlockInertia,
         mode: Mode,
         k: usize,
         motion: &Motion<f64>,
@@ -113,15 +117,12 @@ impl Chain {
         bush: &Band<2>,
     ) -> (Band<3>, Band<2>) {
         let contact = motion.contact.as_ref().map(|(pose, forces, touch)| {
-            (
-                *pose,
-                self.bay.frozen_contact(&self.inertia, (mode, *touch), &motion.y, pose, *forces),
-            )
+            (*pose, self.bay.frozen_contact(inertia, (mode, *touch), &motion.y, pose, *forces))
         });
         let mut absolute =
-            Band { first: k, blocks: vec![self.own_gradients(mode, motion, &contact)] };
+            Band { first: k, blocks: vec![self.own_gradients(inertia, mode, motion, &contact)] };
         if let Some((push, by)) = next {
-            let [by_angle, by_x, by_y] = self.response_gradient(&motion.y, push);
+            let [by_angle, by_x, by_y] = self.response_gradient(inertia, &motion.y, push);
             for (row, by_angle) in absolute.blocks[0].iter_mut().zip(by_angle) {
                 row[2] += by_angle;
             }
@@ -136,7 +137,7 @@ impl Chain {
         };
         let mut relative = Band { first, blocks: (first..=last).map(minus_bush).collect() };
         if let (Mode::Stick(_), Some((pose, contact))) = (mode, &contact) {
-            let posture = Posture::Struts(&self.inertia, self.inertia.at(motion.y[2]));
+            let posture = Posture::Struts(inertia, inertia.at(motion.y[2]));
             let mut stuck = Vec::new();
             for (b, block) in (first..).zip(&mut relative.blocks) {
                 let v_t_dot = if b == k {
@@ -159,6 +160,7 @@ impl Chain {
     /// `∇(Ẍ, Ÿ, θ̈)` of a bay by its own state and forces.
     fn own_gradients(
         &self,
+        inertia: &BlockInertia,
         mode: Mode,
         motion: &Motion<f64>,
         contact: &Option<(PinPose<f64>, FrozenContact)>,
@@ -166,7 +168,7 @@ impl Chain {
         match contact {
             Some((_, contact)) => contact.accelerations,
             None => {
-                let [.., x, y, theta] = self.bay.strut_jacobian(&self.inertia, mode, &motion.y);
+                let [.., x, y, theta] = self.bay.strut_jacobian(inertia, mode, &motion.y);
                 [x, y, theta]
             }
         }
@@ -178,17 +180,22 @@ impl Chain {
     /// θ̈ = ((l1 + l2 − p̄) cos θ P_X + q̄ sin θ P_Y)/(j_0 + j_c cos²θ)
     /// Ẍ = P_X/M_x − p̄ cos θ θ̈,   Ÿ = P_Y/M_y + q̄ sin θ θ̈
     /// ```
-    fn response_gradient(&self, y: &State<f64>, push: [f64; 2]) -> [[f64; 3]; 3] {
-        let inertia = &self.inertia;
+    fn response_gradient(
+        &self,
+        inertia: &BlockInertia,
+        y: &State<f64>,
+        push: [f64; 2],
+    ) -> [[f64; 3]; 3] {
         let arrow = inertia.at(y[2]);
         let (sin, cos) = (arrow.sin, arrow.cos);
         let (p, q) = (inertia.p, inertia.q);
-        let [_, _, theta] = self.response(&arrow, push);
+        let [_, _, theta] = self.response(inertia, &arrow, push);
         let d_moment = q * cos * push[1] - (self.reach() - p) * sin * push[0];
         let d_theta = (d_moment + 2.0 * inertia.j_c * sin * cos * theta) / inertia.schur(cos);
         let by_angle =
             [p * (sin * theta - cos * d_theta), q * (cos * theta + sin * d_theta), d_theta];
-        [by_angle, self.response(&arrow, [1.0, 0.0]), self.response(&arrow, [0.0, 1.0])]
+        let by_force = |force| self.response(inertia, &arrow, force);
+        [by_angle, by_force([1.0, 0.0]), by_force([0.0, 1.0])]
     }
 
     /// `∇C̈` of bay `k`, given those of its accelerations.

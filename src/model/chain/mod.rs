@@ -10,7 +10,8 @@
 //! ```
 //!
 //! so a right-hand side is one pass from the root. Friction is a torque on the bay's own angle (reading
-//! `pin`); as a force it would couple the sticks of neighbours. Relative displacements keep their digits: an
+//! `pin`); as a force it would couple the sticks of neighbours. A slider-crank whose joint has bristles is a
+//! chain of one bay, with another [`Body`]. Relative displacements keep their digits: an
 //! absolute position of some metres would leave a gap of 0.1 mm ten.
 
 mod energy;
@@ -22,11 +23,11 @@ use std::ops::Range;
 use deltazero_solvers::{Next, Real, System};
 
 use super::Mechanism;
-use super::block::{Block, ContactForces, State};
-use super::block::{Held, Posture};
+use super::block::{Block, Body, ContactForces, Held, Posture, State};
 use super::contact::{PinPose, Touch};
 use super::inertia::{Arrow, BlockInertia};
 use super::mode::Mode;
+use super::slider_crank::SliderCrank;
 use super::sliding::Bristles;
 use crate::config::Config;
 
@@ -44,21 +45,22 @@ const STATES: usize = 6;
 /// friction has bristles is a chain of one bay.
 #[derive(Clone, Debug)]
 pub struct Chain {
-    /// A bay on its own. Of several the reading is `pin`; the clearance is above zero.
+    /// A bay on its own. Of several the reading is `pin` and the body struts; the clearance is above zero.
     pub bay: Block,
-    /// Its mass matrix.
-    inertia: BlockInertia,
     /// Number of bays, at least one.
     pub bays: usize,
     /// What the friction of its joints keeps of their sliding.
     bristles: Option<Bristles>,
 }
 
+/// The contact of a joint, with its forces and how it began.
+type Contact<S> = (PinPose<S>, ContactForces<S>, Touch);
+
 /// How one bay moves among the others.
 struct Motion<S> {
     y: State<S>,
     /// Its contact, if any.
-    contact: Option<(PinPose<S>, ContactForces<S>, Touch)>,
+    contact: Option<Contact<S>>,
     /// ż of its bristles [m/s].
     bristles: S,
     /// `(d̈, θ̈)`, the displacement relative to the bush.
@@ -69,6 +71,14 @@ struct Motion<S> {
     end: [S; 2],
 }
 
+impl<S: Real> Motion<S> {
+    /// The forces of its contact, none where it has none.
+    fn forces(&self) -> ContactForces<S> {
+        let none = ContactForces::frictionless(S::cst(0.0));
+        self.contact.as_ref().map_or(none, |(_, forces, _)| *forces)
+    }
+}
+
 impl Chain {
     /// `l1 + l2`, from a bay's pin to the bush at its end [m].
     fn reach(&self) -> f64 {
@@ -77,14 +87,14 @@ impl Chain {
 
     /// The chain of a configuration: joint 1 in each of its bays.
     pub fn new(config: &Config) -> Self {
-        let ([bay, _], bays) = (Mechanism::struts(config), config.bays as usize);
-        Self::of(bay, BlockInertia::joint_1(&config.strut), bays)
+        let [bay, _] = Mechanism::struts(config);
+        Self::of(bay, config.bays as usize)
     }
 
-    /// `bays` of struts with this `inertia`.
-    pub(super) fn of(bay: Block, inertia: BlockInertia, bays: usize) -> Self {
+    /// A chain of `bays`.
+    pub(super) fn of(bay: Block, bays: usize) -> Self {
         let bristles = bay.sliding.bristles();
-        Self { bay, inertia, bays, bristles }
+        Self { bay, bays, bristles }
     }
 
     /// States of a bay.
@@ -122,10 +132,7 @@ impl Chain {
     /// The contact forces of every bay.
     pub fn forces(&self, modes: &Modes, y: &[f64]) -> Vec<ContactForces<f64>> {
         let mut all = Vec::with_capacity(self.bays);
-        self.along(modes, y, 0..self.bays, |_, motion| {
-            let none = ContactForces::frictionless(0.0);
-            all.push(motion.contact.as_ref().map_or(none, |(_, forces, _)| *forces));
-        });
+        self.along(modes, y, 0..self.bays, |_, motion| all.push(motion.forces()));
         all
     }
 
@@ -142,9 +149,9 @@ impl Chain {
     }
 
     /// `(Ẍ, Ÿ, θ̈)` of a bay by the force `push` on the bush at its end.
-    fn response<S: Real>(&self, arrow: &Arrow<S>, push: [S; 2]) -> [S; 3] {
+    fn response<S: Real>(&self, inertia: &BlockInertia, arrow: &Arrow<S>, push: [S; 2]) -> [S; 3] {
         let load = [push[0], push[1], arrow.cos * push[0] * self.reach()];
-        self.inertia.accelerations(arrow, S::cst(0.0), load)
+        inertia.accelerations(arrow, S::cst(0.0), load)
     }
 
     /// Shows the bays of `range` to `see`, from the root on; the first one is the chain's, or does not
@@ -161,52 +168,89 @@ impl Chain {
         for k in range {
             let next = self.contact(modes, y, k + 1);
             let state = (&self.state_of(y, k), self.deflection(y, k));
-            let motion = self.motion(modes[k], state, own, next, bush);
+            let motion = match &self.bay.body {
+                Body::Struts(inertia) => {
+                    self.strut_motion(inertia, modes[k], state, own, next, bush)
+                }
+                Body::SliderCrank(crank) => self.crank_motion(crank, modes[k], state, own),
+            };
             see(k, &motion);
             (own, bush) = (next, motion.end);
         }
     }
 
-    /// A bay at `y`, its bristles at `z`, in `mode` with its `own` contact and the `next` one at its end, its
-    /// bush accelerating with `bush`.
+    /// Struts at `y`, their bristles at `z`, in `mode` with their `own` contact and the `next` one at their
+    /// end, their bush accelerating with `bush`.
     // A function of its own: inlined in every pass, series of it take minutes to compile.
     #[inline(never)]
-    fn motion<S: Real>(
+    fn strut_motion<S: Real>(
         &self,
+        inertia: &BlockInertia,
         mode: Mode,
         (y, z): (&State<S>, S),
         own: Option<(PinPose<S>, Touch)>,
         next: Option<(PinPose<S>, Touch)>,
         bush: [S; 2],
     ) -> Motion<S> {
-        let bay = &self.bay;
-        let (arrow, omega_sq) = (self.inertia.at(y[2]), y[5] * y[5]);
-        let (none, mut bristles) = ([S::cst(0.0); 3], S::cst(0.0));
-        let response =
-            next.map_or(none, |(pose, touch)| self.response(&arrow, self.push(&pose, touch)));
+        let (arrow, omega_sq) = (inertia.at(y[2]), y[5] * y[5]);
+        let none = [S::cst(0.0); 3];
+        let response = next
+            .map_or(none, |(pose, touch)| self.response(inertia, &arrow, self.push(&pose, touch)));
         let extra = [response[0] - bush[0], response[1] - bush[1], response[2]];
-        let (contact, alone) = match own {
-            Some((pose, touch)) => {
-                let held = Held::Struts(&self.inertia);
-                let forces = match (self.bristles, mode.sigma()) {
-                    (Some(own), Some(sigma)) => {
-                        let v_t = bay.v_t_of(held, &pose, y);
-                        let (ratio, z_dot) = own.bent(bay.mu, sigma, v_t, z);
-                        let normal = bay.normal.force(pose.delta, pose.delta_dot, touch);
-                        bristles = z_dot;
-                        ContactForces { normal, tangential: -(normal * ratio) }
-                    }
-                    _ => bay.forces_among(held, mode, y, &pose, Some(extra)),
-                };
-                let posture = Posture::Struts(&self.inertia, arrow);
-                (Some((pose, forces, touch)), bay.accelerations(y, &posture, &pose, forces))
+        let held = Held::Struts(inertia);
+        let (contact, bristles) = self.touching(held, mode, (y, z), own, extra);
+        let alone = match &contact {
+            Some((pose, forces, _)) => {
+                self.bay.accelerations(y, &Posture::Struts(inertia, arrow), pose, *forces)
             }
-            None => (None, bay.free_accelerations(&self.inertia, y, &arrow)),
+            None => self.bay.free_accelerations(inertia, y, &arrow),
         };
         let [a_x, a_y, theta]: [S; 3] = std::array::from_fn(|i| alone[i] + response[i]);
         let swing = (arrow.cos * theta - arrow.sin * omega_sq) * self.reach();
         let relative = [a_x - bush[0], a_y - bush[1], theta];
         Motion { y: *y, contact, bristles, relative, extra, end: [a_x + swing, a_y] }
+    }
+
+    /// A slider-crank at `y`, its bristles at `z`, in `mode` with its `own` contact.
+    #[inline(never)]
+    fn crank_motion<S: Real>(
+        &self,
+        crank: &SliderCrank,
+        mode: Mode,
+        (y, z): (&State<S>, S),
+        own: Option<(PinPose<S>, Touch)>,
+    ) -> Motion<S> {
+        let zero = S::cst(0.0);
+        let extra = [zero; 3];
+        let held = Held::SliderCrank(crank);
+        let (contact, bristles) = self.touching(held, mode, (y, z), own, extra);
+        let load =
+            contact.as_ref().map_or(extra, |(pose, forces, _)| self.bay.pin_load(pose, *forces));
+        let [a_x, a_y, _] = crank.accelerations(&crank.at(y), load);
+        let relative = [a_x, a_y, zero];
+        Motion { y: *y, contact, bristles, relative, extra, end: [a_x, a_y] }
+    }
+
+    /// A contact with its forces, where there is one, and ż of its bristles.
+    #[inline(always)]
+    fn touching<S: Real>(
+        &self,
+        held: Held<'_>,
+        mode: Mode,
+        (y, z): (&State<S>, S),
+        own: Option<(PinPose<S>, Touch)>,
+        extra: [S; 3],
+    ) -> (Option<Contact<S>>, S) {
+        let Some((pose, touch)) = own else { return (None, S::cst(0.0)) };
+        let (Some(bristles), Some(sigma)) = (self.bristles, mode.sigma()) else {
+            let forces = self.bay.forces_among(held, mode, y, &pose, Some(extra));
+            return (Some((pose, forces, touch)), S::cst(0.0));
+        };
+        let v_t = self.bay.v_t_of(held, &pose, y);
+        let (ratio, z_dot) = bristles.bent((self.bay.mu, touch.piece), sigma, v_t, z);
+        let normal = self.bay.normal.force(pose.delta, pose.delta_dot, touch);
+        let forces = ContactForces { normal, tangential: -(normal * ratio) };
+        (Some((pose, forces, touch)), z_dot)
     }
 
     /// What its neighbours add to the accelerations of bay `k`.
@@ -268,9 +312,13 @@ impl System for Chain {
         for (k, g) in g.chunks_exact_mut(GUARDS).enumerate() {
             // Where nothing sticks they go with no acceleration.
             let extra = extra.get(k).copied().unwrap_or([none; 3]);
-            let held = Held::Struts(&self.inertia);
             let own = self.state_of(y, k);
-            g.copy_from_slice(&self.bay.guards_of(held, modes[k], &own, Some(extra)));
+            g.copy_from_slice(&self.bay.guards_of(
+                self.bay.body.held(),
+                modes[k],
+                &own,
+                Some(extra),
+            ));
         }
     }
 
@@ -306,10 +354,9 @@ impl System for Chain {
     }
 
     fn jacobian(&self, modes: Modes, _t: f64, y: &Vec<f64>, entry: impl FnMut(usize, usize, f64)) {
-        if self.bristles.is_some() {
-            self.dual_jacobian(&modes, y, entry);
-        } else {
-            self.jacobian_entries(&modes, y, entry);
+        match (&self.bay.body, self.bristles) {
+            (Body::Struts(inertia), None) => self.jacobian_entries(inertia, &modes, y, entry),
+            _ => self.dual_jacobian(&modes, y, entry),
         }
     }
 
