@@ -18,19 +18,19 @@
 //!   the next turn.
 //!   At the bound, error control would keep errors of the size of the tolerance alive: a contact stiffer than
 //!   the tolerance resolves then opens and closes by noise, and every second step is rejected.
-//! - A run begins explicit. Every 512 right-hand sides, those of earlier phases with them, where `hρ > 1`
+//! - A run begins explicit. Every 2048 right-hand sides, those of earlier phases with them, where `hρ > 1.5`
 //!   with the mean step h, that may be bound by stability, and implicit steps are tried: one *pays* where it
 //!   is as long as what the explicit half comes forward with the same work.
 //! - A trial begins with 0.4 of that and is kept if its step pays after eight attempts.
 //! - Implicit goes on while its equations can be solved and eight attempts together pay; what pays is
 //!   measured anew after them: an explicit step that is bound by stability is as long as 1/ρ. Phases that
 //!   follow begin implicit where their ρ is at least half of that.
-//! - Then the explicit half goes on. A turn that ends doubles the 512 until the next trial, up to 8192; after
+//! - Then the explicit half goes on. A turn that ends doubles the 2048 until the next trial, up to 8192; after
 //!   steps that paid they are 128.
 //!
 //! So a trial that fails costs some 300 right-hand sides, and all of them together a small part of a run.
-//! A system whose `hρ` stays below one, ρ that of the phase's start, is integrated by the explicit pair, bit for bit; the only price is one
-//! Jacobian a phase, and one for 512 right-hand sides. No decision looks at a clock: a run repeats.
+//! A system whose `hρ` stays below 1.5, ρ that of the phase's start, is integrated by the explicit pair, bit for bit; the only price is one
+//! Jacobian a phase, and one for 2048 right-hand sides. No decision looks at a clock: a run repeats.
 //!
 //! What was chosen: [`Stats::n_implicit`] counts the implicit ones among the accepted steps.
 

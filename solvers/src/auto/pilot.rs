@@ -14,11 +14,14 @@ const IMPLICIT_COST: f64 = 40.0;
 /// A trial begins with this many times the step that pays: the first step has little to begin its iteration
 /// with, and a size that fails is not soon tried again.
 const TRIAL: f64 = 0.4;
-/// `hρ` above which a step may be bound by stability.
-const STABILITY: f64 = 1.0;
+/// `hρ` of the mean step above which steps may be bound by stability: of those that are, some are shorter,
+/// after an event or up to one.
+const STABILITY: f64 = 1.5;
+/// `hρ` of the mean step above which the bound `REACH/ρ` may be what kept steps short.
+const HELD_BACK: f64 = 1.0;
 /// Right-hand sides from one look at the Jacobian to the next in explicit steps, and from one trial to the
 /// next: at first, after trials that failed at most, and where implicit steps paid last.
-const WAIT: u64 = 512;
+const WAIT: u64 = 2_048;
 const LONGEST_WAIT: u64 = 8_192;
 const SHORTEST_WAIT: u64 = 128;
 /// A phase begins implicit where ρ is at least this part of what it was where implicit steps were tried or
@@ -147,7 +150,7 @@ impl Pilot {
         if h * radius <= STABILITY {
             self.wait = self.wait.max(WAIT);
             // Steps that were kept short for a stiffness that is gone may grow.
-            let is_held_back = radius < AS_STIFF * held && h * held > STABILITY;
+            let is_held_back = radius < AS_STIFF * held && h * held > HELD_BACK;
             return is_held_back.then_some(Turn::Explicit { h: None });
         }
         let rate = forward / work as f64;
@@ -260,10 +263,14 @@ impl<P: System> Record<P> for Leg<'_, P> {
         } else {
             None
         };
-        let mut stats = *accepted.stats;
-        self.book(&mut stats);
-        let go_on =
-            self.record.step(&Accepted { mode: accepted.mode.clone(), stats: &stats, ..*accepted });
+        let go_on = if self.n_jac + self.n_implicit == 0 {
+            self.record.step(accepted)
+        } else {
+            let mut stats = *accepted.stats;
+            self.book(&mut stats);
+            let mode = accepted.mode.clone();
+            self.record.step(&Accepted { mode, stats: &stats, ..*accepted })
+        };
         if go_on.is_break() {
             self.next = None;
         }

@@ -2,15 +2,6 @@
 
 use nalgebra::{ComplexField, DMatrix};
 
-/// `y ← y + J x`.
-pub(super) fn add_product(jacobian: &DMatrix<f64>, x: &[f64], y: &mut [f64]) {
-    for (column, x) in jacobian.as_slice().chunks_exact(x.len()).zip(x) {
-        for (y, entry) in y.iter_mut().zip(column) {
-            *y += entry * x;
-        }
-    }
-}
-
 /// Gaussian elimination with partial pivoting, in place.
 pub(crate) struct DenseLu<T> {
     /// Upper triangle with inverted diagonal, and the multipliers below it.
@@ -30,6 +21,22 @@ macro_rules! unrolled {
             n => $work($($argument),*, n),
         }
     };
+}
+
+/// `y ← y + J x`.
+pub(super) fn add_product(jacobian: &DMatrix<f64>, x: &[f64], y: &mut [f64]) {
+    unrolled!(multiply(jacobian.as_slice(), x, y; x.len()));
+}
+
+/// Adds the `n` columns times `x`.
+#[inline(always)]
+fn multiply(columns: &[f64], x: &[f64], y: &mut [f64], n: usize) {
+    let (columns, x, y) = (&columns[..n * n], &x[..n], &mut y[..n]);
+    for (j, x) in x.iter().enumerate() {
+        for i in 0..n {
+            y[i] += columns[j * n + i] * x;
+        }
+    }
 }
 
 impl<T: ComplexField<RealField = f64> + Copy> DenseLu<T> {
