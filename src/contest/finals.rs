@@ -1,7 +1,7 @@
 //! The finals: those that need little work are timed in turns.
 
 use super::trial::{Start, Trial, TrialEnd};
-use super::{Contest, Entry, FINAL};
+use super::{Contest, Entry};
 use crate::run::Setting;
 
 /// Those that take longer than this many times the shortest time are not run again.
@@ -9,12 +9,16 @@ const CLOSE: f64 = 2.0;
 /// Those that take longer than this are run twice at most: noise is a smaller part of them [s].
 const LONG_S: f64 = 0.2;
 
-/// Times the entries within [`FINAL`] times the least work, and puts all in order: the timed ones by
-/// their shortest time, then the others by their work. `settings` are those of the entries.
-pub(super) fn time(contest: &Contest<'_>, settings: &[Setting], entries: &mut [Entry]) {
-    let least = entries.iter().fold(f64::INFINITY, |least, entry| least.min(entry.work));
+/// Times the entries up to `of_note` in work, and puts all in order: the timed ones by their shortest time,
+/// then the others by their work. `settings` are those of the entries.
+pub(super) fn time(
+    contest: &Contest<'_>,
+    settings: &[Setting],
+    entries: &mut [Entry],
+    of_note: f64,
+) {
     for entry in entries.iter_mut() {
-        entry.timed = entry.work <= FINAL * least;
+        entry.timed = entry.work <= of_note;
     }
     for turn in 0..contest.repeats {
         let best = shortest(entries);

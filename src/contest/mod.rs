@@ -13,8 +13,9 @@
 //! under a budget that grows until one of them arrives; from then on a run is cut at [`CUT`] times the
 //! least work so far, or at [`FINAL`] times the least of its own kind (explicit or implicit, located or
 //! blind). So cheap winners come first, hopeless ones cost little, and the best of each kind is known
-//! where it comes within ten times the best of all. Those that stay within [`FINAL`] times the least work are then timed, one after the other in turns, so that what disturbs the machine disturbs them
-//! alike.
+//! where it comes within ten times the best of all. Those that stay within [`FINAL`] times the least work of a
+//! method that is the same throughout, which `auto` is not, are then timed, one after the other in turns, so
+//! that what disturbs the machine disturbs them alike.
 
 mod arena;
 mod finals;
@@ -35,11 +36,13 @@ pub use trial::{Start, Trial, TrialEnd, work};
 
 use search::{Search, Step};
 
+/// The method that chooses between others as it goes.
+const AUTO: &str = "auto";
 /// A setting counts if `e` keeps below this part of the accuracy.
 pub const MARGIN: f64 = 0.8;
 /// A run is cut at this many times the least work of those that arrived.
 pub const CUT: f64 = 10.0;
-/// Candidates within this many times the least work are timed.
+/// Candidates within this many times the least work of a method that is the same throughout are timed.
 pub const FINAL: f64 = 3.0;
 /// From this accuracy on a run that locates events must have their sequence right.
 pub const EVENTS_FROM: f64 = 1e-6;
@@ -128,7 +131,7 @@ pub struct Entry {
 impl Entry {
     /// Whether it is the method that chooses between others as it goes.
     pub fn is_auto(&self) -> bool {
-        self.method == "auto"
+        self.method == AUTO
     }
 
     /// Tolerance or step as text: `rtol 1e-6`, `h 1e-4 s`.
@@ -220,7 +223,7 @@ impl Contest<'_> {
     pub fn run(&self, candidates: &[Candidate], progress: &dyn Fn(&str)) -> Standings {
         let mut searches: Vec<Search<'_>> =
             candidates.iter().map(|candidate| Search::new(self, *candidate)).collect();
-        self.search(&mut searches, progress);
+        let of_note = self.search(&mut searches, progress);
         let mut standings = Standings {
             n_trials: searches.iter().map(|search| search.n_trials).sum(),
             ..Standings::default()
@@ -235,19 +238,20 @@ impl Contest<'_> {
                 Err(failure) => standings.failures.push(failure),
             }
         }
-        finals::time(self, &settings, &mut standings.entries);
+        finals::time(self, &settings, &mut standings.entries, of_note);
         standings
     }
 
-    /// Advances every search until it is over, under budgets that grow.
-    fn search(&self, searches: &mut [Search<'_>], progress: &dyn Fn(&str)) {
+    /// Advances every search until it is over, under budgets that grow; the work up to which candidates are
+    /// timed.
+    fn search(&self, searches: &mut [Search<'_>], progress: &dyn Fn(&str)) -> f64 {
         let (mut budget, mut least) = (FIRST_BUDGET, Least::default());
         loop {
             let mut open = false;
             for search in searches.iter_mut().filter(|search| !search.is_over()) {
                 let most = self.max_work.min(least.limit(search.candidate));
                 let limit = budget.min(most);
-                match search.advance(limit, least.of_all()) {
+                match search.advance(limit, least.of_note()) {
                     Step::Over => {
                         least.arrived(search.candidate, search.work());
                         progress(search.candidate.method.name);
@@ -261,7 +265,7 @@ impl Contest<'_> {
                 }
             }
             if !open {
-                return;
+                return least.of_note();
             }
             let first = least.of_all();
             budget = if first.is_finite() { CUT * first } else { BUDGET_GROWTH * budget };
@@ -278,17 +282,24 @@ impl Contest<'_> {
     }
 }
 
-/// The least work of those that arrived, kind by kind: explicit and implicit, located and blind.
-struct Least([f64; 4]);
+/// The least work of those that arrived, kind by kind: explicit and implicit, located and blind, and of
+/// `auto`.
+struct Least([f64; 5]);
+
+/// Place of `auto` among the kinds.
+const AUTO_KIND: usize = 4;
 
 impl Default for Least {
     fn default() -> Self {
-        Self([f64::INFINITY; 4])
+        Self([f64::INFINITY; 5])
     }
 }
 
 impl Least {
     fn kind(candidate: Candidate) -> usize {
+        if candidate.method.name == AUTO {
+            return AUTO_KIND;
+        }
         let blind = candidate.events == Events::Blind;
         2 * usize::from(candidate.method.is_implicit()) + usize::from(blind)
     }
@@ -299,13 +310,23 @@ impl Least {
     }
 
     fn of_all(&self) -> f64 {
-        self.0.iter().fold(f64::INFINITY, |least, own| least.min(*own))
+        least(&self.0)
+    }
+
+    /// The work up to which a candidate may be among the fastest.
+    fn of_note(&self) -> f64 {
+        let fixed = least(&self.0[..AUTO_KIND]);
+        FINAL * if fixed.is_finite() { fixed } else { self.of_all() }
     }
 
     /// Where a candidate is cut.
     fn limit(&self, candidate: Candidate) -> f64 {
         (CUT * self.of_all()).min(FINAL * self.0[Self::kind(candidate)])
     }
+}
+
+fn least(works: &[f64]) -> f64 {
+    works.iter().fold(f64::INFINITY, |least, own| least.min(*own))
 }
 
 /// Whether a run that treats events in this way has them right, or need not have at this accuracy.

@@ -6,9 +6,7 @@ use deltazero_solvers::Error;
 
 use super::ladder::{self, A_DECADE};
 use super::trial::{ON_COURSE, Start, Trial, TrialEnd};
-use super::{
-    Candidate, Contest, Entry, FINAL, Failure, FailureKind, MARGIN, accepts_events, mean_step,
-};
+use super::{Candidate, Contest, Entry, Failure, FailureKind, MARGIN, accepts_events, mean_step};
 use crate::run::Setting;
 
 /// Longest move between two rungs that are looked at: two decades.
@@ -90,9 +88,9 @@ impl<'a> Search<'a> {
         self.verdict = Some(Err((FailureKind::Cut, message)));
     }
 
-    /// Goes on until it is over or `limit` of work cuts it; `least` is the least work of the others.
-    pub(super) fn advance(&mut self, limit: f64, least: f64) -> Step {
-        self.of_note = FINAL * least;
+    /// Goes on until it is over or `limit` of work cuts it; up to `of_note` it may be among the fastest.
+    pub(super) fn advance(&mut self, limit: f64, of_note: f64) -> Step {
+        self.of_note = of_note;
         // What was on course for more than this limit, too, is not run again.
         let hopeless: Vec<i32> =
             self.trials.keys().copied().filter(|at| self.needs(*at) > ON_COURSE * limit).collect();

@@ -84,9 +84,9 @@ impl Cell {
         self.fixed().next().or_else(|| self.standings.entries.first())
     }
 
-    /// The second.
+    /// The second, where it came near enough to be timed with the fastest.
     pub fn second(&self) -> Option<&Entry> {
-        self.fixed().nth(1)
+        self.fixed().nth(1).filter(|entry| entry.timed)
     }
 
     /// Time of `auto` over that of the winner, each by whichever of located and blind is faster for it.
