@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use deltazero::figures::{Drawing, Picture};
+use deltazero::reference::RECIPE;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
@@ -110,6 +111,13 @@ impl Output {
     pub(super) fn path(&self) -> std::path::Display<'_> {
         self.dir.display()
     }
+}
+
+/// Whether a record is of this version of the program and by its recipe, so that its numbers still hold.
+pub(super) fn is_current(record: &Value) -> bool {
+    let version = record.get("version").and_then(Value::as_str);
+    let recipe = record.get("recipe").and_then(Value::as_u64);
+    version == Some(env!("CARGO_PKG_VERSION")) && recipe == Some(u64::from(RECIPE))
 }
 
 fn hash_of(value: &Value) -> Option<&str> {

@@ -8,12 +8,13 @@ use std::time::Duration;
 use clap::Args;
 use deltazero::config::Config;
 use deltazero::figures;
+use deltazero::reference::RECIPE;
 use deltazero::report::html::regimes_page;
 use deltazero::report::regimes::{csv, markdown};
 use deltazero::study::regimes::{Cell, Site, estimate, quick, regimes, sites};
 use serde_json::{Value, json};
 
-use super::output::{Output, hash};
+use super::output::{Output, hash, is_current};
 use super::{Failure, RunArgs, note_left_out, print, say, struts_only};
 
 #[derive(Args)]
@@ -122,7 +123,7 @@ fn spoken(time: Duration) -> String {
 /// The cells of an earlier run of the same configuration.
 fn known(output: &Output) -> Vec<Cell> {
     let cells = output.own("regimes.json").and_then(|mut map| {
-        if map.get("version")?.as_str()? != env!("CARGO_PKG_VERSION") {
+        if !is_current(&map) {
             return None;
         }
         serde_json::from_value::<Vec<Cell>>(map.get_mut("cells")?.take()).ok()
@@ -134,6 +135,7 @@ fn write_json(output: &Output, config: &Config, cells: &[Cell]) -> Result<(), Fa
     let map = json!({
         "hash": output.hash,
         "version": env!("CARGO_PKG_VERSION"),
+        "recipe": RECIPE,
         "config": config.to_json(),
         "cells": cells,
     });

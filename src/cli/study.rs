@@ -7,6 +7,7 @@ use std::time::SystemTime;
 use clap::Args;
 use deltazero::config::Config;
 use deltazero::figures;
+use deltazero::reference::RECIPE;
 use deltazero::report;
 use deltazero::run::Limits;
 use deltazero::study::machine::Machine;
@@ -17,7 +18,7 @@ use deltazero::study::work_precision::{Row, Status, WorkPrecision, against};
 use humantime::format_rfc3339_seconds;
 use serde_json::{Value, json};
 
-use super::output::{Output, hash};
+use super::output::{Output, hash, is_current};
 use super::progress::Bar;
 use super::reference::reference;
 use super::{Failure, RunArgs, note_left_out, print, say};
@@ -70,6 +71,7 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut study = StudyRecord {
         hash: output.hash.clone(),
         version: env!("CARGO_PKG_VERSION").to_owned(),
+        recipe: RECIPE,
         machine: Some(Machine::here()),
         time: Some(format_rfc3339_seconds(SystemTime::now()).to_string()),
         config,
@@ -115,8 +117,7 @@ fn json_of_runs(config: &Config) -> Result<Value, Failure> {
 /// finished is done anew, which measures its times again.
 fn unfinished_rows(output: &Output) -> Vec<Row> {
     let rows = output.own("study.json").and_then(|mut study| {
-        let is_of_this_version = study.get("version")?.as_str()? == env!("CARGO_PKG_VERSION");
-        if study.get("finished")?.as_bool()? || !is_of_this_version {
+        if study.get("finished")?.as_bool()? || !is_current(&study) {
             return None;
         }
         serde_json::from_value::<Vec<Row>>(study.get_mut("rows")?.take()).ok()

@@ -21,7 +21,8 @@ use crate::run::{
     integrate, trajectories,
 };
 
-/// Changes with whatever changes references: those kept on disk are then made anew.
+/// Changes with whatever changes results: what is kept on disk of a reference, a study or a map that is not
+/// finished is then made anew.
 pub const RECIPE: u32 = 4;
 
 /// Method and tolerance of the reference, and those of the run that tells its error.

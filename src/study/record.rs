@@ -13,6 +13,9 @@ pub struct StudyRecord {
     pub hash: String,
     /// Version of the program that measured.
     pub version: String,
+    /// [`RECIPE`](crate::reference::RECIPE) that it was made by; zero where an earlier version did not say.
+    #[serde(default)]
+    pub recipe: u32,
     /// What it was measured on; none where an earlier version did not say.
     #[serde(default)]
     pub machine: Option<Machine>,
