@@ -80,10 +80,12 @@ struct Tally {
 
 fn main() {
     let args: Vec<String> = std::env::args().skip(1).filter(|arg| arg != "--bench").collect();
-    let ranges: Vec<Range<usize>> = args.iter().filter_map(|arg| range(arg)).collect();
+    let (more, ranges): (Vec<String>, Vec<String>) =
+        args.into_iter().partition(|arg| arg.contains('='));
+    let ranges: Vec<Range<usize>> =
+        ranges.iter().map(|arg| range(arg).expect("FROM..TO")).collect();
     let draws = ranges.first().cloned().unwrap_or(0..3);
     let searched = ranges.get(1).unwrap_or(&draws);
-    let more: Vec<String> = args.iter().filter(|arg| arg.contains('=')).cloned().collect();
     let mut random = Random(SEED);
     let mut tally = Tally::default();
     for i in 0..draws.end {
