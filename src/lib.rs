@@ -38,7 +38,7 @@
 //! | module | what it is |
 //! |---|---|
 //! | [`config`] | parameters with units and sources, the paper's Table 1 as the default |
-//! | [`model`] | the mechanism as two hybrid systems, each a block, or a chain where there are several bays or bristles, or a slider-crank as one; no time, no loop |
+//! | [`model`] | the mechanism as two hybrid systems, each a block, or a chain where there are several bays or bristles; of a slider-crank one; no time, no loop |
 //! | [`run`] | one run by one method at one setting |
 //! | [`energy_balance`] | a recorder: where the energy of a run went |
 //! | [`metrics`] | errors of states, events and contacts; where the work went |

@@ -98,15 +98,15 @@ fn methods_of_every_kind_agree_on_bristles() {
 
 #[test]
 fn methods_that_take_long_steps_see_the_narrow_part_of_friction() {
-    // Sliding at metres a second, friction changes below some millimetres or, of tanh, micrometres a second.
-    for law in ["lugre", "stribeck", "tanh"] {
+    // Sliding at metres a second, friction changes below some millimetres a second.
+    // Measured: 2.9e-12, 1.3e-10 and 1.6e-10.
+    for (law, bound) in [("lugre", 3e-11), ("stribeck", 1e-9), ("tanh", 1e-9)] {
         let law = format!("friction.law={law}");
         let config = config(&["mechanism=slider-crank", "run.t_end=0.003", &law]);
         let run = |method, rtol| run(&config, &located(method, rtol)).1;
         let scale = ErrorScale { clearance: 5e-4, theta: 1.5, ..SCALE };
         let e = distance(&run("taylor", 1e-12), &run("rodas5p", 1e-12), scale);
-        // Measured: 2.9e-12, 1.3e-10 and 1.6e-10.
-        assert!(e < 1.5e-9, "{law}: {e:e}");
+        assert!(e < bound, "{law}: {e:e}");
     }
 }
 

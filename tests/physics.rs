@@ -116,6 +116,26 @@ fn stribeck_sticks_and_regularised_friction_goes_on_through_its_pieces() {
 }
 
 #[test]
+fn a_narrow_peak_of_friction_is_a_piece_that_is_entered_and_left() {
+    for law in ["stribeck", "lugre"] {
+        let set = format!("friction.law={law}");
+        let config = config(&["reading=full", &set, "friction.stribeck_speed=1e-5"]);
+        let (_, run) = run(&config, &located("rk45", 1e-9));
+        let changes = |from: u8, to: u8| {
+            let events = run.trajectories.iter().flat_map(|own| &own.events);
+            let pieces = events.filter_map(|switch| match switch.after {
+                Next::Mode(after) if after.code() == switch.before.code() => {
+                    Some((switch.before.touch()?.piece, after.touch()?.piece))
+                }
+                _ => None,
+            });
+            pieces.filter(|pieces| *pieces == (from, to)).count()
+        };
+        assert!(changes(0, 1) > 0 && changes(1, 0) > 0, "{law}");
+    }
+}
+
+#[test]
 fn every_reading_reaches_two_seconds() {
     for reading in ReadingName::ALL {
         let config = config(&[&format!("reading={reading}")]);

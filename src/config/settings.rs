@@ -129,7 +129,7 @@ impl Settings {
             Err(ConfigError::NotInASliderCrank { place, found, reason })
         };
         if config.bays != 1 {
-            let reason = "a chain is one of strut bays; use bays = 1";
+            let reason = "bays are of struts; use bays = 1";
             return refused("bays", config.bays.to_string(), reason);
         }
         if config.reading != ReadingName::Full {

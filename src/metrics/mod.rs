@@ -110,6 +110,8 @@ pub fn log_log_slope(points: &[(f64, f64)]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Config;
+    use crate::model::Mechanism;
 
     const SCALE: ErrorScale = ErrorScale { clearance: 1e-4, theta: 0.02, event_window: 1e-3 };
 
@@ -146,6 +148,15 @@ mod tests {
     fn events_beyond_the_window_are_not_the_same() {
         let found = match_events(&events(&[(0.1, 1, 0)]), &events(&[(0.102, 1, 0)]), SCALE);
         assert_eq!((found.paired, found.missed, found.spurious), (0, 1, 1));
+    }
+
+    #[test]
+    fn events_are_the_same_within_a_thousandth_of_a_second_or_of_a_turn() {
+        for (mechanism, window) in [("strut", 1e-3), ("slider-crank", 1.2e-5)] {
+            let config = Config::load(None, &[format!("mechanism={mechanism}")]).unwrap();
+            let scale = ErrorScale::of(Mechanism::new(&config).blocks()[0], 1.0);
+            assert!((scale.event_window / window - 1.0).abs() < 1e-15, "{scale:?}");
+        }
     }
 
     #[test]

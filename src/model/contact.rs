@@ -38,7 +38,7 @@ pub struct Touch {
 }
 
 impl Touch {
-    /// Of a law without hysteresis, and friction of one piece.
+    /// Of a law without hysteresis, and friction in its first piece.
     pub const PLAIN: Self = Self { impact_speed: f64::INFINITY, piece: 0 };
 }
 

@@ -49,7 +49,7 @@ impl Block {
     /// Powers at `y` in `mode`: that of the normal law's losses, and by friction `−F_T v_T` where it acts as a
     /// force and a torque, `−F_T r θ̇` where as a torque alone.
     pub fn power(&self, mode: Mode, y: &State<f64>) -> Power {
-        self.power_under(self.forces(mode, y, &self.pose(y)), mode, y)
+        self.power_under(mode, y, self.forces(mode, y, &self.pose(y)))
     }
 
     /// The slider at `y` in `mode` under the forces of its contact, where there is one.
@@ -66,9 +66,9 @@ impl Block {
     /// [`power`](Self::power) where these are the forces of the contact.
     pub(super) fn power_under(
         &self,
-        forces: ContactForces<f64>,
         mode: Mode,
         y: &State<f64>,
+        forces: ContactForces<f64>,
     ) -> Power {
         let torque = self.slider(mode, y, forces).map_or(self.torque, |slider| slider.torque);
         let drive = torque * y[5];

@@ -7,7 +7,7 @@
 //! the root alone and keeps the inertia of one bay: struts 3, 5 and 6 of later bays are not added to it. A
 //! joint whose friction has a state of its own is a chain of one bay.
 //!
-//! The [slider-crank](slider_crank) is one block: its joint is the same, another [`Body`] hangs on it.
+//! The [slider-crank](slider_crank) is one joint, the same, with another [`Body`] on it.
 
 pub mod block;
 pub mod chain;

@@ -6,11 +6,11 @@ use deltazero_solvers::real::Function;
 use super::contact::Touch;
 use crate::config::{Friction, FrictionLaw};
 
-/// Speeds v_S beyond which `exp(−(s/v_S)²)` is nothing beside one: e⁻³⁶ = 2.3e-16. What a law does below them is a
-/// piece of its own, as it is too narrow to be seen from afar: all terms of its series at 30 v_S are zero, and a step
-/// would pass over it.
+/// Speeds v_S beyond which `exp(−(s/v_S)²)` is a rounding error of one: e⁻³⁶ = 2.3e-16. What a law does below them
+/// is a piece of its own, as it is too narrow to be seen from afar: all terms of its series at 30 v_S are zero, and
+/// a step would pass over it.
 const STRIBECK_SETTLED: f64 = 6.0;
-/// Speeds v_r beyond which so is `1 − tanh(s/v_r)`: 2 e⁻³⁸ = 6e-17.
+/// Speeds v_r beyond which so is `1 − tanh(s/v_r)`: 2 e⁻³⁸ = 6e-17. Its series fades more slowly and to the same end.
 const TANH_SETTLED: f64 = 19.0;
 
 /// Friction of a slip, `F_T = −σ m F_N` [N] with σ the sign of the tangential velocity v_T and `m(s)` of its
@@ -241,7 +241,13 @@ impl Function for Piece {
             (Shape::Ambrosio { dead, speed }, 1) => (s - dead) * (mu / (speed - dead)),
             (Shape::Threlfall { speed }, 0) => (-(s * (-3.0 / speed)).exp() + 1.0) * mu,
             (Shape::Threlfall { .. }, _) => S::cst(mu * -libm::expm1(-3.0)),
-            _ => S::cst(mu),
+            (
+                Shape::Constant
+                | Shape::Stribeck { .. }
+                | Shape::Tanh { .. }
+                | Shape::Ambrosio { .. },
+                _,
+            ) => S::cst(mu),
         }
     }
 }

@@ -86,9 +86,9 @@ m = μ + (μ_s − μ) exp(−(s/v_S)²) stick at s = 0 while |F_T| < m(0) F_N. 
 
 `threlfall` does not tend to `coulomb` with v_r: its limit is 0.95 μ.
 
-Where a law has settled to a double's last digit, at 19 v_r of `tanh` and 6 v_S of `stribeck` and `lugre`, it is constant: what it does below is a
-piece that starts with an event. Left smooth, it is a peak that a method of high order passes over, at any tolerance: all terms of
-its series at 30 v_S are zero.
+Where these have settled to a rounding error, `tanh` at 19 v_r and the Gaussian of `stribeck` and `lugre` at 6 v_S, they are constant: what they do
+below is a piece that starts with an event. Left smooth, it is too narrow for a method of high order to see from afar, at any tolerance: all
+terms of the Gaussian's series at 30 v_S are zero.
 
 `lugre` bends bristles before they slide. Their deflection z [m] is a seventh state of the joint, zero where a contact begins:
 

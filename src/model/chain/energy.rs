@@ -25,7 +25,7 @@ impl Chain {
     pub fn power(&self, modes: &Modes, y: &[f64]) -> Power {
         let mut sum = Power::default();
         self.along(modes, y, 0..self.bays, |k, motion| {
-            let power = self.bay.power_under(motion.forces(), modes[k], &motion.y);
+            let power = self.bay.power_under(modes[k], &motion.y, motion.forces());
             sum.drive += power.drive;
             sum.dissipated += power.dissipated;
         });

@@ -67,7 +67,7 @@ struct Motion<S> {
     relative: [S; 3],
     /// What the neighbours add to them.
     extra: [S; 3],
-    /// `C̈` of its end.
+    /// `C̈` of its end; zero of a slider-crank, which has no bush there.
     end: [S; 2],
 }
 
@@ -85,7 +85,7 @@ impl Chain {
         2.0 * self.bay.strut_length
     }
 
-    /// The chain of a configuration: joint 1 in each of its bays.
+    /// The chain of struts of a configuration: joint 1 in each of its bays.
     pub fn new(config: &Config) -> Self {
         let [bay, _] = Mechanism::struts(config);
         Self::of(bay, config.bays as usize)
@@ -220,15 +220,18 @@ impl Chain {
         (y, z): (&State<S>, S),
         own: Option<(PinPose<S>, Touch)>,
     ) -> Motion<S> {
-        let zero = S::cst(0.0);
-        let extra = [zero; 3];
+        let none = [S::cst(0.0); 3];
         let held = Held::SliderCrank(crank);
-        let (contact, bristles) = self.touching(held, mode, (y, z), own, extra);
-        let load =
-            contact.as_ref().map_or(extra, |(pose, forces, _)| self.bay.pin_load(pose, *forces));
-        let [a_x, a_y, _] = crank.accelerations(&crank.at(y), load);
-        let relative = [a_x, a_y, zero];
-        Motion { y: *y, contact, bristles, relative, extra, end: [a_x, a_y] }
+        let (contact, bristles) = self.touching(held, mode, (y, z), own, none);
+        let at = crank.at(y);
+        let [a_x, a_y, _] = match &contact {
+            Some((pose, forces, _)) => {
+                self.bay.accelerations(y, &Posture::SliderCrank(crank, at), pose, *forces)
+            }
+            None => crank.accelerations(&at, none),
+        };
+        let (relative, end) = ([a_x, a_y, none[2]], [none[0], none[1]]);
+        Motion { y: *y, contact, bristles, relative, extra: none, end }
     }
 
     /// A contact with its forces, where there is one, and ż of its bristles.
