@@ -283,7 +283,7 @@ impl Contest<'_> {
 }
 
 /// The least work of those that arrived, kind by kind: explicit and implicit, located and blind, and of
-/// `auto`.
+/// `auto`, which is cut as an explicit method is and cuts none.
 struct Least([f64; 5]);
 
 /// Place of `auto` among the kinds.
@@ -297,15 +297,13 @@ impl Default for Least {
 
 impl Least {
     fn kind(candidate: Candidate) -> usize {
-        if candidate.method.name == AUTO {
-            return AUTO_KIND;
-        }
         let blind = candidate.events == Events::Blind;
         2 * usize::from(candidate.method.is_implicit()) + usize::from(blind)
     }
 
     fn arrived(&mut self, candidate: Candidate, work: f64) {
-        let own = &mut self.0[Self::kind(candidate)];
+        let is_auto = candidate.method.name == AUTO;
+        let own = &mut self.0[if is_auto { AUTO_KIND } else { Self::kind(candidate) }];
         *own = own.min(work);
     }
 
