@@ -81,14 +81,15 @@ impl Problem {
     pub(crate) fn judge(&self, delivered: &[Track; 2]) -> Result<Verdict, Box<dyn Error>> {
         let nothing = EventMatch::default();
         let mut verdict = Verdict { e: 0.0, delta: nothing, slip: nothing };
-        for ((block, own), golden) in self.mechanism.blocks().into_iter().zip(delivered).zip(&self.golden)
+        for ((block, own), golden) in
+            self.mechanism.blocks().into_iter().zip(delivered).zip(&self.golden)
         {
             if own.samples.len() != golden.samples.len() {
                 return Err(
                     format!("{} samples of {}", own.samples.len(), golden.samples.len()).into()
                 );
             }
-            let scale = ErrorScale { clearance: block.clearance, theta: self.theta };
+            let scale = ErrorScale::of(block, self.theta);
             for (y, reference) in own.samples.iter().zip(&golden.samples) {
                 verdict.e = worse(verdict.e, sample_error(y, reference, scale));
             }
@@ -98,7 +99,7 @@ impl Problem {
                     let is_contact = |event: &&ModeChange| event.before == 0 || event.after == 0;
                     events.iter().filter(|event| is_contact(event) == of_contact).copied().collect()
                 };
-                let found = match_events(&kind(&own), &kind(&golden));
+                let found = match_events(&kind(&own), &kind(&golden), scale);
                 sum.paired += found.paired;
                 sum.missed += found.missed;
                 sum.spurious += found.spurious;
