@@ -14,8 +14,8 @@
 //! Work is counted in right-hand sides; an attempt of an implicit step is taken for 40 of them. With ρ, the
 //! spectral radius of the Jacobian at the start of the phase, by power iteration:
 //!
-//! - An explicit step is not longer than `2.5/ρ`, inside its bound of stability there; a look at ρ that finds it halved lets steps grow, one that finds it grown is no bound before
-//!   the next turn.
+//! - An explicit step is not longer than `2.5/ρ`, inside its bound of stability there; a look at ρ that finds
+//!   it halved lets steps grow, one that finds it grown is no bound before the next turn.
 //!   At the bound, error control would keep errors of the size of the tolerance alive: a contact stiffer than
 //!   the tolerance resolves then opens and closes by noise, and every second step is rejected.
 //! - A run begins explicit. Every 2048 right-hand sides, those of earlier phases with them, where `hρ > 1.5`
@@ -29,8 +29,9 @@
 //!   steps that paid they are 128.
 //!
 //! So a trial that fails costs some 300 right-hand sides, and all of them together a small part of a run.
-//! A system whose `hρ` stays below 1.5, ρ that of the phase's start, is integrated by the explicit pair, bit for bit; the only price is one
-//! Jacobian a phase, and one for 2048 right-hand sides. No decision looks at a clock: a run repeats.
+//! A system whose `hρ` stays below 1.5, ρ that of the phase's start, is integrated by the explicit pair, bit for
+//! bit; the only price is one Jacobian a phase, and one for 2048 right-hand sides. No decision looks at a clock:
+//! a run repeats.
 //!
 //! What was chosen: [`Stats::n_implicit`] counts the implicit ones among the accepted steps.
 
@@ -51,8 +52,8 @@ use pilot::{Leg, Pilot, Turn};
 pub(crate) const LOOSE: f64 = 1e-4;
 
 /// `hρ` of the longest explicit step: both pairs are stable there for decay and, the fourth-order one, for
-/// oscillation too. Of 2 to 2.6 (fourth order) and 1 to 3 (eighth), measured on contacts at e ≤ 1e-3 and 1e-6, about the
-/// least work, with room for what ρ is off by.
+/// oscillation too. Of 2 to 2.6 (fourth order) and 1 to 3 (eighth), measured on contacts at e ≤ 1e-3 and 1e-6,
+/// about the least work, with room for what ρ is off by.
 const REACH: f64 = 2.5;
 
 /// Part of the tolerance that the implicit half is held to.
