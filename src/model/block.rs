@@ -4,7 +4,6 @@ use deltazero_solvers::real::Functions;
 use deltazero_solvers::{Error, ModeOfState, Next, Outcome, Real, System};
 
 use super::contact::{NormalLaw, PinPose};
-use super::elastic::Elastic;
 use super::inertia::{Arrow, BlockInertia};
 use super::mode::{END_BOUND, Mode, delta_bound};
 use super::reading::Reading;
@@ -97,6 +96,9 @@ pub struct Block {
     pub reading: Reading,
     /// Whether the block ends at θ = 90°.
     pub stop_at_90: bool,
+    /// `K`, where the law is `K δ + D δ̇` with Coulomb's friction and all of it acts at the pin, but for a
+    /// torque of friction: what every right-hand side would ask anew.
+    pub(super) plain_stiffness: Option<f64>,
 }
 
 /// Forces of one contact.
@@ -152,23 +154,8 @@ impl Block {
         ]
     }
 
-    /// `K`, where the law is `K δ + D δ̇` with Coulomb's friction and all of it acts at the pin, but for a torque of friction.
-    #[inline(always)]
-    fn plain_stiffness(&self) -> Option<f64> {
-        match self.normal.elastic {
-            Elastic::Linear { stiffness }
-                if matches!(self.sliding, Shape::Constant)
-                    && self.normal.hysteresis == 0.0
-                    && self.reading == Reading::AT_PIN =>
-            {
-                Some(stiffness)
-            }
-            _ => None,
-        }
-    }
-
     /// Accelerations while slipping with the sign `sigma` of v_T under a
-    /// [plain stiffness](Self::plain_stiffness): those of [`accelerations`](Self::accelerations) without its
+    /// [plain stiffness](Self#structfield.plain_stiffness): those of [`accelerations`](Self::accelerations) without its
     /// terms of zero, and without a branch among its operations, past which series are slower.
     #[inline(always)]
     fn plain_slip<S: Real>(
@@ -262,7 +249,7 @@ impl Block {
                 [y[3], y[4], y[5], a[0], a[1], a[2]]
             }
             Mode::SlipPlus(_) | Mode::SlipMinus(_)
-                if let Some(stiffness) = self.plain_stiffness() =>
+                if let Some(stiffness) = self.plain_stiffness =>
             {
                 let (arrow, pose) = (inertia.at(y[2]), self.pose(y));
                 let sigma = if matches!(mode, Mode::SlipPlus(_)) { 1.0 } else { -1.0 };
@@ -514,7 +501,7 @@ mod tests {
                 let general = block.accelerations(&y, &posture, &pose, forces);
                 let mut dydt = [0.0; 6];
                 block.rhs(mode, 0.0, &y, &mut dydt);
-                assert!(block.plain_stiffness().is_some());
+                assert!(block.plain_stiffness.is_some());
                 for (plain, general) in dydt[3..].iter().zip(general) {
                     // Measured: equal to the bit.
                     assert!((plain / general - 1.0).abs() < 1e-15, "{plain}, {general}");

@@ -35,6 +35,7 @@ pub use slider_crank::SliderCrank;
 
 use crate::config::{Config, MechanismName};
 use contact::NormalLaw;
+use elastic::Elastic;
 use inertia::BlockInertia;
 use sliding::Shape;
 
@@ -133,6 +134,16 @@ impl Mechanism {
 /// A joint of `config` with a body on it, without a drive torque or an end.
 fn block(config: &Config, joint: usize, body: Body, strut_length: f64) -> Block {
     let own = &config.joints[joint - 1];
+    let normal = NormalLaw::new(&own.contact, &own.joint);
+    let sliding = Shape::new(&own.friction);
+    let reading = Reading::of(config.reading, joint - 1);
+    let is_plain = matches!(sliding, Shape::Constant)
+        && normal.hysteresis == 0.0
+        && reading == Reading::AT_PIN;
+    let plain_stiffness = match normal.elastic {
+        Elastic::Linear { stiffness } if is_plain => Some(stiffness),
+        _ => None,
+    };
     Block {
         joint,
         body,
@@ -140,10 +151,11 @@ fn block(config: &Config, joint: usize, body: Body, strut_length: f64) -> Block 
         torque: 0.0,
         clearance: own.joint.clearance,
         pin_radius: own.joint.pin_radius,
-        normal: NormalLaw::new(&own.contact, &own.joint),
+        normal,
         mu: own.friction.coefficient,
-        sliding: Shape::new(&own.friction),
-        reading: Reading::of(config.reading, joint - 1),
+        sliding,
+        reading,
         stop_at_90: false,
+        plain_stiffness,
     }
 }

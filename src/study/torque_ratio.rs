@@ -150,7 +150,9 @@ impl<'a> Arrivals<'a> {
     /// When AF reaches 90° with M4 = M1/`ratio` [s].
     fn theta2_90(&self, ratio: f64) -> Option<f64> {
         let [ab, af] = &self.blocks;
-        self.reached_90(&Block { torque: ab.torque / ratio, ..af.clone() })
+        let mut driven = af.clone();
+        driven.torque = ab.torque / ratio;
+        self.reached_90(&driven)
     }
 
     fn ratio(&self) -> Option<f64> {
