@@ -131,6 +131,11 @@ impl<P: System> GuardWatch<P> {
         Ok(first)
     }
 
+    /// How many guards there are.
+    pub fn n_guards(&self) -> usize {
+        self.values.as_ref().len()
+    }
+
     /// Whether guard `i`, as last evaluated, is violated.
     pub fn is_violated(&self, i: usize) -> bool {
         self.values.as_ref()[i] < -self.bounds.as_ref()[i]

@@ -156,7 +156,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         for (rounded_y, y) in self.step.y.iter_mut().zip(&self.y) {
             *rounded_y = rounded::<P, _>(y);
         }
-        let reach = order::reach(&self.step.y, &self.tolerance);
+        let reach = order::reach(&self.step.y, &self.tolerance, &mut self.step.weights);
         let Some(Reach { degree, mut h }) = reach else {
             let point = self.point();
             check_finite(&point, &self.step.y[MAX_ORDER])?;

@@ -38,6 +38,8 @@ pub struct TaylorStep<Y> {
     pub(super) y: Vec<Y>,
     /// Degree of the polynomial that the step is taken with.
     pub(super) degree: usize,
+    /// What the tolerance weighs each state with at the start.
+    pub(super) weights: Y,
 }
 
 impl<Y: Vector<f64>> TaylorStep<Y> {
@@ -45,7 +47,16 @@ impl<Y: Vector<f64>> TaylorStep<Y> {
     pub(super) fn new(n: usize, order: usize) -> Self {
         let zero = || Y::from_fn(n, |_| 0.0);
         let y = (0..=order.clamp(1, MAX_ORDER)).map(|_| zero()).collect();
-        Self { t0: 0.0, t0_low: 0.0, t1: 0.0, y1: zero(), slope1: zero(), y, degree: order }
+        Self {
+            t0: 0.0,
+            t0_low: 0.0,
+            t1: 0.0,
+            y1: zero(),
+            slope1: zero(),
+            y,
+            degree: order,
+            weights: zero(),
+        }
     }
 
     /// The polynomial that the step is taken with, by its coefficients.
@@ -113,7 +124,7 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
         stats: &mut Stats,
     ) -> Option<f64> {
         self.expand(problem, mode, stats);
-        let reach = order::reach(&self.step.y, tolerance);
+        let reach = order::reach(&self.step.y, tolerance, &mut self.step.weights);
         self.degree = reach.map(|Reach { degree, .. }| degree);
         reach.map(|Reach { h, .. }| h)
     }

@@ -46,9 +46,20 @@ pub struct Reach {
 /// Jorba and Zou, §3.2.1. Near a singular point of the right-hand side the high terms grow without
 /// bound or are not finite: the series is then cut at the degree that reaches farthest. None where
 /// not even two terms beyond the first are finite.
-pub fn reach<Y: Vector<f64>>(y: &[Y], tolerance: &Tolerance) -> Option<Reach> {
+///
+/// `weights` is memory, as long as a state.
+pub fn reach<Y: Vector<f64>>(y: &[Y], tolerance: &Tolerance, weights: &mut Y) -> Option<Reach> {
     let order = y.len() - 1;
-    let norm_sq = |k: usize| tolerance.norm_sq(y[k].as_ref(), y[0].as_ref(), y[0].as_ref());
+    // The norm of a tolerance at the start of the step, whose divisions are made once for all terms.
+    let (start, weights) = (y[0].as_ref(), weights.as_mut());
+    for ((weight, y), atol) in weights.iter_mut().zip(start).zip(&tolerance.atol) {
+        *weight = 1.0 / (y.abs() * tolerance.rtol + atol);
+    }
+    let weights = &*weights;
+    let norm_sq = |k: usize| {
+        let weighed = y[k].as_ref().iter().zip(weights).map(|(y, weight)| y * weight);
+        weighed.map(|ratio| ratio * ratio).sum::<f64>() / start.len() as f64
+    };
     // log₂ h of the last two terms; not a number where they are not.
     let of_last = |n: usize| {
         let (a, b) = (log_root(norm_sq(n - 1), n - 1), log_root(norm_sq(n), n));
@@ -78,7 +89,20 @@ pub fn reach<Y: Vector<f64>>(y: &[Y], tolerance: &Tolerance) -> Option<Reach> {
 
 /// `log₂ x^(−1/2k)` for the square of a norm: infinite for zero.
 fn log_root(norm_sq: f64, k: usize) -> f64 {
-    -0.5 / k as f64 * libm::log2(norm_sq)
+    -0.5 / k as f64 * log2(norm_sq)
+}
+
+/// Binary logarithm to the digits that a step size needs: of the exponent and, in single precision, of the
+/// significand.
+fn log2(x: f64) -> f64 {
+    const SIGNIFICAND: u64 = (1 << 52) - 1;
+    if !x.is_normal() || x < 0.0 {
+        return libm::log2(x);
+    }
+    let (bits, one) = (x.to_bits(), f64::to_bits(1.0));
+    let exponent = (bits >> 52) as f64 - (one >> 52) as f64;
+    let significand = f64::from_bits(bits & SIGNIFICAND | one);
+    exponent + f64::from(libm::log2f(significand as f32))
 }
 
 /// A step size needs few digits.
@@ -127,7 +151,7 @@ mod tests {
     /// Of coefficients by order, at an absolute tolerance of 1e-6.
     fn reach_of(coefficient: impl Fn(usize) -> f64) -> Option<Reach> {
         let y: Vec<[f64; 1]> = (0..=10).map(|k| [coefficient(k)]).collect();
-        reach(&y, &Tolerance { rtol: 1e-30, atol: vec![1e-6] })
+        reach(&y, &Tolerance { rtol: 1e-30, atol: vec![1e-6] }, &mut [0.0])
     }
 
     #[test]

@@ -42,10 +42,24 @@ impl<'a, B: Base> Series<'a, B> {
         Self { place: None, coefficient: x }
     }
 
-    /// A new row with this coefficient.
+    /// A new row with this coefficient, which it has from the first [use](Self::kept) on, or at order zero.
     #[inline(always)]
     pub(super) fn new(table: Table<'a, B>, coefficient: B) -> Self {
-        Self::at(table, table.next(), coefficient)
+        let row = table.next();
+        if table.k == 0 {
+            row.set(0, coefficient);
+        }
+        Self { place: Some(Place { table, row }), coefficient }
+    }
+
+    /// The same, its coefficient written to its row, for what sums over lower orders: what is only added up, or
+    /// multiplied by constants, is never asked for it.
+    #[inline(always)]
+    fn kept(self) -> Self {
+        if let Some(Place { table, row }) = self.place {
+            row.set(table.k, self.coefficient);
+        }
+        self
     }
 
     /// The coefficient of the present order in `row`.
@@ -161,10 +175,7 @@ impl<B: Base> fmt::Debug for Series<'_, B> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.place {
             None => write!(f, "{:?}", self.coefficient),
-            Some(Place { table, row }) => {
-                let k = table.k;
-                f.debug_list().entries((0..k).map(|j| row.at(j))).entry(&self.coefficient).finish()
-            }
+            Some(Place { table, .. }) => write!(f, "{:?} at order {}", self.coefficient, table.k),
         }
     }
 }
@@ -219,6 +230,8 @@ impl<B: Base> Mul for Series<'_, B> {
         let (a_k, b_k) = (self.coefficient, other.coefficient);
         match (self.place, other.place) {
             (Some(a), Some(b)) => {
+                self.kept();
+                other.kept();
                 let k = a.table.k;
                 let coefficient = if k == 0 {
                     a_k * b_k
@@ -240,7 +253,7 @@ impl<B: Base> Div for Series<'_, B> {
 
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        let Some(Place { table, row: b }) = other.place else {
+        let Some(Place { table, row: b }) = other.kept().place else {
             return self.over(other.coefficient);
         };
         let (k, b_k) = (table.k, other.coefficient);
@@ -348,7 +361,7 @@ impl<B: Base> Real for Series<'_, B> {
 
     #[inline(always)]
     fn ln(self) -> Self {
-        let Some(Place { table, row: a }) = self.place else {
+        let Some(Place { table, row: a }) = self.kept().place else {
             return Self::constant(Real::ln(self.coefficient));
         };
         let (k, a_k) = (table.k, self.coefficient);
@@ -364,7 +377,7 @@ impl<B: Base> Real for Series<'_, B> {
 
     #[inline(always)]
     fn powf(self, p: f64) -> Self {
-        let Some(Place { table, row }) = self.place else {
+        let Some(Place { table, row }) = self.kept().place else {
             return Self::constant(Real::powf(self.coefficient, p));
         };
         if p == 0.0 || p == 1.0 {
@@ -376,7 +389,7 @@ impl<B: Base> Real for Series<'_, B> {
 
     #[inline(always)]
     fn apart<F: Function>(self, f: &F) -> Self {
-        let Some(Place { table, row }) = self.place else {
+        let Some(Place { table, row }) = self.kept().place else {
             return Self::constant(f.of(self.coefficient));
         };
         let (c, c_k) = table.apart(|table| Self::function(table, (row, self.coefficient), f));
@@ -391,6 +404,7 @@ impl<B: Base> Real for Series<'_, B> {
         let Some(Place { table, .. }) = x.iter().find_map(|x| x.place) else {
             return f.of(x.map(|x| x.coefficient)).map(Self::constant);
         };
+        let x = x.map(Self::kept);
         let (rows, values) = table.all_apart(|table| {
             let rows = x.map(|x| (x.place.map(|place| place.row), x.coefficient));
             Self::functions(table, rows, f)
