@@ -1,7 +1,7 @@
 //! Maps of the contest: who wins, by how much, and what it costs against stiffness.
 
 use deltazero_plots::{
-    Axis, Cells, Figure, Heatmap, Legend, LineChart, Marker, Note, Panel, Scale, Series, Size,
+    Axis, Cells, Figure, Heatmap, Legend, LineChart, Marker, Panel, Scale, Series, Size, Upright,
 };
 
 use super::Drawing;
@@ -166,7 +166,7 @@ fn cost(cells: &[Cell]) -> Drawing {
             };
             let (explicit, implicit) = (curve(false), curve(true));
             let crossing = crossover(&explicit, &implicit);
-            if let Some((k, _)) = crossing {
+            if let Some(k) = crossing {
                 crossovers.push(format!("{reading}, e ≤ {accuracy:e}, ζ = {zeta}: {k:.0e} N/m"));
             }
             let chart = LineChart {
@@ -177,9 +177,8 @@ fn cost(cells: &[Cell]) -> Drawing {
                     Series::filled("best explicit", 0, Marker::cycle(0), explicit),
                     Series::filled("best implicit", 1, Marker::cycle(1), implicit),
                 ],
-                marks: crossing.iter().map(|(k, _)| *k).collect(),
-                notes: crossing
-                    .map(|at| Note { at, text: format!("{:.0e}", at.0) })
+                uprights: crossing
+                    .map(|k| Upright { x: k, label: format!("{k:.0e}") })
                     .into_iter()
                     .collect(),
                 ..LineChart::default()
@@ -209,20 +208,17 @@ fn cost(cells: &[Cell]) -> Drawing {
     Drawing { name: "cost", caption, figure }
 }
 
-/// Where the second curve falls below the first and stays there, by power laws between the points: (K,
-/// time).
-fn crossover(explicit: &[(f64, f64)], implicit: &[(f64, f64)]) -> Option<(f64, f64)> {
-    let ratios: Vec<(f64, f64, f64)> = explicit
+/// The K from which on the second curve is below the first, by power laws between the points.
+fn crossover(explicit: &[(f64, f64)], implicit: &[(f64, f64)]) -> Option<f64> {
+    let ratios: Vec<(f64, f64)> = explicit
         .iter()
         .zip(implicit)
-        .map(|(a, b)| (a.0, libm::log(a.1 / b.1), b.1))
-        .filter(|(_, ratio, _)| ratio.is_finite())
+        .map(|(a, b)| (a.0, libm::log(a.1 / b.1)))
+        .filter(|(_, ratio)| ratio.is_finite())
         .collect();
-    let last_above = ratios.iter().rposition(|(_, ratio, _)| *ratio <= 0.0)?;
-    let ((k0, r0, t0), (k1, r1, t1)) = (*ratios.get(last_above)?, *ratios.get(last_above + 1)?);
-    let part = -r0 / (r1 - r0);
-    let between = |a: f64, b: f64| a * libm::pow(b / a, part);
-    Some((between(k0, k1), between(t0, t1)))
+    let last_above = ratios.iter().rposition(|(_, ratio)| *ratio <= 0.0)?;
+    let ((k0, r0), (k1, r1)) = (*ratios.get(last_above)?, *ratios.get(last_above + 1)?);
+    Some(k0 * libm::pow(k1 / k0, -r0 / (r1 - r0)))
 }
 
 #[cfg(test)]
@@ -236,9 +232,8 @@ mod tests {
         let explicit: Vec<(f64, f64)> = powers(0.5);
         let implicit: Vec<(f64, f64)> =
             (5..10).map(|k| (10_f64.powi(k), 10_f64.powf(3.75))).collect();
-        let (k, time) = crossover(&explicit, &implicit).unwrap();
+        let k = crossover(&explicit, &implicit).unwrap();
         assert!((k / 10_f64.powf(7.5) - 1.0).abs() < 1e-12);
-        assert!((time / 10_f64.powf(3.75) - 1.0).abs() < 1e-12);
         assert_eq!(crossover(&implicit, &implicit), None);
     }
 }
