@@ -1,11 +1,12 @@
 //! One-step methods, and the phase they share: step, judge, land on the first violated guard.
 
+mod land;
+
 use crate::control::{Control, StepController, Verdict};
 use crate::error::Error;
 use crate::event::{Fall, GuardWatch};
 use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
 use crate::record::{Accepted, Record};
-use crate::root::Bracket;
 use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{System, Vector};
@@ -20,8 +21,6 @@ const STRETCH_FIXED: f64 = 1.0 + 1e-9;
 const LEAST_START: f64 = 16.0 * f64::EPSILON;
 /// Fraction of a step to which dense output predicts an event, before retaken steps close on it.
 const PREDICTION: f64 = 1e-9;
-/// Retakes by Newton's iteration before bisection takes every other one.
-const NEWTON_RETAKES: usize = 8;
 
 /// A method that knows nothing but the start of its step: explicit, Rosenbrock, Radau or Taylor.
 ///
@@ -218,102 +217,6 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         let h = self.method.propose(problem, mode, tolerance, stats)?;
         // An infinite one is the whole span.
         Some(h.min(span.abs()).copysign(span))
-    }
-
-    /// Retakes the step so that it ends just past the surface of the guard that falls first; that
-    /// guard. None where a dip of the dense output is none of the method: the step is then whole
-    /// again.
-    ///
-    /// Newton's iteration on `g(y(t₀ + h))`, with `dg/dh` from the slope at the end, inside a
-    /// bracket. It ends where the guard is at or below zero and within its rounding bound, or
-    /// where the bracket holds no further number.
-    fn land(
-        &mut self,
-        problem: &P,
-        mode: P::Mode,
-        fall: Fall,
-        stats: &mut Stats,
-    ) -> Result<Option<usize>, Error> {
-        let (t0, t1) = (self.method.step().t0(), self.method.step().t1());
-        let mut bracket = Bracket { above: 0.0, below: fall.violated_at - t0 };
-        if (fall.violated_at != t1 || !self.method.repeats())
-            && self
-                .retake(problem, mode.clone(), t0 + bracket.below, bracket.below, stats)?
-                .is_none()
-        {
-            self.retake(problem, mode, t1, t1 - t0, stats)?;
-            return Ok(None);
-        }
-        let (mut guard, mut h) = (fall.guard, fall.t - t0);
-        let mut n = 0;
-        loop {
-            h = bracket.inside(h);
-            let closed = bracket.is_closed();
-            if closed {
-                h = bracket.below;
-            }
-            let violated = self.retake(problem, mode.clone(), t0 + h, h, stats)?;
-            if closed || (violated.is_none() && self.watch.is_past(guard)) {
-                return Ok(violated.or(Some(guard)));
-            }
-            bracket.narrow(h, if violated.is_some() { -1.0 } else { 1.0 });
-            (guard, h) = self.newton(problem, mode.clone(), guard, h);
-            n += 1;
-            if n > NEWTON_RETAKES && n % 2 == 0 {
-                h = bracket.middle();
-            }
-        }
-    }
-
-    /// Lands on the guard that falls first on the completed step; none where no guard does.
-    fn locate(
-        &mut self,
-        problem: &P,
-        mode: P::Mode,
-        stats: &mut Stats,
-    ) -> Result<Option<usize>, Error> {
-        loop {
-            let falls = self.method.first_to_fall(problem, mode.clone(), &mut self.watch, stats)?;
-            let Some(fall) = falls else { return Ok(None) };
-            if let Some(guard) = self.land(problem, mode.clone(), fall, stats)? {
-                return Ok(Some(guard));
-            }
-            self.watch.disprove_dip(fall.guard);
-        }
-    }
-
-    /// Takes the step again, with another size; the first guard violated at its end.
-    #[inline(never)]
-    fn retake(
-        &mut self,
-        problem: &P,
-        mode: P::Mode,
-        t1: f64,
-        h: f64,
-        stats: &mut Stats,
-    ) -> Result<Option<usize>, Error> {
-        self.method.attempt(problem, mode.clone(), t1, h, stats);
-        if !self.method.has_converged() {
-            let (t, mode) = (self.method.step().t0(), format!("{mode:?}"));
-            return Err(Error::NoConvergence { t, h, mode });
-        }
-        self.method.complete(problem, mode.clone(), stats);
-        stats.n_retaken += 1;
-        self.watch.violated(problem, mode, t1, self.method.step().y1())
-    }
-
-    /// Among the guards violated at the end of the last attempt (or `guard` if none is), the one
-    /// that Newton's iteration has fall first, and the step size that lands there.
-    fn newton(&mut self, problem: &P, mode: P::Mode, guard: usize, h: f64) -> (usize, f64) {
-        let (t1, y1) = (self.method.step().t1(), self.method.step().y1());
-        let slope1 = self.method.step().slope1();
-        self.watch.rates(problem, mode, t1, y1, slope1);
-        let estimate = |i: usize| h - self.watch.clearance(i) / self.watch.rate(i);
-        (0..problem.n_guards())
-            .filter(|&i| self.watch.is_violated(i))
-            .map(|i| (i, estimate(i)))
-            .min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-            .unwrap_or_else(|| (guard, estimate(guard)))
     }
 }
 

@@ -1,0 +1,116 @@
+//! What values and rates at both ends of a step tell of a guard between them.
+
+use crate::real::Ordered;
+
+/// A minimum of the cubic is looked at where it lies below this many of its depths: the cubic's error
+/// for a sine that touches zero in the middle of a step of s radians is 4 tan(s/4)/s − 1 of its depth,
+/// and elsewhere in it no more (scanned); here s = 3π/2, three quarters of a period.
+const NEAR: f64 = 1.05;
+/// The depth is at least this fraction of the slopes' differences from the chord, as it is where the
+/// minimum is in the middle: beside a steep fall of a strongly damped sine it is less.
+const DEPTH: f64 = 1.0 / 8.0;
+/// Nodes of the polynomial of degree six.
+pub(super) const N_NODES: usize = 16;
+
+/// Whether a guard with these values and rates at both ends of a step of size `h` is so far above zero
+/// that the cubic through them is: it is off the chord by at most 4/27 of its bend, and as deep as that
+/// and the chord's rise at most.
+#[inline]
+pub(crate) fn is_far<T: Ordered>(from: [T; 2], to: [T; 2], h: T) -> T::Mask {
+    let rise = (to[0] - from[0]).abs();
+    let near = bend(from, to, h) * ((1.0 + NEAR) * 4.0 / 27.0) + rise * NEAR;
+    from[0].is_above(near) & to[0].is_above(near)
+}
+
+/// The differences of both slopes from the chord.
+#[inline]
+fn bend<T: Ordered>([g0, rate0]: [T; 2], [g1, rate1]: [T; 2], h: T) -> T {
+    let rise = g1 - g0;
+    (rate0 * h - rise).abs() + (rate1 * h - rise).abs()
+}
+
+/// Whether the cubic through the finite values and rates at both ends of a step of size `h`, above zero
+/// there, has no minimum inside that may be below zero.
+pub(super) fn has_no_dip(from: [f64; 2], to: [f64; 2], h: f64) -> bool {
+    let Some(least) = cubic_minimum([from[0], to[0]], [from[1] * h, to[1] * h]) else {
+        return true;
+    };
+    least > NEAR * (from[0].max(to[0]) - least).max(DEPTH * bend(from, to, h))
+}
+
+/// The least value in (0, 1) of the cubic with these values and slopes at 0 and 1; none where it has no
+/// minimum inside.
+fn cubic_minimum([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> Option<f64> {
+    // g(θ) = g0 + s0 θ + c2 θ² + c3 θ³
+    let rise = g1 - g0;
+    let (c2, c3) = (3.0 * rise - 2.0 * s0 - s1, s0 + s1 - 2.0 * rise);
+    let discriminant = c2 * c2 - 3.0 * c3 * s0;
+    if discriminant <= 0.0 {
+        return None;
+    }
+    // The root of g' = 0 with g'' = 2 (c2 + 3 c3 θ) = 2 √discriminant above zero.
+    let root = discriminant.sqrt();
+    let theta = if c2 > 0.0 { -s0 / (c2 + root) } else { (root - c2) / (3.0 * c3) };
+    let inside = theta > 0.0 && theta < 1.0;
+    inside.then_some(g0 + theta * (s0 + theta * (c2 + theta * c3)))
+}
+
+/// Values, at nodes from 0 to 1, of the polynomial of degree six with these values and slopes at 0 and
+/// 1 and these values at the quarters between.
+///
+/// ```text
+/// g(θ) = c(θ) + 16 θ² (1 − θ)² q(θ),   c the cubic of both ends, q the parabola through the quarters
+/// ```
+pub(super) fn sextic(
+    [g0, g1]: [f64; 2],
+    [s0, s1]: [f64; 2],
+    quarters: [f64; 3],
+) -> [f64; N_NODES + 1] {
+    let rise = g1 - g0;
+    let (c2, c3) = (3.0 * rise - 2.0 * s0 - s1, s0 + s1 - 2.0 * rise);
+    let cubic = |theta: f64| g0 + theta * (s0 + theta * (c2 + theta * c3));
+    let bubble = |theta: f64| 16.0 * (theta * (1.0 - theta)) * (theta * (1.0 - theta));
+    let q: [f64; 3] = std::array::from_fn(|k| {
+        let theta = 0.25 * (k + 1) as f64;
+        (quarters[k] - cubic(theta)) / bubble(theta)
+    });
+    std::array::from_fn(|k| {
+        let theta = k as f64 / N_NODES as f64;
+        let u = 4.0 * theta - 2.0;
+        let parabola = q[1] + 0.5 * u * (q[2] - q[0] + u * (q[0] - 2.0 * q[1] + q[2]));
+        cubic(theta) + bubble(theta) * parabola
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_minimum_of_a_cubic_is_found_where_it_is_inside() {
+        // (θ − ¼)² and (θ − ¼)²(θ + 2) + 1, then a cubic that only rises, and one with a maximum only.
+        let cases = [
+            ([1.0 / 16.0, 9.0 / 16.0], [-0.5, 1.5], Some(0.0)),
+            ([18.0 / 16.0, 43.0 / 16.0], [-15.0 / 16.0, 81.0 / 16.0], Some(1.0)),
+            ([0.0, 1.0], [1.0, 1.0], None),
+            ([0.0, 0.0], [1.0, -1.0], None),
+        ];
+        for (values, slopes, expected) in cases {
+            match (cubic_minimum(values, slopes), expected) {
+                (None, None) => {}
+                (Some(least), Some(value)) => assert!((least - value).abs() < 1e-14),
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn a_polynomial_of_degree_six_is_followed_to_rounding() {
+        let g = |x: f64| 1.0 - 2.0 * x + x.powi(3) - 4.0 * x.powi(5) + 3.0 * x.powi(6);
+        let slope = |x: f64| -2.0 + 3.0 * x * x - 20.0 * x.powi(4) + 18.0 * x.powi(5);
+        let nodes = sextic([g(0.0), g(1.0)], [slope(0.0), slope(1.0)], [0.25, 0.5, 0.75].map(g));
+        for (k, node) in nodes.iter().enumerate() {
+            assert!((node - g(k as f64 / N_NODES as f64)).abs() < 1e-14, "{k}: {node}");
+        }
+    }
+}
