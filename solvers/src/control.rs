@@ -85,6 +85,19 @@ impl StepController {
         self.verdict(h, err_sq, log_err, exp(self.log_factor(err_sq, log_err)))
     }
 
+    /// The same of a step that the method itself follows by one of another size: a good one is followed by its
+    /// own, and no logarithm is taken.
+    #[inline]
+    pub fn check(&mut self, h: f64, err_sq: impl FnOnce(&Tolerance) -> f64) -> Verdict {
+        let Control::Adaptive(tolerance) = &self.control else { return Verdict::Accept(h) };
+        let err_sq = err_sq(tolerance);
+        if err_sq <= 1.0 {
+            self.rejected = false;
+            return Verdict::Accept(h);
+        }
+        self.judge(h, |_| err_sq)
+    }
+
     /// Logarithm of what a step of this error is followed by, over the safety factor. An error of zero has a
     /// logarithm of −∞, and so the largest growth.
     #[inline]

@@ -114,6 +114,8 @@ pub struct OneStepSolver<P: System, M> {
     h: Option<f64>,
     /// Longest step.
     longest: f64,
+    /// Whether the method proposed the size of the present step.
+    is_proposed: bool,
 }
 
 /// A solver whose steps another one has a say in.
@@ -143,6 +145,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             method,
             h: None,
             longest: f64::INFINITY,
+            is_proposed: false,
             controller: StepController::new(control, embedded_order),
             watch: GuardWatch::new(problem),
             error_order: embedded_order + 1,
@@ -214,9 +217,10 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         stats: &mut Stats,
     ) -> Option<f64> {
         let Control::Adaptive(tolerance) = self.controller.control() else { return None };
-        let h = self.method.propose(problem, mode, tolerance, stats)?;
+        let proposed = self.method.propose(problem, mode, tolerance, stats);
+        self.is_proposed = proposed.is_some();
         // An infinite one is the whole span.
-        Some(h.min(span.abs()).copysign(span))
+        proposed.map(|h| h.min(span.abs()).copysign(span))
     }
 }
 
@@ -263,7 +267,11 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             return Ok(None);
         }
         let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
-        let verdict = self.controller.judge(h, error_sq);
+        let verdict = if self.is_proposed {
+            self.controller.check(h, error_sq)
+        } else {
+            self.controller.judge(h, error_sq)
+        };
         self.follow(scene, course, h, verdict)
     }
 
