@@ -36,8 +36,6 @@ pub use trial::{Start, Trial, TrialEnd, work};
 
 use search::{Search, Step};
 
-/// The method that chooses between others as it goes.
-const AUTO: &str = "auto";
 /// A setting counts if `e` keeps below this part of the accuracy.
 pub const MARGIN: f64 = 0.8;
 /// A run is cut at this many times the least work of those that arrived.
@@ -131,7 +129,7 @@ pub struct Entry {
 impl Entry {
     /// Whether it is the method that chooses between others as it goes.
     pub fn is_auto(&self) -> bool {
-        self.method == AUTO
+        Method::named(&self.method).is_some_and(Method::chooses)
     }
 
     /// Tolerance or step as text: `rtol 1e-6`, `h 1e-4 s`.
@@ -302,8 +300,8 @@ impl Least {
     }
 
     fn arrived(&mut self, candidate: Candidate, work: f64) {
-        let is_auto = candidate.method.name == AUTO;
-        let own = &mut self.0[if is_auto { AUTO_KIND } else { Self::kind(candidate) }];
+        let kind = if candidate.method.chooses() { AUTO_KIND } else { Self::kind(candidate) };
+        let own = &mut self.0[kind];
         *own = own.min(work);
     }
 

@@ -205,6 +205,11 @@ impl Method {
         }
     }
 
+    /// Whether it chooses between others as it goes.
+    pub fn chooses(&self) -> bool {
+        matches!(self.scheme, Scheme::Auto)
+    }
+
     /// Order of its series at a relative tolerance, or with a fixed step; none where it has no series.
     pub fn series_order(&self, rtol: Option<f64>) -> Option<usize> {
         match self.scheme {
