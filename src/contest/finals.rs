@@ -4,7 +4,8 @@ use super::trial::{Start, Trial, TrialEnd};
 use super::{Contest, Entry};
 use crate::run::Setting;
 
-/// Those that take longer than this many times the shortest time are not run again.
+/// Those that take longer than this many times the shortest time, and more than this many times the least
+/// work, are not run again: a time alone may be long because the machine was busy just then.
 const CLOSE: f64 = 2.0;
 /// Those that take longer than this are run twice at most: noise is a smaller part of them [s].
 const LONG_S: f64 = 0.2;
@@ -20,11 +21,13 @@ pub(super) fn time(
     for entry in entries.iter_mut() {
         entry.timed = entry.work <= of_note;
     }
+    let least_work = least(entries, |entry| entry.work);
     for turn in 0..contest.repeats {
-        let best = shortest(entries);
+        let shortest = least(entries, |entry| entry.wall_s);
         for (entry, setting) in entries.iter_mut().zip(settings) {
             // The search has run each of them once, but at different times: not to be judged by that.
-            let is_far = entry.wall_s > CLOSE * best || entry.wall_s > LONG_S;
+            let is_slow = entry.wall_s > CLOSE * shortest && entry.work > CLOSE * least_work;
+            let is_far = is_slow || entry.wall_s > LONG_S;
             if !entry.timed || turn > 1 && is_far {
                 continue;
             }
@@ -41,8 +44,8 @@ pub(super) fn time(
     });
 }
 
-/// The shortest time so far of those that are timed [s].
-fn shortest(entries: &[Entry]) -> f64 {
+/// The least `of` those that are timed.
+fn least(entries: &[Entry], of: impl Fn(&Entry) -> f64) -> f64 {
     let timed = entries.iter().filter(|entry| entry.timed);
-    timed.fold(f64::INFINITY, |least, entry| least.min(entry.wall_s))
+    timed.fold(f64::INFINITY, |least, entry| least.min(of(entry)))
 }
