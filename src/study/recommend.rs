@@ -219,3 +219,36 @@ fn bound(entry: &Entry, n_events: usize) -> String {
 fn factor(x: f64) -> String {
     if x < 10.0 { format!("{x:.1}") } else { format!("{x:.0}") }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn events_that_hang_on_the_tolerance_are_named_grazing() {
+        let sets = ["run.t_end=0.1", "contest.methods=[\"rk45\"]", "contest.repeats=1"];
+        let config = Config::load(None, &sets.map(str::to_owned)).unwrap();
+        let stop = AtomicBool::new(false);
+        let arena = Arena::new(&config, sample_times(&config), &stop).unwrap();
+        let standings = recommend(&config, 1e-6, &stop, &|_| ()).standings;
+        assert!(grazing(&arena, &standings).is_none());
+
+        let mut tighter_differs = standings.clone();
+        tighter_differs.entries[0].grazes = true;
+        let warning = grazing(&arena, &tighter_differs).unwrap();
+        assert!(warning.code == Code::Grazing && warning.message.contains("tighter"));
+
+        let mut none_is_right = standings;
+        none_is_right.entries.retain(|entry| entry.events == Events::Blind);
+        none_is_right.failures.push(Failure {
+            method: "rk45".to_owned(),
+            events: Events::Located,
+            implicit: false,
+            kind: FailureKind::EventsWrong,
+            message: String::new(),
+            mean_step_s: None,
+        });
+        let warning = grazing(&arena, &none_is_right).unwrap();
+        assert!(warning.code == Code::Grazing && warning.message.contains("no located run"));
+    }
+}

@@ -105,6 +105,17 @@ fn a_run_beyond_its_horizon_is_warned_about() {
 }
 
 #[test]
+fn chatter_is_warned_about() {
+    let scratch = Scratch::new();
+    // A pin that has no room: 650 mode changes a second of each joint.
+    let contact = ["contact.stiffness=1e10", "contact.damping=500", "joint.clearance=1e-7"];
+    let contest = ["run.t_end=0.02", "contest.methods=[\"rk4\"]", "contest.repeats=1"];
+    let answer = recommend(&scratch, "1e-3", &[contact, contest].concat());
+    let codes: Vec<_> = answer["warnings"].as_array().unwrap().iter().map(|w| &w["code"]).collect();
+    assert_eq!(codes, ["chatter"], "{answer}");
+}
+
+#[test]
 fn an_accuracy_that_cannot_be_asked_for_is_bad_usage() {
     let scratch = Scratch::new();
     for accuracy in ["0", "-1e-6", "1", "1e-20", "small", "nan"] {
