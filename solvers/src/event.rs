@@ -127,11 +127,6 @@ impl<P: System> GuardWatch<P> {
         Ok(first)
     }
 
-    /// How many guards there are.
-    pub fn n_guards(&self) -> usize {
-        self.values.as_ref().len()
-    }
-
     /// Whether guard `i`, as last evaluated, is violated.
     pub fn is_violated(&self, i: usize) -> bool {
         self.values.as_ref()[i] < -self.bounds.as_ref()[i]

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use super::base::Base;
-use super::guards::LAST_LOOK;
+use super::guards::FIRST_LOOK;
 use super::rows::{Rows, Table};
 use super::series::Series;
 use super::unrolled::OfOrder;
@@ -140,8 +140,11 @@ pub(super) struct GuardsRun<'a, P: System, B: Base> {
 impl<P: System, B: Base> OfOrder for GuardsRun<'_, P, B> {
     type Output = usize;
 
-    const HIGHEST: usize =
-        if highest_unrolled::<P, B>() < LAST_LOOK { highest_unrolled::<P, B>() } else { LAST_LOOK };
+    const HIGHEST: usize = if highest_unrolled::<P, B>() < FIRST_LOOK {
+        highest_unrolled::<P, B>()
+    } else {
+        FIRST_LOOK
+    };
 
     #[inline(always)]
     fn of_order(self, k: usize) -> usize {

@@ -11,11 +11,8 @@ use crate::root::minimum;
 use crate::step::Step;
 use crate::system::{System, Vector};
 
-/// Orders to which guards are expanded at first, in turn, and by how many times its last terms a guard must
-/// then be above zero: the first is enough, in most steps, to see that all are far from it.
-const LOOKS: [(usize, f64); 2] = [(3, 8.0), (LAST_LOOK, 1.0)];
-/// The order of the last of them.
-pub(super) const LAST_LOOK: usize = 6;
+/// Order to which guards are expanded at first: enough, in most steps, to see that they are far from zero.
+pub(super) const FIRST_LOOK: usize = 6;
 /// How exactly roots of the polynomials are found, as a fraction of the step.
 const PRECISION: f64 = 1e-14;
 
@@ -76,10 +73,10 @@ impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
     /// A guard is a polynomial on the step, to the order of the method. It is clear where
     ///
     /// ```text
-    /// g_0 + Σ min(0, g_k hᵏ) > m (|g_N hᴺ| + |g_(N−1) hᴺ⁻¹| + 2 |Σ g_k hᵏ − g(t_1, y_1)|)
+    /// g_0 + Σ min(0, g_k hᵏ) > |g_N hᴺ| + |g_(N−1) hᴺ⁻¹| + 2 |Σ g_k hᵏ − g(t_1, y_1)|
     /// ```
     ///
-    /// for N = 3 and m = 8, N = 6 and m = 1, or the degree and m = 1, and else its [first fall](Polynomial::first_fall) below `−bound/2` counts, if it is
+    /// for N = 6 or the degree, and else its [first fall](Polynomial::first_fall) below `−bound/2` counts, if it is
     /// followed by a violation. None is missed of the polynomial, but for a dip of terms beyond the sixth alone that
     /// cancel at the end; where the guard is less smooth than the solution it may differ from the polynomial by more
     /// than the last terms. Where a coefficient is not finite, all guards
@@ -98,16 +95,12 @@ impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
         let (start, t1) = (step.t0(), step.t1());
         let h = t1 - start;
         watch.violated(problem, mode.clone(), t1, step.y1())?;
+        self.expand(problem, mode.clone(), t0, y, FIRST_LOOK.min(degree));
         let mut first: Option<Fall> = None;
-        for guard in 0..watch.n_guards() {
+        for guard in 0..self.g[0].as_ref().len() {
             let at_end = watch.is_violated(guard);
             let end = watch.value(guard);
-            let is_clear = |(order, margin): &(usize, f64)| {
-                let order = degree.min(*order);
-                self.expand(problem, mode.clone(), t0, y, order);
-                self.is_clear(guard, h, order, (end, *margin))
-            };
-            if !at_end && LOOKS.iter().any(is_clear) {
+            if !at_end && self.is_clear(guard, h, FIRST_LOOK.min(degree), end) {
                 continue;
             }
             self.expand(problem, mode.clone(), t0, y, degree);
@@ -120,7 +113,7 @@ impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
                     watch.first_to_fall(problem, mode, step, PRECISION, None)
                 };
             }
-            if !at_end && self.is_clear(guard, h, degree, (end, 1.0)) {
+            if !at_end && self.is_clear(guard, h, degree, end) {
                 continue;
             }
             let bound = watch.bound(guard);
@@ -156,9 +149,9 @@ impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
         terms.fold(0.0, |sum, (k, g)| sum * s + (k + 1) as f64 * g.as_ref()[i])
     }
 
-    /// Whether guard `i`, `end` at the end of a step of size `h`, stays above zero on it, by more than `margin`
-    /// times its last two terms and what the rest lacks there.
-    fn is_clear(&self, i: usize, h: f64, degree: usize, (end, margin): (f64, f64)) -> bool {
+    /// Whether guard `i`, `end` at the end of a step of size `h`, stays above zero on it, by more than
+    /// its last two terms and what the rest lacks there.
+    fn is_clear(&self, i: usize, h: f64, degree: usize, end: f64) -> bool {
         let g_0 = self.g[0].as_ref()[i];
         let (mut sum, mut least, mut power) = (g_0, g_0, 1.0);
         let mut last = [0.0; 2];
@@ -170,7 +163,7 @@ impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
             last = [last[1], term];
         }
         // False for what is not a number.
-        least > margin * (last[0].abs() + last[1].abs() + 2.0 * (sum - end).abs())
+        least > last[0].abs() + last[1].abs() + 2.0 * (sum - end).abs()
     }
 }
 
