@@ -231,15 +231,11 @@ fn auto(cells: &[&Cell]) -> String {
         return "`auto` reaches it nowhere.".to_owned();
     };
     let near = ratios.iter().filter(|(ratio, _)| *ratio <= NEAR).count();
-    let right: Vec<f64> = cells.iter().filter_map(|cell| cell.auto_over_right()).collect();
     format!(
         "`auto` takes at most {NEAR} times as long as the winner in {near} of {decided} cells, median \
-         {median:.2}, at most {most:.2} ({}); in {} it does not arrive. Beside the fastest that has the \
-         events right it does so in {} of {}.",
+         {median:.2}, at most {most:.2} ({}); in {} it does not arrive.",
         place(at),
-        decided - ratios.len(),
-        right.iter().filter(|ratio| **ratio <= NEAR).count(),
-        n_cells(right.len())
+        decided - ratios.len()
     )
 }
 

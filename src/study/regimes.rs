@@ -95,13 +95,6 @@ impl Cell {
         Some(own.wall_s / self.winner()?.wall_s)
     }
 
-    /// The same over that of the fastest other that has the events right, located or blind.
-    pub fn auto_over_right(&self) -> Option<f64> {
-        let own = self.standings.entries.iter().find(|entry| entry.is_auto())?;
-        let right = self.best(|entry| entry.missed + entry.spurious == 0)?;
-        Some(own.wall_s / right.wall_s)
-    }
-
     /// The fastest of those that `of` is true for.
     pub fn best(&self, of: impl Fn(&Entry) -> bool) -> Option<&Entry> {
         let own = self.fixed().filter(|entry| of(entry));
