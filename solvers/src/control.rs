@@ -85,14 +85,15 @@ impl StepController {
         self.verdict(h, err_sq, log_err, exp(self.log_factor(err_sq, log_err)))
     }
 
-    /// The same of a step that the method itself follows by one of another size: a good one is followed by its
-    /// own, and no logarithm is taken.
+    /// As [`judge`](Self::judge), where the method proposes the size of the next step: after a good one the
+    /// size is left as it is, without a logarithm, and the error is not remembered.
     #[inline]
     pub fn check(&mut self, h: f64, err_sq: impl FnOnce(&Tolerance) -> f64) -> Verdict {
-        let Control::Adaptive(tolerance) = &self.control else { return Verdict::Accept(h) };
+        let Control::Adaptive(tolerance) = &self.control else { return self.judge(h, err_sq) };
         let err_sq = err_sq(tolerance);
         if err_sq <= 1.0 {
             self.rejected = false;
+            self.log_last_err = LOG_ERROR_FLOOR;
             return Verdict::Accept(h);
         }
         self.judge(h, |_| err_sq)
@@ -183,6 +184,20 @@ mod tests {
     #[test]
     fn an_error_that_is_not_a_number_is_refused() {
         assert_eq!(controller().judge(1.0, norm_sq(f64::NAN)), Verdict::Reject(SHRINK));
+    }
+
+    #[test]
+    fn a_check_leaves_the_size_of_a_good_step_and_judges_a_bad_one() {
+        let mut checks = controller();
+        assert_eq!(checks.check(-1.0, norm_sq(1e-9)), Verdict::Accept(-1.0));
+        for bad in [1.0, f64::NAN] {
+            assert_eq!(checks.check(1.0, norm_sq(bad)), controller().judge(1.0, norm_sq(bad)));
+        }
+        // The rejection is over with the next good step.
+        checks.check(0.5, norm_sq(1e-9));
+        assert!(matches!(checks.judge(0.5, norm_sq(1e-9)), Verdict::Accept(h) if h > 0.5));
+        let mut fixed = StepController::new(Control::Fixed(0.1), 4);
+        assert_eq!(fixed.check(-0.05, norm_sq(1.0)), Verdict::Accept(-0.1));
     }
 
     #[test]

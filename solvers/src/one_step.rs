@@ -114,7 +114,7 @@ pub struct OneStepSolver<P: System, M> {
     h: Option<f64>,
     /// Longest step.
     longest: f64,
-    /// Whether the method proposed the size of the present step.
+    /// Whether the method proposes sizes from the present start, so that the controller checks them only.
     is_proposed: bool,
 }
 

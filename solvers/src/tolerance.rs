@@ -35,6 +35,19 @@ impl Tolerance {
         self.norm_sq(error, y0, y1).sqrt()
     }
 
+    /// Writes `1/(atol_i + rtol |y_i|)` to `weights`: the [norm](Self::norm) of an error at `y` is the root mean
+    /// square of the products of both.
+    ///
+    /// # Panics
+    /// Where `atol` is shorter than `y`; [`check`](Self::check) refuses it.
+    #[inline]
+    pub fn weights(&self, y: &[f64], weights: &mut [f64]) {
+        let atol = &self.atol[..y.len()];
+        for ((weight, y), atol) in weights.iter_mut().zip(y).zip(atol) {
+            *weight = 1.0 / (y.abs() * self.rtol + atol);
+        }
+    }
+
     /// The square of [`norm`](Self::norm), of one run or of each of several.
     ///
     /// # Panics

@@ -97,7 +97,8 @@ pub struct Block {
     /// Whether the block ends at θ = 90°.
     pub stop_at_90: bool,
     /// `K`, where the law is `K δ + D δ̇` with Coulomb's friction and all of it acts at the pin, but for a
-    /// torque of friction: what every right-hand side would ask anew.
+    /// torque of friction. It follows from the laws and the reading, and is settled where a block is made of
+    /// them: every right-hand side would ask it anew.
     pub(super) plain_stiffness: Option<f64>,
 }
 

@@ -10,7 +10,7 @@ pub const MAX_ORDER: usize = 25;
 /// Rows of a new table.
 pub(super) const N_ROWS: usize = 64;
 
-/// The Taylor coefficients of one intermediate result.
+/// The Taylor coefficients of one intermediate result, as far as they are kept.
 #[derive(Debug)]
 pub struct Row<B: Copy> {
     coefficients: [Cell<B>; MAX_ORDER + 1],

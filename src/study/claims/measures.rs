@@ -21,6 +21,7 @@ pub(super) fn largest(course: &Course, quantity: Quantity) -> Option<f64> {
     course.bins.iter().map(|bin| bin.of(quantity).magnitude()).reduce(f64::max)
 }
 
+/// θ̈ at 90° over its largest value.
 pub(super) fn last_over_largest(course: &Course) -> Option<f64> {
     course.run.reached_90_s?;
     Some(course.bins.last()?.of(Quantity::Alpha).least / largest(course, Quantity::Alpha)?)
@@ -66,12 +67,14 @@ fn mean(bins: &[Bin], quantity: Quantity) -> Option<f64> {
     coarser(bins, bins.len()).first().map(|bin| bin.of(quantity).mean)
 }
 
+/// Mean contact force in the second after the fluctuation [N].
 pub(super) fn settled_force(course: &Course) -> Option<f64> {
     let (from, to) = SETTLED_S;
     let bins = course.until(to);
     mean(&bins[course.until(from).len()..], Quantity::Force)
 }
 
+/// Mean contact force at the end of a deployment [N].
 pub(super) fn last_force(course: &Course) -> Option<f64> {
     let end = course.run.reached_90_s?;
     mean(&course.bins[course.until(end - LAST_S).len()..], Quantity::Force)
