@@ -16,6 +16,21 @@ fn a_guard_that_falls_and_rises_within_one_step_is_found() {
 }
 
 #[test]
+fn a_series_shows_a_dip_of_high_terms_that_cancel_at_its_end() {
+    // 1 − 20 x⁴ (1 − x): level at the start to the third order, and as high at x = 1.
+    let script = chain(&[&[1.0, 0.0, 0.0, 0.0, -20.0, 20.0]]);
+    let series = settings_with(1.0).into_iter().filter(|(method, _)| method.name == "taylor");
+    for setting in series {
+        let (log, outcome, ..) = run(&script, &setting, (0.0, [0.0, 0.0]), 1.0);
+        assert_eq!(outcome, Ok(Outcome::Finished));
+        let falls: Vec<f64> = log.events.iter().map(|event| event.0).collect();
+        let [x] = falls[..] else { panic!("{falls:?}") };
+        // Measured: 4.2e-15.
+        at_most("taylor", (1.0 - 20.0 * x.powi(4) * (1.0 - x)).abs(), 2e-14);
+    }
+}
+
+#[test]
 fn a_grazing_touch_without_crossing_gives_no_event() {
     expect_events(&chain(&[&[0.36, -1.2, 1.0]]), 2.0, &[]);
     expect_events(&chain(&[&[0.36 + 1e-12, -1.2, 1.0]]), 2.0, &[]);
