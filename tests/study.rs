@@ -303,8 +303,10 @@ fn a_setting_that_a_contest_finds_holds_beside_itself_and_a_decade_looser_does_n
         for trial in [&own, &tighter] {
             assert!(trial.e <= accuracy && is_right(trial), "{entry:?}");
         }
+        // What a blind run reaches there is luck.
         let reaches = looser.e <= MARGIN * accuracy && is_right(&looser);
-        assert!(!reaches || !entry.timed, "{entry:?} {looser:?}");
+        let may_reach = !entry.timed || entry.events == Events::Blind;
+        assert!(!reaches || may_reach, "{entry:?} {looser:?}");
     }
 }
 
@@ -322,7 +324,7 @@ fn a_contest_is_won_by_the_shortest_time_and_cuts_what_needs_ten_times_the_work(
 
 #[test]
 fn located_events_must_be_right_from_1e_minus_6_on_and_blind_ones_need_not() {
-    let (_, standings) = contest(&["dop853", "rk45", "bs32"], 1e-6);
+    let (_, standings) = contest(&["dop853", "rk45", "vern98"], 1e-6);
     let wrong = |of: Events| {
         let own = standings.entries.iter().filter(move |entry| entry.events == of);
         own.map(|entry| entry.missed + entry.spurious).max().unwrap()

@@ -1,5 +1,6 @@
 //! Step controllers: fixed, and proportional–integral.
 
+use crate::magnitude::{exp2, log2};
 use crate::tolerance::Tolerance;
 
 /// Safety factor on the proposed step. Hairer, Nørsett, Wanner, DOPRI5.
@@ -12,9 +13,9 @@ const BETA: f64 = 0.04;
 /// Most that steps grow each after one that had no end: the size that failed is come near to in some seven
 /// steps, where one error after the other would lead there in two.
 const CREEP: f64 = 1.1;
-/// Logarithm of the floor of the remembered error, 1e-4, so that one lucky step does not hold back
+/// Binary logarithm of the floor of the remembered error, 1e-4, so that one lucky step does not hold back
 /// the next. DOPRI5.
-const LOG_ERROR_FLOOR: f64 = -9.210_340_371_976_182;
+const LOG_ERROR_FLOOR: f64 = -13.287_712_379_549_449;
 
 /// How the step size is chosen.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,8 +82,7 @@ impl StepController {
             Control::Adaptive(tolerance) => tolerance,
         };
         let err_sq = err_sq(tolerance);
-        let log_err = 0.5 * log(err_sq);
-        self.verdict(h, err_sq, log_err, exp(self.log_factor(err_sq, log_err)))
+        self.weigh(h, err_sq)
     }
 
     /// As [`judge`](Self::judge), where the method proposes the size of the next step: after a good one the
@@ -99,31 +99,29 @@ impl StepController {
         self.judge(h, |_| err_sq)
     }
 
-    /// Logarithm of what a step of this error is followed by, over the safety factor. An error of zero has a
-    /// logarithm of −∞, and so the largest growth.
+    /// What is made of a step of size `h` by the square of the norm of its error; one of zero has the largest
+    /// growth.
     #[inline]
-    pub(crate) fn log_factor(&self, err_sq: f64, log_err: f64) -> f64 {
+    fn weigh(&mut self, h: f64, err_sq: f64) -> Verdict {
+        let log_err = 0.5 * log2(err_sq);
         if err_sq <= 1.0 {
-            BETA * self.log_last_err - (self.exponent - 0.75 * BETA) * log_err
-        } else {
-            -self.exponent * log_err
-        }
-    }
-
-    /// What is made of a step of size `h`, of its error and the `factor` whose logarithm that gives.
-    #[inline]
-    pub(crate) fn verdict(&mut self, h: f64, err_sq: f64, log_err: f64, factor: f64) -> Verdict {
-        if err_sq <= 1.0 {
+            let log_factor = BETA * self.log_last_err - (self.exponent - 0.75 * BETA) * log_err;
             let most = if self.rejected { 1.0 } else { GROWTH };
             self.log_last_err = log_err.max(LOG_ERROR_FLOOR);
             self.rejected = false;
             self.ceiling *= CREEP;
-            let next = (h.abs() * (SAFETY * factor).clamp(SHRINK, most)).min(self.ceiling);
-            Verdict::Accept(next.copysign(h))
+            let growth = (SAFETY * exp2(log_factor)).clamp(SHRINK, most);
+            Verdict::Accept((h.abs() * growth).min(self.ceiling).copysign(h))
         } else {
             self.rejected = true;
-            Verdict::Reject(h * shrunk(factor))
+            Verdict::Reject(h * self.shrunk(log_err))
         }
+    }
+
+    /// What a step is shortened by whose error has the logarithm `log_err`.
+    fn shrunk(&self, log_err: f64) -> f64 {
+        let factor = SAFETY * exp2(-self.exponent * log_err);
+        if factor > SHRINK { factor.min(1.0) } else { SHRINK }
     }
 
     /// The step size to try again with instead of one of size `h` that has no end; none where it is
@@ -142,24 +140,8 @@ impl StepController {
         };
         let err_sq = err_sq(tolerance);
         let is_tolerated = err_sq <= 1.0;
-        (!is_tolerated).then(|| h * shrunk(exp(self.log_factor(err_sq, 0.5 * log(err_sq)))))
+        (!is_tolerated).then(|| h * self.shrunk(0.5 * log2(err_sq)))
     }
-}
-
-/// What a rejected step is shortened by.
-fn shrunk(factor: f64) -> f64 {
-    let factor = SAFETY * factor;
-    if factor > SHRINK { factor.min(1.0) } else { SHRINK }
-}
-
-// A step size needs a few digits; in single precision these cost a third, and a step with them
-// a tenth less.
-fn log(x: f64) -> f64 {
-    f64::from(libm::logf(x as f32))
-}
-
-fn exp(x: f64) -> f64 {
-    f64::from(libm::expf(x as f32))
 }
 
 #[cfg(test)]

@@ -63,23 +63,47 @@ pub(crate) fn nested<Y: Vector<f64>, const S: usize>(
 }
 
 /// `y ← y + w k`.
-pub(crate) fn add<Y: Vector<f64>>(y: &mut Y, w: f64, k: &Y) {
+#[inline(always)]
+pub(crate) fn add<T: Real, Y: Vector<T>>(y: &mut Y, w: T, k: &Y) {
     for (y, k) in y.as_mut().iter_mut().zip(k.as_ref()) {
-        *y += w * k;
+        *y = *y + *k * w;
     }
 }
 
 /// `y = y₀ + h Σ_i w_i k_i` over the leading stages that have a weight.
 #[inline]
 pub fn combine<T: Real, Y: Vector<T>>(y0: &Y, h: T, w: &[f64], k: &[Y], y: &mut Y) {
-    let y = y.as_mut();
-    y.fill(T::cst(0.0));
+    sum(h, w, k, y);
+    start_from(y0, y);
+}
+
+/// The same with a last slope of weight `w_last` that is not among the others.
+#[inline(always)]
+pub(crate) fn combine_with<T: Real, Y: Vector<T>>(
+    y0: &Y,
+    h: T,
+    (w, w_last): (&[f64], f64),
+    (k, k_last): (&[Y], &Y),
+    y: &mut Y,
+) {
+    sum(h, w, k, y);
+    add(y, h * w_last, k_last);
+    start_from(y0, y);
+}
+
+/// `y = Σ_i (h w_i) k_i`: nothing waits for h w_i.
+#[inline(always)]
+fn sum<T: Real, Y: Vector<T>>(h: T, w: &[f64], k: &[Y], y: &mut Y) {
+    y.as_mut().fill(T::cst(0.0));
     for (w, k) in w.iter().zip(k) {
-        for (y, k) in y.iter_mut().zip(k.as_ref()) {
-            *y = *y + *k * *w;
-        }
+        add(y, h * *w, k);
     }
-    for (y, y0) in y.iter_mut().zip(y0.as_ref()) {
-        *y = *y0 + h * *y;
+}
+
+/// `y ← y₀ + y`.
+#[inline(always)]
+fn start_from<T: Real, Y: Vector<T>>(y0: &Y, y: &mut Y) {
+    for (y, y0) in y.as_mut().iter_mut().zip(y0.as_ref()) {
+        *y = *y0 + *y;
     }
 }

@@ -1,13 +1,32 @@
 //! The stage loop of explicit tableau methods.
 
-use crate::dense::{add, combine};
+use crate::dense::{add, combine_with};
 use crate::one_step::OneStep;
-use crate::real::{Ordered, Real};
+use crate::real::{Ordered, Over, Real};
 use crate::stats::Stats;
 use crate::step::TableauStep;
 use crate::system::{System, Vector};
 use crate::tableau::Tableau;
-use crate::tolerance::Tolerance;
+use crate::tolerance::{Tolerance, norm_sq};
+
+/// Where slopes come from.
+pub(crate) trait Slope<T, Y> {
+    /// Writes the slope at `(t, y)` to `dydt`.
+    fn slope(&self, t: T, y: &Y, dydt: &mut Y);
+}
+
+/// A system in a mode.
+pub(crate) struct InMode<'a, P: System> {
+    pub(crate) problem: &'a P,
+    pub(crate) mode: &'a P::Mode,
+}
+
+impl<P: System, T: Real> Slope<T, P::State<T>> for InMode<'_, P> {
+    #[inline(always)]
+    fn slope(&self, t: T, y: &P::State<T>, dydt: &mut P::State<T>) {
+        self.problem.rhs(self.mode.clone(), t, y, dydt);
+    }
+}
 
 /// An explicit tableau method at work on one system: its tableau and the memory of one step.
 #[derive(Debug)]
@@ -17,7 +36,7 @@ pub struct ExplicitRk<Y, const S: usize, T = f64> {
     /// Weights of the error estimate, `b − b̂`.
     error_weights: Option<[f64; S]>,
     /// The same of the second embedded solution, and its error.
-    pub(crate) low_weights: Option<[f64; S]>,
+    low_weights: Option<[f64; S]>,
     pub(crate) low_error: Y,
     y_stage: Y,
     zero: Y,
@@ -44,33 +63,37 @@ impl<Y: Vector<T>, const S: usize, T: Real> ExplicitRk<Y, S, T> {
         }
     }
 
-    /// Takes a step of size `h` to `t1`: the stages after the first, the end and its errors.
+    /// Takes a step of size `h` to `t1` along `field`: the stages after the first, the end and its errors.
+    ///
+    /// The present stage and the slope before it are no memory where states are short: what is stored entry by
+    /// entry and loaded in other pieces, as vectors are, waits for its store, twice a stage.
     #[inline(always)]
-    pub(crate) fn take<P: System<State<T> = Y>>(
-        &mut self,
-        problem: &P,
-        mode: &P::Mode,
-        t1: T,
-        h: T,
-    ) {
+    pub(crate) fn take(&mut self, t1: T, h: T, field: &impl Slope<T, Y>) {
         let (tableau, step) = (self.tableau, &mut self.step);
         (step.t1, step.h) = (t1, h);
+        let (mut y, mut last) = (self.y_stage.take(), step.k[0].take());
         for i in 1..S {
-            combine(&step.y0, h, tableau.a[i], &step.k, &mut self.y_stage);
-            let t = step.t0 + h * tableau.c[i];
-            problem.rhs(mode.clone(), t, &self.y_stage, &mut step.k[i]);
+            let (w, w_last) = last_apart(tableau.a[i], i);
+            combine_with(&step.y0, h, (w, w_last), (&step.k[..i - 1], &last), &mut y);
+            step.k[i - 1] = last;
+            last = step.k[i].take();
+            field.slope(step.t0 + h * tableau.c[i], &y, &mut last);
         }
-        if self.first_same_as_last {
-            step.y1.clone_from(&self.y_stage);
-        } else {
-            combine(&step.y0, h, &tableau.b, &step.k, &mut step.y1);
+        let earlier = &step.k[..S - 1];
+        let along = |w: &[f64; S], from: &Y, to: &mut Y| {
+            combine_with(from, h, last_apart(w, S), (earlier, &last), to);
+        };
+        if !self.first_same_as_last {
+            along(&tableau.b, &step.y0, &mut y);
         }
         if let Some(weights) = &self.error_weights {
-            combine(&self.zero, h, weights, &step.k, &mut step.error);
+            along(weights, &self.zero, &mut step.error);
         }
         if let Some(weights) = &self.low_weights {
-            combine(&self.zero, h, weights, &step.k, &mut self.low_error);
+            along(weights, &self.zero, &mut self.low_error);
         }
+        step.y1.clone_from(&y);
+        (self.y_stage, step.k[S - 1]) = (y, last);
     }
 
     /// Evaluations of an attempt.
@@ -83,23 +106,34 @@ impl<Y: Vector<T>, const S: usize, T: Real> ExplicitRk<Y, S, T> {
 
     /// Makes the slope at the end of the last step valid.
     #[inline(always)]
-    pub(crate) fn end_slope<P: System<State<T> = Y>>(&mut self, problem: &P, mode: &P::Mode) {
+    pub(crate) fn end_slope(&mut self, field: &impl Slope<T, Y>) {
         let step = &mut self.step;
         if self.first_same_as_last {
             step.slope1.clone_from(&step.k[S - 1]);
         } else {
-            problem.rhs(mode.clone(), step.t1, &step.y1, &mut step.slope1);
+            field.slope(step.t1, &step.y1, &mut step.slope1);
         }
     }
 
-    /// Square of the norm of an error of the last step.
+    /// Square of the norm of the error of the last step for tolerances `(rtol, atol)`; where there are two
+    /// embedded solutions also of the error of the second.
     #[inline]
-    pub(crate) fn norm_sq(&self, error: &Y, tolerance: &Tolerance) -> T
+    pub(crate) fn norms_sq<C: Copy>(&self, tolerance: (C, &[C])) -> (T, Option<impl FnOnce() -> T>)
     where
-        T: Ordered,
+        T: Ordered + Over<C>,
     {
-        tolerance.norm_sq(error.as_ref(), self.step.y0.as_ref(), self.step.y1.as_ref())
+        let (y0, y1) = (self.step.y0.as_ref(), self.step.y1.as_ref());
+        let low = move || norm_sq(tolerance, self.low_error.as_ref(), y0, y1);
+        let error_sq = norm_sq(tolerance, self.step.error.as_ref(), y0, y1);
+        (error_sq, self.low_weights.is_some().then_some(low))
     }
+}
+
+/// The weights of stages before the last of `n`, and its own.
+#[inline(always)]
+fn last_apart(w: &[f64], n: usize) -> (&[f64], f64) {
+    let (earlier, last) = w.split_at(w.len().min(n - 1));
+    (earlier, last.first().copied().unwrap_or(0.0))
 }
 
 /// `err₁⁴/(err₁² + 0.01 err₂²)`, of the squares of the norms of both errors.
@@ -134,12 +168,12 @@ impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
     #[inline(always)]
     fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats) {
         self.is_dense = false;
-        self.take(problem, &mode, t1, h);
+        self.take(t1, h, &InMode { problem, mode: &mode });
         stats.work.n_rhs += Self::N_RHS;
     }
 
     fn complete(&mut self, problem: &P, mode: P::Mode, stats: &mut Stats) {
-        self.end_slope(problem, &mode);
+        self.end_slope(&InMode { problem, mode: &mode });
         stats.work.n_rhs += self.n_rhs_of_end();
     }
 
@@ -175,10 +209,9 @@ impl<P: System, const S: usize> OneStep<P> for ExplicitRk<P::State<f64>, S> {
 
     #[inline]
     fn error_norm_sq(&self, tolerance: &Tolerance) -> f64 {
-        let error_sq = self.norm_sq(&self.step.error, tolerance);
-        if self.low_weights.is_none() {
-            return error_sq;
+        match self.norms_sq((tolerance.rtol, &tolerance.atol)) {
+            (error_sq, None) => error_sq,
+            (error_sq, Some(low_sq)) => sharpened(error_sq, low_sq),
         }
-        sharpened(error_sq, || self.norm_sq(&self.low_error, tolerance))
     }
 }

@@ -85,6 +85,7 @@ pub mod event;
 pub mod integrate;
 pub mod lanes;
 mod linear;
+mod magnitude;
 pub mod methods;
 pub mod one_step;
 pub mod order_conditions;

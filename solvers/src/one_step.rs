@@ -30,6 +30,9 @@ pub trait OneStep<P: System> {
     /// What it hands on.
     type Step: Step<P::State<f64>>;
 
+    /// Whether it [proposes](Self::propose) step sizes.
+    const PROPOSES: bool = false;
+
     /// Order of the embedded solution, one below that of the error estimate, where the method has one.
     fn embedded_order(&self) -> Option<usize>;
 
@@ -217,6 +220,9 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         stats: &mut Stats,
     ) -> Option<f64> {
         let Control::Adaptive(tolerance) = self.controller.control() else { return None };
+        if !M::PROPOSES {
+            return None;
+        }
         let proposed = self.method.propose(problem, mode, tolerance, stats);
         self.is_proposed = proposed.is_some();
         // An infinite one is the whole span.
@@ -256,7 +262,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
 
     /// Judges the last attempt, of size `h`, and does what follows; how the phase ended, if it did.
     #[inline(always)]
-    fn settle(
+    pub(crate) fn settle(
         &mut self,
         scene: &mut Scene<'_, P>,
         course: &mut Course,
@@ -267,7 +273,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             return Ok(None);
         }
         let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
-        let verdict = if self.is_proposed {
+        let verdict = if M::PROPOSES && self.is_proposed {
             self.controller.check(h, error_sq)
         } else {
             self.controller.judge(h, error_sq)

@@ -65,6 +65,22 @@ pub trait Real:
     }
 }
 
+/// A number that constants of the kind `C` are added to and multiplied with: `f64` of any, and of the number of
+/// several runs a constant of each.
+pub trait Over<C>:
+    Real + Add<C, Output = Self> + Sub<C, Output = Self> + Mul<C, Output = Self>
+{
+    /// The constant as a number.
+    fn of(constant: C) -> Self;
+}
+
+impl<S: Real> Over<f64> for S {
+    #[inline(always)]
+    fn of(constant: f64) -> Self {
+        S::cst(constant)
+    }
+}
+
 /// `M` functions of `N` numbers, written over any.
 pub trait Functions<const N: usize, const M: usize> {
     /// Their values at `x`.

@@ -16,6 +16,10 @@ pub trait Vector<S>: Clone + Debug + AsRef<[S]> + AsMut<[S]> {
     /// # Panics
     /// Where the length is part of the type and `n` is another.
     fn from_fn(n: usize, entry: impl FnMut(usize) -> S) -> Self;
+
+    /// Moves it out, to be put back later: a short one into registers, a long one without a copy of its
+    /// entries, whose place then holds none.
+    fn take(&mut self) -> Self;
 }
 
 impl<S: Copy + Debug, const N: usize> Vector<S> for [S; N] {
@@ -36,11 +40,20 @@ impl<S: Copy + Debug, const N: usize> Vector<S> for [S; N] {
             Err(_) => std::array::from_fn(|i| eight[i]),
         }
     }
+
+    #[inline(always)]
+    fn take(&mut self) -> Self {
+        *self
+    }
 }
 
 impl<S: Clone + Debug> Vector<S> for Vec<S> {
     fn from_fn(n: usize, entry: impl FnMut(usize) -> S) -> Self {
         (0..n).map(entry).collect()
+    }
+
+    fn take(&mut self) -> Self {
+        std::mem::take(self)
     }
 }
 

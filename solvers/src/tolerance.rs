@@ -1,7 +1,7 @@
 //! Tolerances and the norm that errors are weighed in.
 
 use crate::error::Error;
-use crate::real::Ordered;
+use crate::real::{Ordered, Over};
 
 /// How accurate each step is asked to be.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,18 +48,32 @@ impl Tolerance {
         }
     }
 
-    /// The square of [`norm`](Self::norm), of one run or of each of several.
+    /// The square of [`norm`](Self::norm).
     ///
     /// # Panics
     /// Where `atol` is shorter than `error`; [`check`](Self::check) refuses it.
     #[inline]
-    pub fn norm_sq<T: Ordered>(&self, error: &[T], y0: &[T], y1: &[T]) -> T {
-        let mut sum = T::cst(0.0);
-        let atol = &self.atol[..error.len()];
-        for (((e, atol), y0), y1) in error.iter().zip(atol).zip(y0).zip(y1) {
-            let ratio = *e / (y0.abs().max(y1.abs()) * self.rtol + *atol);
-            sum = sum + ratio * ratio;
-        }
-        sum / error.len() as f64
+    pub fn norm_sq(&self, error: &[f64], y0: &[f64], y1: &[f64]) -> f64 {
+        norm_sq((self.rtol, &self.atol), error, y0, y1)
     }
+}
+
+/// The square of the [norm](Tolerance::norm) for tolerances `rtol` and `atol`, of one run or of each of several.
+///
+/// # Panics
+/// Where `atol` is shorter than `error`.
+#[inline]
+pub(crate) fn norm_sq<T: Ordered + Over<C>, C: Copy>(
+    (rtol, atol): (C, &[C]),
+    error: &[T],
+    y0: &[T],
+    y1: &[T],
+) -> T {
+    let mut sum = T::cst(0.0);
+    let atol = &atol[..error.len()];
+    for (((e, atol), y0), y1) in error.iter().zip(atol).zip(y0).zip(y1) {
+        let ratio = *e / (y0.abs().max(y1.abs()) * rtol + *atol);
+        sum = sum + ratio * ratio;
+    }
+    sum * (1.0 / error.len() as f64)
 }

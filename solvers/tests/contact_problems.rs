@@ -219,7 +219,13 @@ fn two_balls_bounce_as_each_does_by_itself() {
         for setting in settings(&pair) {
             let name = named(&setting);
             let (events, y) = run(&pair, &setting, pair.start(), BOUNCED);
-            let guards: Vec<_> = events.iter().map(|event| event.guard).collect();
+            let mut guards: Vec<_> = events.iter().map(|event| event.guard).collect();
+            // Which of two at one instant is first is their rounding, once one has landed before the other.
+            for (i, pair) in times.windows(2).enumerate() {
+                if pair[0] == pair[1] {
+                    guards[i..i + 2].sort_unstable();
+                }
+            }
             assert_eq!(guards, balls, "{name}");
             assert!(
                 events.iter().all(|event| event.after == Next::Mode([BouncingMode::Flight; 2])),
@@ -241,10 +247,10 @@ fn equal_balls_switch_one_after_the_other_at_one_instant() {
     for setting in settings(&pair) {
         let (events, _) = run(&pair, &setting, pair.start(), BOUNCED);
         for bounce in events.chunks(2) {
-            assert_eq!((bounce[0].guard, bounce[1].guard), (0, 1));
+            assert_ne!(bounce[0].guard, bounce[1].guard);
             let apart = (bounce[1].t - bounce[0].t) / bounce[0].t;
             // Measured: 1.1 ε. The second guard may be within its rounding bound and not violated
-            // where the first one lands; it then falls in a step of its own.
+            // where the first one lands; it then falls in a step of its own, and may be first the next time.
             assert!((0.0..4.0 * f64::EPSILON).contains(&apart), "{}: {apart:e}", named(&setting));
         }
     }

@@ -4,33 +4,35 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use num_dual::Dual64;
 
-use super::scalar::Lanes;
-use crate::real::{Function, Real};
+use wide::f64x8;
+
+use super::scalar::{LANES, Lanes, Own, Simd};
+use crate::real::{Function, Over, Real};
 
 /// Values and their derivatives along one direction each.
 #[derive(Clone, Copy, Debug)]
-pub struct DualLanes {
+pub struct DualLanes<V = f64x8> {
     /// Values.
-    pub re: Lanes,
+    pub re: Lanes<V>,
     /// Derivatives.
-    pub eps: Lanes,
+    pub eps: Lanes<V>,
 }
 
-impl DualLanes {
+impl<V: Simd> DualLanes<V> {
     /// Of values and derivatives.
     #[inline(always)]
-    pub fn new(re: Lanes, eps: Lanes) -> Self {
+    pub fn new(re: Lanes<V>, eps: Lanes<V>) -> Self {
         Self { re, eps }
     }
 
     fn map(self, f: impl Fn(Dual64) -> Dual64) -> Self {
-        let (re, eps) = (self.re.each(), self.eps.each());
-        let each: [_; _] = std::array::from_fn(|i| f(Dual64::new(re[i], eps[i])));
-        Self::new(Lanes::new(each.map(|dual| dual.re)), Lanes::new(each.map(|dual| dual.eps)))
+        let dual = |i: usize| Dual64::new(self.re.lane(i), self.eps.lane(i));
+        let each: [_; LANES] = std::array::from_fn(|i| f(dual(i.min(V::N - 1))));
+        Self::new(Lanes::from_fn(|i| each[i].re), Lanes::from_fn(|i| each[i].eps))
     }
 }
 
-impl Neg for DualLanes {
+impl<V: Simd> Neg for DualLanes<V> {
     type Output = Self;
 
     #[inline(always)]
@@ -39,7 +41,7 @@ impl Neg for DualLanes {
     }
 }
 
-impl Add for DualLanes {
+impl<V: Simd> Add for DualLanes<V> {
     type Output = Self;
 
     #[inline(always)]
@@ -48,7 +50,7 @@ impl Add for DualLanes {
     }
 }
 
-impl Sub for DualLanes {
+impl<V: Simd> Sub for DualLanes<V> {
     type Output = Self;
 
     #[inline(always)]
@@ -57,7 +59,7 @@ impl Sub for DualLanes {
     }
 }
 
-impl Mul for DualLanes {
+impl<V: Simd> Mul for DualLanes<V> {
     type Output = Self;
 
     #[inline(always)]
@@ -66,7 +68,7 @@ impl Mul for DualLanes {
     }
 }
 
-impl Div for DualLanes {
+impl<V: Simd> Div for DualLanes<V> {
     type Output = Self;
 
     #[inline(always)]
@@ -77,7 +79,7 @@ impl Div for DualLanes {
     }
 }
 
-impl Add<f64> for DualLanes {
+impl<V: Simd> Add<f64> for DualLanes<V> {
     type Output = Self;
 
     #[inline(always)]
@@ -86,7 +88,7 @@ impl Add<f64> for DualLanes {
     }
 }
 
-impl Sub<f64> for DualLanes {
+impl<V: Simd> Sub<f64> for DualLanes<V> {
     type Output = Self;
 
     #[inline(always)]
@@ -95,7 +97,7 @@ impl Sub<f64> for DualLanes {
     }
 }
 
-impl Mul<f64> for DualLanes {
+impl<V: Simd> Mul<f64> for DualLanes<V> {
     type Output = Self;
 
     #[inline(always)]
@@ -104,7 +106,7 @@ impl Mul<f64> for DualLanes {
     }
 }
 
-impl Div<f64> for DualLanes {
+impl<V: Simd> Div<f64> for DualLanes<V> {
     type Output = Self;
 
     #[inline(always)]
@@ -113,7 +115,41 @@ impl Div<f64> for DualLanes {
     }
 }
 
-impl Real for DualLanes {
+impl<V: Simd> Add<Own<V>> for DualLanes<V> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, own: Own<V>) -> Self {
+        Self::new(self.re + own, self.eps)
+    }
+}
+
+impl<V: Simd> Sub<Own<V>> for DualLanes<V> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, own: Own<V>) -> Self {
+        Self::new(self.re - own, self.eps)
+    }
+}
+
+impl<V: Simd> Mul<Own<V>> for DualLanes<V> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, own: Own<V>) -> Self {
+        Self::new(self.re * own, self.eps * own)
+    }
+}
+
+impl<V: Simd> Over<Own<V>> for DualLanes<V> {
+    #[inline(always)]
+    fn of(constant: Own<V>) -> Self {
+        Self::new(constant.number(), Lanes::cst(0.0))
+    }
+}
+
+impl<V: Simd> Real for DualLanes<V> {
     #[inline(always)]
     fn cst(x: f64) -> Self {
         Self::new(Lanes::cst(x), Lanes::cst(0.0))
@@ -154,7 +190,8 @@ impl Real for DualLanes {
 
 #[cfg(test)]
 mod tests {
-    use super::super::scalar::LANES;
+    use wide::f64x2;
+
     use super::*;
 
     /// Every operation, in numbers of any kind.
@@ -170,20 +207,28 @@ mod tests {
 
     #[test]
     fn each_run_has_the_dual_number_that_it_has_alone() {
+        each_run_has_its_own::<f64x8>();
+        each_run_has_its_own::<f64x2>();
+    }
+
+    fn each_run_has_its_own<V: Simd>() {
         let mut random = fastrand::Rng::with_seed(1);
         for _ in 0..1000 {
             let each: [f64; LANES] = std::array::from_fn(|_| 1.1 * random.f64());
             let rates: [f64; LANES] = std::array::from_fn(|_| random.f64() - 0.5);
-            let of = |x: DualLanes| (x.re.each(), x.eps.each());
-            let lanes = DualLanes::new(Lanes::new(each), Lanes::new(rates));
-            let ((re, eps), (apart, apart_eps)) =
-                (of(Everything.of(lanes)), of(lanes.apart(&Everything)));
-            for i in 0..LANES {
-                let alone = Everything.of(Dual64::new(each[i], rates[i]));
-                let expected = [alone.re, alone.eps].map(f64::to_bits);
-                assert_eq!([re[i], eps[i]].map(f64::to_bits), expected);
-                assert_eq!([apart[i], apart_eps[i]].map(f64::to_bits), expected);
-                let plain = Everything.of(Lanes::new(each)).each()[i];
+            let value = Lanes::<V>::from_fn(|i| each[i]);
+            let lanes = DualLanes::new(value, Lanes::from_fn(|i| rates[i]));
+            let own = Own::<V>::from_fn(|i| rates[i]);
+            let (whole, apart) = (Everything.of(lanes), lanes.apart(&Everything));
+            let with_own = (lanes + own) * own - own;
+            for i in 0..V::N {
+                let alone = Dual64::new(each[i], rates[i]);
+                let bits = |x: DualLanes<V>| [x.re, x.eps].map(|x| x.lane(i).to_bits());
+                let expected = |x: Dual64| [x.re, x.eps].map(f64::to_bits);
+                assert_eq!(bits(whole), expected(Everything.of(alone)));
+                assert_eq!(bits(apart), expected(Everything.of(alone)));
+                assert_eq!(bits(with_own), expected((alone + rates[i]) * rates[i] - rates[i]));
+                let plain = Everything.of(value).lane(i);
                 assert_eq!(plain.to_bits(), Everything.of(each[i]).to_bits());
             }
         }

@@ -1,6 +1,7 @@
 //! One run among several: what is its own between two attempts.
 
 use super::attempt::{Aim, Attempt};
+use super::scalar::Simd;
 use crate::control::Verdict;
 use crate::erk::ExplicitRk;
 use crate::error::{Error, Outcome};
@@ -60,14 +61,24 @@ impl<'r, 'a, P: System, R: Record<P>, const S: usize> Lane<'r, 'a, P, R, S> {
         Aim { t1: self.t1, h: self.h, from: &self.solver.method.step }
     }
 
-    /// Logarithm of the factor to the next step after one of this error.
-    pub(super) fn log_factor(&self, error_sq: f64, log_error: f64) -> f64 {
-        self.solver.controller.log_factor(error_sq, log_error)
+    /// Takes over the end of the attempt from this lane: some time before it [settles](Self::settle), which
+    /// else waits for what was stored piece by piece.
+    #[inline(always)]
+    pub(super) fn receive<V: Simd>(&mut self, attempt: &Attempt<P, V, S>, lane: usize) {
+        self.solver.method.take_end((self.t1, self.h), (&attempt.method, lane));
     }
 
     /// Goes on by what the attempt came to in this lane.
-    pub(super) fn settle(&mut self, attempt: &Attempt<P, S>, lane: usize) -> Fate {
-        let fate = self.judge(attempt, lane).and_then(|end| match end {
+    #[inline]
+    pub(super) fn settle<V: Simd>(&mut self, attempt: &Attempt<P, V, S>, lane: usize) -> Fate {
+        let judged = self.judge(attempt, lane);
+        self.go_on(judged)
+    }
+
+    /// Goes on from how an attempt ended the phase, if it did.
+    #[inline]
+    fn go_on(&mut self, judged: Result<Option<PhaseEnd>, Error>) -> Fate {
+        let fate = judged.and_then(|end| match end {
             Some(end) => self.pass(end),
             None => match self.course.next(&self.run.point)? {
                 Some((t1, h)) => {
@@ -81,29 +92,29 @@ impl<'r, 'a, P: System, R: Record<P>, const S: usize> Lane<'r, 'a, P, R, S> {
     }
 
     /// How the phase ended, if it did: by a look at the attempt where that is enough, else as it would alone.
-    fn judge(&mut self, attempt: &Attempt<P, S>, lane: usize) -> Result<Option<PhaseEnd>, Error> {
+    fn judge<V: Simd>(
+        &mut self,
+        attempt: &Attempt<P, V, S>,
+        lane: usize,
+    ) -> Result<Option<PhaseEnd>, Error> {
         let Self { run, record, solver, course, t1, h, .. } = self;
-        let (aim, of) = ((*t1, *h), (&attempt.method, lane));
+        let of = (&attempt.method, lane);
         run.stats.work.n_rhs += ExplicitRk::<P::State<f64>, S>::N_RHS;
         let verdict = attempt.verdict(lane, *h, &mut solver.controller);
         match verdict {
             Verdict::Accept(next) if attempt.is_plain(lane) => {
                 if record.interpolates(run.point.t, *t1) {
-                    solver.method.take_over(aim, of);
+                    solver.method.take_stages(of);
                     let mode = run.point.mode.clone();
                     solver.method.densify(run.problem, mode, &mut Stats::default());
-                } else {
-                    solver.method.take_end(aim, of);
                 }
                 run.stats.work.n_rhs += solver.method.n_rhs_of_end();
                 course.h = next;
                 Ok(solver.accept(&mut scene(run, *record), course, None))
             }
             _ => {
-                solver.method.take_over(aim, of);
-                let step = &solver.method.step;
-                let mode = run.point.mode.clone();
-                solver.watch.start_at(run.problem, mode, step.t0, &step.y0, &step.k[0]);
+                solver.method.take_stages(of);
+                watch_from_start(run, solver);
                 solver.follow(&mut scene(run, *record), course, *h, verdict)
             }
         }
@@ -120,6 +131,15 @@ impl<'r, 'a, P: System, R: Record<P>, const S: usize> Lane<'r, 'a, P, R, S> {
         (self.course, self.t1, self.h) = phase;
         Ok(Fate::Begins)
     }
+}
+
+/// Has the guards watched from the start of the present step on.
+fn watch_from_start<P: System, const S: usize>(
+    run: &Integration<'_, P>,
+    solver: &mut Solver<P, S>,
+) {
+    let (step, mode) = (&solver.method.step, run.point.mode.clone());
+    solver.watch.start_at(run.problem, mode, step.t0, &step.y0, &step.k[0]);
 }
 
 /// Begins a phase: its course, and end and size of its first step; none at the end of time.

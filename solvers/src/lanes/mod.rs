@@ -27,8 +27,8 @@
 
 mod attempt;
 pub mod dual;
+mod field;
 mod lane;
-mod log_exp;
 pub(crate) mod pool;
 pub mod scalar;
 mod sin_cos;

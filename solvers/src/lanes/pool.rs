@@ -1,10 +1,12 @@
 //! Which runs are computed with at once: those that are in the same mode.
 
+use wide::f64x8;
+
 use super::attempt::Attempt;
 use super::lane::{Fate, Lane};
 use super::scalar::LANES;
 use crate::control::Control;
-use crate::erk::ExplicitRk;
+use crate::erk::{ExplicitRk, InMode};
 use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
 use crate::one_step::OneStepSolver;
@@ -24,7 +26,7 @@ pub(crate) fn run<P: System, R: Record<P>, const S: usize>(
     (runs, t_end): (&mut [Integration<'_, P>], f64),
     records: &mut [R],
 ) -> Vec<Result<Outcome, Error>> {
-    let mut attempt = Attempt::new(problem, tableau);
+    let mut attempt = Attempt::<P, f64x8, S>::new(problem, tableau, |_| control);
     let mut pool = Pool { groups: Vec::new() };
     let mut waiting = runs.iter_mut().zip(records).enumerate();
     let mut ended = Vec::with_capacity(waiting.len());
@@ -46,14 +48,15 @@ pub(crate) fn run<P: System, R: Record<P>, const S: usize>(
         loop {
             let n = group.len().min(LANES);
             // Lanes without a run of their own repeat the last.
-            let aims = std::array::from_fn(|lane| group[lane.min(n - 1)].aim());
-            attempt.take(problem, &mode, &aims);
-            if let Control::Adaptive(tolerance) = control {
-                attempt.weigh(tolerance, |lane, error_sq, log_error| {
-                    group[lane.min(n - 1)].log_factor(error_sq, log_error)
-                });
+            let aims: [_; LANES] = std::array::from_fn(|lane| group[lane.min(n - 1)].aim());
+            let field = InMode { problem, mode: &mode };
+            attempt.start(&field, &aims);
+            attempt.take(&field, &aims);
+            for (lane, run) in group.iter_mut().enumerate().take(n) {
+                run.receive(&attempt, lane);
             }
-            attempt.look(problem, &mode);
+            attempt.weigh();
+            attempt.look(&field);
             // From the last one, so that what takes the place of one that leaves is settled.
             for lane in (0..n).rev() {
                 match group[lane].settle(&attempt, lane) {

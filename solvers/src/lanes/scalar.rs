@@ -1,47 +1,149 @@
 //! The scalar of several runs: a number of each, computed with at once.
 
+use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use wide::f64x8;
+use wide::{f64x2, f64x8};
 
 use super::sin_cos::sin_cos;
-use crate::real::{Function, Ordered, Real};
+use crate::real::{Function, Ordered, Over, Real};
 
-/// How many runs are computed with at once: two vectors of AVX2, which do not wait for each other.
+/// The most runs that are computed with at once: two vectors of AVX2, which do not wait for each other.
 pub const LANES: usize = 8;
+
+/// A vector of the processor: a number of each of `N` runs, up to [`LANES`].
+pub trait Simd:
+    Copy
+    + Debug
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+{
+    /// How many runs.
+    const N: usize;
+
+    /// The numbers `number(0) … number(N − 1)`.
+    fn from_fn(number: impl FnMut(usize) -> f64) -> Self;
+
+    /// The same number of each run.
+    fn splat(x: f64) -> Self;
+
+    /// The number of run `i`, in memory no more than that is read of.
+    fn lane(&self, i: usize) -> f64;
+
+    /// Square root.
+    fn sqrt(self) -> Self;
+
+    /// Absolute value.
+    fn abs(self) -> Self;
+
+    /// The larger one; the other where one is not a number.
+    fn max(self, other: Self) -> Self;
+
+    /// A bit for each run in which it is above `other`.
+    fn is_above(self, other: Self) -> u32;
+
+    /// With the sign bit too that `other` has.
+    fn or_sign_of(self, other: Self) -> Self;
+}
+
+macro_rules! simd {
+    ($vector:ty, $n:literal) => {
+        impl Simd for $vector {
+            const N: usize = $n;
+
+            #[inline(always)]
+            fn from_fn(number: impl FnMut(usize) -> f64) -> Self {
+                Self::new(std::array::from_fn(number))
+            }
+
+            #[inline(always)]
+            fn splat(x: f64) -> Self {
+                <$vector>::splat(x)
+            }
+
+            #[inline(always)]
+            fn lane(&self, i: usize) -> f64 {
+                self.as_array()[i]
+            }
+
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                <$vector>::sqrt(self)
+            }
+
+            #[inline(always)]
+            fn abs(self) -> Self {
+                <$vector>::abs(self)
+            }
+
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                <$vector>::max(self, other)
+            }
+
+            #[inline(always)]
+            fn is_above(self, other: Self) -> u32 {
+                self.simd_gt(other).to_bitmask()
+            }
+
+            #[inline(always)]
+            fn or_sign_of(self, other: Self) -> Self {
+                self | (other & <$vector>::splat(-0.0))
+            }
+        }
+    };
+}
+
+simd!(f64x2, 2);
+simd!(f64x8, 8);
 
 /// A number of each of several runs; what is computed with it has the bits that each would have alone.
 #[derive(Clone, Copy, Debug)]
-pub struct Lanes(f64x8);
+pub struct Lanes<V = f64x8>(V);
 
-impl Lanes {
-    /// The numbers of the runs, in their order.
+/// A constant of each of several runs.
+#[derive(Clone, Copy, Debug)]
+pub struct Own<V>(Lanes<V>);
+
+impl<V: Simd> Own<V> {
+    /// The constants of runs.
     #[inline(always)]
-    pub fn new(each: [f64; LANES]) -> Self {
-        Self(f64x8::new(each))
+    pub fn from_fn(number: impl FnMut(usize) -> f64) -> Self {
+        Self(Lanes::from_fn(number))
     }
 
-    /// The numbers of the runs.
+    /// As numbers that are computed with.
     #[inline(always)]
-    pub fn each(self) -> [f64; LANES] {
-        self.0.to_array()
-    }
-
-    /// A number of each of these.
-    #[inline(always)]
-    pub(super) fn of<X>(each: &[X; LANES], number: impl Fn(&X) -> f64) -> Self {
-        Self::new(std::array::from_fn(|lane| number(&each[lane])))
-    }
-
-    fn map(self, f: impl FnMut(f64) -> f64) -> Self {
-        Self::new(self.each().map(f))
+    pub fn number(self) -> Lanes<V> {
+        self.0
     }
 }
 
-/// An operation between numbers of the same runs, and with a constant.
+impl<V: Simd> Lanes<V> {
+    /// The numbers `number(0), number(1), …` of the runs.
+    #[inline(always)]
+    pub fn from_fn(number: impl FnMut(usize) -> f64) -> Self {
+        Self(V::from_fn(number))
+    }
+
+    /// The number of run `i`.
+    #[inline(always)]
+    pub fn lane(&self, i: usize) -> f64 {
+        self.0.lane(i)
+    }
+
+    fn map(self, mut f: impl FnMut(f64) -> f64) -> Self {
+        Self::from_fn(|i| f(self.lane(i)))
+    }
+}
+
+/// An operation between numbers of the same runs, with a constant, and with one of each.
 macro_rules! operation {
     ($trait:ident, $name:ident) => {
-        impl $trait for Lanes {
+        impl<V: Simd> $trait for Lanes<V> {
             type Output = Self;
 
             #[inline(always)]
@@ -50,12 +152,21 @@ macro_rules! operation {
             }
         }
 
-        impl $trait<f64> for Lanes {
+        impl<V: Simd> $trait<f64> for Lanes<V> {
             type Output = Self;
 
             #[inline(always)]
             fn $name(self, other: f64) -> Self {
-                Self(self.0.$name(f64x8::splat(other)))
+                Self(self.0.$name(V::splat(other)))
+            }
+        }
+
+        impl<V: Simd> $trait<Own<V>> for Lanes<V> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: Own<V>) -> Self {
+                self.$name(other.0)
             }
         }
     };
@@ -66,7 +177,7 @@ operation!(Sub, sub);
 operation!(Mul, mul);
 operation!(Div, div);
 
-impl Neg for Lanes {
+impl<V: Simd> Neg for Lanes<V> {
     type Output = Self;
 
     #[inline(always)]
@@ -75,10 +186,10 @@ impl Neg for Lanes {
     }
 }
 
-impl Real for Lanes {
+impl<V: Simd> Real for Lanes<V> {
     #[inline(always)]
     fn cst(x: f64) -> Self {
-        Self(f64x8::splat(x))
+        Self(V::splat(x))
     }
 
     /// The number that all runs have.
@@ -87,8 +198,8 @@ impl Real for Lanes {
     /// Where they differ: what is decided on it would be decided for one of them. A model that asks for
     /// it in a mode is not [for lanes](crate::System::IN_LANES).
     fn value(self) -> f64 {
-        let [first, others @ ..] = self.each();
-        let same = others.iter().all(|other| other.to_bits() == first.to_bits());
+        let first = self.lane(0);
+        let same = (1..V::N).all(|i| self.lane(i).to_bits() == first.to_bits());
         assert!(
             same,
             "a decision on a number of several runs, {:?}: set IN_LANES to false",
@@ -125,11 +236,11 @@ impl Real for Lanes {
     }
 }
 
-impl Ordered for Lanes {
+impl<V: Simd> Ordered for Lanes<V> {
     /// A bit a run.
     type Mask = u32;
 
-    const YES: u32 = (1 << LANES) - 1;
+    const YES: u32 = (1 << V::N) - 1;
 
     #[inline(always)]
     fn abs(self) -> Self {
@@ -143,7 +254,14 @@ impl Ordered for Lanes {
 
     #[inline(always)]
     fn is_above(self, other: Self) -> u32 {
-        self.0.simd_gt(other.0).to_bitmask()
+        self.0.is_above(other.0)
+    }
+}
+
+impl<V: Simd> Over<Own<V>> for Lanes<V> {
+    #[inline(always)]
+    fn of(constant: Own<V>) -> Self {
+        constant.0
     }
 }
 
@@ -153,30 +271,37 @@ mod tests {
 
     #[test]
     fn each_run_is_compared_as_it_is_alone() {
+        each_run_is_compared::<f64x8>(0);
+        (0..LANES - 1).for_each(each_run_is_compared::<f64x2>);
+    }
+
+    /// Runs from the `from`th on.
+    fn each_run_is_compared<V: Simd>(from: usize) {
         let (nan, inf) = (f64::NAN, f64::INFINITY);
         let (a, b) = (
             [1.0, -2.0, nan, 3.0, nan, -inf, 0.0, 5.0],
             [2.0, -3.0, 1.0, nan, nan, inf, -0.0, 5.0],
         );
-        let (x, y) = (Lanes::new(a), Lanes::new(b));
-        for i in 0..LANES {
+        let (a, b) = (&a[from..], &b[from..]);
+        let (x, y) = (Lanes::<V>::from_fn(|i| a[i]), Lanes::<V>::from_fn(|i| b[i]));
+        for i in 0..V::N {
             let same = |found: f64, alone: f64| found == alone || found.is_nan() && alone.is_nan();
-            assert!(same(x.max(y).each()[i], a[i].max(b[i])), "{i}");
-            assert_eq!((-x).each()[i].to_bits(), (-a[i]).to_bits(), "{i}");
-            assert!(same(x.abs().each()[i], a[i].abs()), "{i}");
+            assert!(same(x.max(y).lane(i), a[i].max(b[i])), "{i}");
+            assert_eq!((-x).lane(i).to_bits(), (-a[i]).to_bits(), "{i}");
+            assert!(same(x.abs().lane(i), a[i].abs()), "{i}");
             assert_eq!(x.is_above(y) & (1 << i) != 0, a[i] > b[i], "{i}");
         }
-        assert_eq!(Lanes::cst(1.0).is_above(Lanes::cst(0.0)), Lanes::YES);
+        assert_eq!(Lanes::<V>::cst(1.0).is_above(Lanes::cst(0.0)), Lanes::<V>::YES);
     }
 
     #[test]
     fn the_number_that_all_runs_have_is_their_value() {
-        assert_eq!(Lanes::cst(2.5).value(), 2.5);
+        assert_eq!(Lanes::<f64x8>::cst(2.5).value(), 2.5);
     }
 
     #[test]
     #[should_panic(expected = "a decision on a number of several runs")]
     fn a_decision_on_different_numbers_is_refused() {
-        Lanes::new(std::array::from_fn(|i| i as f64)).value();
+        Lanes::<f64x2>::from_fn(|i| i as f64).value();
     }
 }

@@ -7,7 +7,7 @@
 //! `k_sin.c` and `k_cos.c` of FreeBSD's msun, © 1993 Sun Microsystems: "Permission to use, copy, modify, and
 //! distribute this software is freely granted, provided that this notice is preserved."
 
-use wide::f64x8;
+use super::scalar::Simd;
 
 const S1: f64 = -0.16666666666666632;
 const S2: f64 = 0.00833333333332249;
@@ -27,47 +27,56 @@ const REDUCED: f64 = f64::from_bits(0x3fe9_21fc_0000_0000);
 
 /// Sine and cosine of each.
 #[inline(always)]
-pub(super) fn sin_cos(x: f64x8) -> (f64x8, f64x8) {
-    if x.abs().simd_lt(f64x8::splat(REDUCED)).all() { (sin(x), cos(x)) } else { one_by_one(x) }
+pub(super) fn sin_cos<V: Simd>(x: V) -> (V, V) {
+    let all = (1 << V::N) - 1;
+    if V::splat(REDUCED).is_above(x.abs()) == all { (sin(x), cos(x)) } else { one_by_one(x) }
 }
 
 #[inline(always)]
-fn sin(x: f64x8) -> f64x8 {
+fn sin<V: Simd>(x: V) -> V {
+    let of = V::splat;
     let z = x * x;
     let w = z * z;
-    let r = (z * S4 + S3) * z + S2 + z * w * (z * S6 + S5);
-    let sin = x + z * x * (z * r + S1);
+    let r = (z * of(S4) + of(S3)) * z + of(S2) + z * w * (z * of(S6) + of(S5));
+    let sin = x + z * x * (z * r + of(S1));
     // Of −0 the sum is +0.
-    sin | (x & f64x8::splat(-0.0))
+    sin.or_sign_of(x)
 }
 
 #[inline(always)]
-fn cos(x: f64x8) -> f64x8 {
+fn cos<V: Simd>(x: V) -> V {
+    let of = V::splat;
     let z = x * x;
     let w = z * z;
-    let r = z * ((z * C3 + C2) * z + C1) + w * w * ((z * C6 + C5) * z + C4);
-    let half_z = z * 0.5;
-    let one = f64x8::splat(1.0);
-    let w = one - half_z;
-    w + (((one - w) - half_z) + z * r)
+    let r = z * ((z * of(C3) + of(C2)) * z + of(C1)) + w * w * ((z * of(C6) + of(C5)) * z + of(C4));
+    let half_z = z * of(0.5);
+    let w = of(1.0) - half_z;
+    w + (((of(1.0) - w) - half_z) + z * r)
 }
 
 #[cold]
 #[inline(never)]
-fn one_by_one(x: f64x8) -> (f64x8, f64x8) {
-    let pairs = x.to_array().map(libm::sincos);
-    (f64x8::new(pairs.map(|(sin, _)| sin)), f64x8::new(pairs.map(|(_, cos)| cos)))
+fn one_by_one<V: Simd>(x: V) -> (V, V) {
+    let pair = |i: usize| libm::sincos(x.lane(i));
+    (V::from_fn(|i| pair(i).0), V::from_fn(|i| pair(i).1))
 }
 
 #[cfg(test)]
 mod tests {
+    use wide::{f64x2, f64x8};
+
     use super::super::scalar::LANES;
     use super::*;
 
     fn assert_same(each: [f64; LANES]) {
-        let (sin, cos) = sin_cos(f64x8::new(each));
-        for ((x, sin), cos) in each.into_iter().zip(sin.to_array()).zip(cos.to_array()) {
-            let expected = libm::sincos(x);
+        assert_same_by::<f64x8>(&each);
+        each.chunks_exact(2).for_each(assert_same_by::<f64x2>);
+    }
+
+    fn assert_same_by<V: Simd>(each: &[f64]) {
+        let (sin, cos) = sin_cos(V::from_fn(|i| each[i]));
+        for (i, x) in each.iter().enumerate() {
+            let (sin, cos, expected) = (sin.lane(i), cos.lane(i), libm::sincos(*x));
             assert_eq!(
                 [sin, cos].map(f64::to_bits),
                 [expected.0, expected.1].map(f64::to_bits),
@@ -104,6 +113,6 @@ mod tests {
             assert_same(each);
         }
         let (sin, cos) = sin_cos(f64x8::splat(f64::INFINITY));
-        assert!(sin.to_array().iter().chain(&cos.to_array()).all(|x| x.is_nan()));
+        assert!((0..LANES).all(|i| sin.lane(i).is_nan() && cos.lane(i).is_nan()));
     }
 }

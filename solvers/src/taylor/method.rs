@@ -95,6 +95,8 @@ impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
 impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
     type Step = TaylorStep<P::State<f64>>;
 
+    const PROPOSES: bool = true;
+
     fn embedded_order(&self) -> Option<usize> {
         Some(self.step.y.len() - 1)
     }

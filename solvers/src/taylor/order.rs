@@ -1,6 +1,7 @@
 //! Which order serves a tolerance, and how far a series reaches.
 
 use super::rows::MAX_ORDER;
+use crate::magnitude::{exp2, log2};
 use crate::system::Vector;
 use crate::tolerance::Tolerance;
 
@@ -89,24 +90,6 @@ fn log_root(norm_sq: f64, k: usize) -> f64 {
     -0.5 / k as f64 * log2(norm_sq)
 }
 
-/// Binary logarithm to the digits that a step size needs: of the exponent and, in single precision, of the
-/// significand.
-fn log2(x: f64) -> f64 {
-    const SIGNIFICAND: u64 = (1 << 52) - 1;
-    if !x.is_normal() {
-        return libm::log2(x);
-    }
-    let (bits, one) = (x.to_bits(), f64::to_bits(1.0));
-    let exponent = (bits >> 52) as f64 - (one >> 52) as f64;
-    let significand = f64::from_bits(bits & SIGNIFICAND | one);
-    exponent + f64::from(libm::log2f(significand as f32))
-}
-
-/// A step size needs few digits.
-fn exp2(x: f64) -> f64 {
-    f64::from(libm::exp2f(x as f32))
-}
-
 /// The degree to which a series is worth evaluating at `h`, whatever the tolerance: the last three
 /// terms of some state growing by factors of two and more, it is cut where they began to.
 pub fn convergent_degree<Y: Vector<f64>>(y: &[Y], h: f64) -> usize {
@@ -145,20 +128,6 @@ mod tests {
         assert_eq!(order_for(1e-30), MAX_ORDER);
     }
 
-    #[test]
-    fn logarithms_have_the_digits_that_a_step_size_needs() {
-        for exponent in [-1000, -300, -20, -1, 0, 1, 20, 300, 1000] {
-            for significand in [1.0, 1.0 + 1e-9, 1.3, 1.7, 2.0 - 1e-9] {
-                let x = significand * libm::ldexp(1.0, exponent);
-                // Measured: 1.2e-7.
-                let apart = (log2(x) - libm::log2(x)).abs();
-                assert!(apart < 5e-7, "{x:e}: {apart:e}");
-            }
-        }
-        assert_eq!([0.0, f64::INFINITY].map(log2), [f64::NEG_INFINITY, f64::INFINITY]);
-        assert!(log2(f64::NAN).is_nan() && (log2(1e-310) - libm::log2(1e-310)).abs() < 1e-9);
-    }
-
     /// Of coefficients by order, at an absolute tolerance of 1e-6.
     fn reach_of(coefficient: impl Fn(usize) -> f64) -> Option<Reach> {
         let y: Vec<[f64; 1]> = (0..=10).map(|k| [coefficient(k)]).collect();
@@ -169,8 +138,8 @@ mod tests {
     fn a_geometric_series_reaches_where_its_last_two_terms_are_tolerated() {
         let reach = reach_of(|k| f64::powi(3.0, k as i32)).unwrap();
         let exact = 0.9 * f64::powf(1e-6, 1.0 / 9.0) / 3.0;
-        // Single precision.
-        assert!(reach.degree == 10 && (reach.h / exact - 1.0).abs() < 1e-6, "{reach:?}");
+        // Measured: 1.6e-4, of the rough logarithm and power.
+        assert!(reach.degree == 10 && (reach.h / exact - 1.0).abs() < 1e-3, "{reach:?}");
     }
 
     #[test]
