@@ -17,7 +17,9 @@ use serde::{Deserialize, Serialize};
 use crate::config::{Atol, Config, Events};
 use crate::model::{Block, Jointed, Mechanism, Mode, Part, State};
 
-pub use integrate::{BlockRun, Integrable, JointsRun, OwnRun, PartRun, integrate, integrate_many};
+pub use integrate::{
+    BlockRun, Integrable, JointsRun, OwnRun, PartRun, integrate, integrate_many, integrate_pair,
+};
 pub use joints::{JointHistory, JointSample, OwnTrajectory, histories, switches, trajectories};
 
 /// How accurate a method is asked to be.

@@ -10,9 +10,11 @@ use deltazero::config::Events;
 use deltazero::metrics::{ErrorScale, match_events, sample_error};
 use deltazero::model::Mechanism;
 use deltazero::reference::counted;
-use deltazero::run::{Accuracy, Limits, Run, Setting, integrate, integrate_many, mode_changes};
+use deltazero::run::{
+    Accuracy, Limits, Run, Setting, integrate, integrate_many, integrate_pair, mode_changes,
+};
 use deltazero::study::work_precision::reference;
-use deltazero_solvers::{Grid, Trajectory};
+use deltazero_solvers::{Grid, METHODS, Trajectory};
 
 struct Bound {
     e: f64,
@@ -265,6 +267,47 @@ fn runs_at_once_have_the_bits_of_one_run() {
                     assert_eq!((alone.t, alone.y, alone.stats), (run.t, run.y, run.stats));
                     assert_eq!((&one.events, &one.samples), (&many.events, &many.samples));
                 }
+            }
+        }
+    }
+}
+
+#[test]
+fn both_joints_at_once_have_the_bits_of_one_after_the_other() {
+    // Plain laws, sticking among them; joints that differ in their laws; one that is never plain.
+    let cases: [&[&str]; 5] = [
+        &["reading=pin"],
+        &[
+            "joint1.contact.stiffness=1e9",
+            "joint2.contact.damping=0",
+            "drive.m1=0",
+            "joint2.friction.coefficient=0.6",
+        ],
+        &["run.stop_at_90=false", "joint1.joint.clearance=2e-4", "joint2.joint.pin_radius=0.02"],
+        &["joint2.contact.law=hunt_crossley"],
+        &["reading=full"],
+    ];
+    for keys in cases {
+        let config = config(keys);
+        let mechanism = Mechanism::new(&config);
+        let blocks = mechanism.blocks();
+        let fresh = || [0, 1].map(|_| Trajectory::on(Grid::uniform(0.01, 0.5)));
+        for method in METHODS.iter().filter(|method| method.is_for_lanes() || method.name == "bdf")
+        {
+            let accuracy = if method.is_fixed_step() {
+                Accuracy::Step(2e-5)
+            } else {
+                Accuracy::Rtol(1e-6, None)
+            };
+            let setting = setting(method.name, Events::Located, accuracy);
+            let (mut both, mut alone) = (fresh(), fresh());
+            let runs = integrate_pair([blocks[0], blocks[1]], &setting, 0.5, both.each_mut());
+            for (i, (run, both)) in runs.iter().zip(&both).enumerate() {
+                let one =
+                    integrate(blocks[i], &setting, blocks[i].initial_state(), 0.5, &mut alone[i]);
+                assert_eq!(one.outcome, run.outcome, "{keys:?}");
+                assert_eq!((one.t, one.y, one.stats), (run.t, run.y, run.stats), "{keys:?}");
+                assert_eq!((&alone[i].events, &alone[i].samples), (&both.events, &both.samples));
             }
         }
     }

@@ -115,6 +115,6 @@ pub use real::Real;
 pub use record::{Accepted, Event, Record};
 pub use stats::{Stats, Work, WorkByKind};
 pub use step::Step;
-pub use system::{ModeOfState, Next, System, Vector};
+pub use system::{Alike, ModeOfState, Next, System, Vector};
 pub use tolerance::Tolerance;
 pub use trajectory::{Grid, Sample, Switch, Trajectory};

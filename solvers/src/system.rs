@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use num_dual::Dual64;
 
-use crate::real::Real;
+use crate::real::{Over, Real};
 
 /// A vector of scalars of one length: `[S; N]` where it is small and known, `Vec<S>` otherwise.
 pub trait Vector<S>: Clone + Debug + AsRef<[S]> + AsMut<[S]> {
@@ -203,6 +203,36 @@ pub trait System {
             *dfdt = d.eps;
         }
     }
+}
+
+/// Systems of a kind, of which some modes differ in numbers alone: two runs in such modes, each of a system of
+/// its own, are then computed at once, by [`Method::run_pair`](crate::Method::run_pair).
+///
+/// The operations are written once, over the numbers of one system or of several. Where `numbers(mode)` are
+/// some, [`rhs`](System::rhs) and [`guards`](System::guards) of that mode are `rhs_of` and `guards_of` them to
+/// the bit, and neither takes a decision on the [value](Real::value) of a number.
+pub trait Alike: System {
+    /// What tells one system in one mode from another.
+    type Numbers<C: Copy + Debug>: Vector<C>;
+
+    /// The numbers of this system in `mode`, none where it is computed in another way.
+    fn numbers(&self, mode: &Self::Mode) -> Option<Self::Numbers<f64>>;
+
+    /// Writes `f_mode(t, y)` to `dydt`.
+    fn rhs_of<S: Over<C>, C: Copy + Debug>(
+        numbers: &Self::Numbers<C>,
+        t: S,
+        y: &Self::State<S>,
+        dydt: &mut Self::State<S>,
+    );
+
+    /// Writes the guards of the mode to `g`.
+    fn guards_of<S: Over<C>, C: Copy + Debug>(
+        numbers: &Self::Numbers<C>,
+        t: S,
+        y: &Self::State<S>,
+        g: &mut Self::Guards<S>,
+    );
 }
 
 /// A [`System`] whose mode can be read off its state, as an event-blind integration needs it.

@@ -1,11 +1,14 @@
 //! One joint with what hangs on it: a hybrid system of six states.
 
-use deltazero_solvers::real::Functions;
-use deltazero_solvers::{Error, ModeOfState, Next, Outcome, Real, System};
+use std::fmt::Debug;
+
+use deltazero_solvers::real::{Functions, Over};
+use deltazero_solvers::{Alike, Error, ModeOfState, Next, Outcome, Real, System};
 
 use super::contact::{NormalLaw, PinPose};
 use super::inertia::{Arrow, BlockInertia};
 use super::mode::{END_BOUND, Mode, delta_bound};
+use super::plain_slip::PlainSlip;
 use super::reading::Reading;
 use super::slider_crank::{Linkage, SliderCrank};
 use super::sliding::Shape;
@@ -155,24 +158,6 @@ impl Block {
         ]
     }
 
-    /// Accelerations while slipping with the sign `sigma` of v_T under a
-    /// [plain stiffness](Self#structfield.plain_stiffness): those of [`accelerations`](Self::accelerations) without its
-    /// terms of zero, and without a branch among its operations, past which series are slower.
-    #[inline(always)]
-    fn plain_slip<S: Real>(
-        &self,
-        inertia: &BlockInertia,
-        (sigma, stiffness): (f64, f64),
-        y: &State<S>,
-        arrow: &Arrow<S>,
-        pose: &PinPose<S>,
-    ) -> [S; 3] {
-        let pull = -(pose.delta * stiffness + pose.delta_dot * self.normal.damping);
-        let torque = pull * (sigma * self.mu * self.pin_radius) + self.torque;
-        let loads = [pose.n[0] * pull, pose.n[1] * pull, torque];
-        inertia.accelerations(arrow, y[5] * y[5], loads)
-    }
-
     /// Generalised forces (Q_X, Q_Y, Q_θ) on struts; see [`Reading`].
     #[inline(always)]
     pub(super) fn loads<S: Real>(
@@ -252,9 +237,7 @@ impl Block {
             Mode::SlipPlus(_) | Mode::SlipMinus(_)
                 if let Some(stiffness) = self.plain_stiffness =>
             {
-                let (arrow, pose) = (inertia.at(y[2]), self.pose(y));
-                let sigma = if matches!(mode, Mode::SlipPlus(_)) { 1.0 } else { -1.0 };
-                let a = self.plain_slip(inertia, (sigma, stiffness), y, &arrow, &pose);
+                let a = PlainSlip::new(self, inertia, stiffness, mode).accelerations(y);
                 [y[3], y[4], y[5], a[0], a[1], a[2]]
             }
             Mode::SlipPlus(_) | Mode::SlipMinus(_) | Mode::Stick(_) => {
@@ -481,6 +464,41 @@ impl System for Block {
 
     fn time_derivative(&self, _mode: Mode, _t: f64, _y: &State<f64>, dfdt: &mut State<f64>) {
         *dfdt = [0.0; 6];
+    }
+}
+
+impl Alike for Block {
+    type Numbers<C: Copy + Debug> = [C; PlainSlip::N];
+
+    fn numbers(&self, mode: &Mode) -> Option<[f64; PlainSlip::N]> {
+        let (Body::Struts(inertia), Some(stiffness)) = (&self.body, self.plain_stiffness) else {
+            return None;
+        };
+        let is_slip = mode.sigma().is_some() && self.has_products(Held::Struts(inertia));
+        is_slip.then(|| PlainSlip::new(self, inertia, stiffness, *mode).numbers())
+    }
+
+    #[inline(always)]
+    fn rhs_of<S: Over<C>, C: Copy + Debug>(
+        numbers: &[C; PlainSlip::N],
+        _t: S,
+        y: &State<S>,
+        dydt: &mut State<S>,
+    ) {
+        let a = PlainSlip::of(numbers).accelerations(y);
+        // One by one: as an array they are copied through memory, and the next stage waits for that.
+        (dydt[0], dydt[1], dydt[2]) = (y[3], y[4], y[5]);
+        (dydt[3], dydt[4], dydt[5]) = (a[0], a[1], a[2]);
+    }
+
+    #[inline(always)]
+    fn guards_of<S: Over<C>, C: Copy + Debug>(
+        numbers: &[C; PlainSlip::N],
+        _t: S,
+        y: &State<S>,
+        g: &mut [S; 4],
+    ) {
+        *g = PlainSlip::of(numbers).guards(y);
     }
 }
 

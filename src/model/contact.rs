@@ -1,6 +1,7 @@
 //! Penetration and normal force of a pin in its bush.
 
 use deltazero_solvers::Real;
+use deltazero_solvers::real::Over;
 
 use super::elastic::{Conformal, Elastic, Logarithmic};
 use super::restitution::hysteresis_factor;
@@ -143,7 +144,10 @@ impl<S: Real> PinPose<S> {
     /// Of a pin at `d` [m] moving at `v` [m/s] in a bush of clearance `c` [m]; not a number where
     /// `d` is zero, the one place without a direction.
     #[inline(always)]
-    pub fn new(d: [S; 2], v: [S; 2], c: f64) -> Self {
+    pub fn new<C>(d: [S; 2], v: [S; 2], c: C) -> Self
+    where
+        S: Over<C>,
+    {
         let rho = (d[0] * d[0] + d[1] * d[1]).sqrt();
         let per_rho = S::cst(1.0) / rho;
         let n = [d[0] * per_rho, d[1] * per_rho];

@@ -1,6 +1,7 @@
 //! Mass sums of a block, and its arrow-shaped mass matrix solved in closed form.
 
 use deltazero_solvers::Real;
+use deltazero_solvers::real::Over;
 
 use crate::config::{Inertia, Strut};
 
@@ -57,22 +58,24 @@ const JOINT_2: [Row; 4] = [
 /// With the struts' means `p̄ = S_x/M_x`, `q̄ = S_y/M_y` and variances, the Schur complement of θ is
 /// `j_0 + j_c cos²θ`, `j_0 = ΣJ + Σm(q − q̄)²`, `j_c = Σm(p − p̄)² − Σm(q − q̄)²`: a sum of positive
 /// terms, where I_0 + I_c cos²θ − (S_x cos θ)²/M_x − (S_y sin θ)²/M_y would lose five digits near 90°.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BlockInertia {
+///
+/// `C` are the constants of one block, or of several at once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlockInertia<C = f64> {
     /// `M_x` [kg].
-    pub m_x: f64,
+    pub m_x: C,
     /// `M_y` [kg].
-    pub m_y: f64,
+    pub m_y: C,
     /// `1/M_x`, `1/M_y` [1/kg]: a right-hand side multiplies rather than divides.
-    per_mass: [f64; 2],
+    pub(super) per_mass: [C; 2],
     /// `p̄ = S_x/M_x` [m].
-    pub p: f64,
+    pub p: C,
     /// `q̄ = S_y/M_y` [m].
-    pub q: f64,
+    pub q: C,
     /// `j_0` [kg m²].
-    pub j_0: f64,
+    pub j_0: C,
     /// `j_c` [kg m²].
-    pub j_c: f64,
+    pub j_c: C,
 }
 
 impl BlockInertia {
@@ -116,16 +119,18 @@ impl BlockInertia {
         let along_y = sin * sin * (self.m_y * self.q * self.q);
         self.schur(cos) + along_x + along_y
     }
+}
 
+impl<C: Copy> BlockInertia<C> {
     /// `j_0 + j_c cos²θ` [kg m²].
     #[inline(always)]
-    pub fn schur<S: Real>(&self, cos: S) -> S {
+    pub fn schur<S: Over<C>>(&self, cos: S) -> S {
         cos * cos * self.j_c + self.j_0
     }
 
     /// The mass matrix at the angle `theta` [rad].
     #[inline(always)]
-    pub fn at<S: Real>(&self, theta: S) -> Arrow<S> {
+    pub fn at<S: Over<C>>(&self, theta: S) -> Arrow<S> {
         let (sin, cos) = theta.sin_cos();
         Arrow {
             sin,
@@ -144,7 +149,7 @@ impl BlockInertia {
     /// Ẍ = p̄ sin θ θ̇² + Q_X/M_x − p̄ cos θ θ̈,   Ÿ = q̄ cos θ θ̇² + Q_Y/M_y + q̄ sin θ θ̈
     /// ```
     #[inline(always)]
-    pub fn accelerations<S: Real>(&self, arrow: &Arrow<S>, omega_sq: S, q: [S; 3]) -> [S; 3] {
+    pub fn accelerations<S: Over<C>>(&self, arrow: &Arrow<S>, omega_sq: S, q: [S; 3]) -> [S; 3] {
         let swing = [arrow.sin * omega_sq, arrow.cos * omega_sq];
         let by_forces = arrow.p_cos * q[0] - arrow.q_sin * q[1];
         let moment = swing[0] * arrow.cos * self.j_c + q[2] - by_forces;
@@ -154,14 +159,14 @@ impl BlockInertia {
 
     /// The same under a moment `Q_θ` alone.
     #[inline(always)]
-    pub fn free_accelerations<S: Real>(&self, arrow: &Arrow<S>, omega_sq: S, q: f64) -> [S; 3] {
+    pub fn free_accelerations<S: Over<C>>(&self, arrow: &Arrow<S>, omega_sq: S, q: C) -> [S; 3] {
         let swing = [arrow.sin * omega_sq, arrow.cos * omega_sq];
         self.turned(arrow, swing, swing[0] * arrow.cos * self.j_c + q)
     }
 
     /// The same without what forces add to Ẍ and Ÿ, of `(sin θ, cos θ) θ̇²` and the numerator of θ̈.
     #[inline(always)]
-    fn turned<S: Real>(&self, arrow: &Arrow<S>, swing: [S; 2], moment: S) -> [S; 3] {
+    fn turned<S: Over<C>>(&self, arrow: &Arrow<S>, swing: [S; 2], moment: S) -> [S; 3] {
         let theta = moment * arrow.per_schur;
         [swing[0] * self.p - arrow.p_cos * theta, swing[1] * self.q + arrow.q_sin * theta, theta]
     }

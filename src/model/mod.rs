@@ -20,6 +20,7 @@ mod jacobian;
 mod jointed;
 pub mod laws;
 pub mod mode;
+mod plain_slip;
 pub mod reading;
 pub mod restitution;
 mod scale;

@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
+use deltazero_solvers::real::Over;
 use deltazero_solvers::{Next, Real};
 
 use super::block::{Block, Body, Held, State};
@@ -132,10 +133,8 @@ impl Block {
                 let rho_sq = y[0] * y[0] + y[1] * y[1];
                 g[GUARD_CONTACT] = -(rho_sq - self.clearance * self.clearance);
             }
-            // (ρ + c) δ and ρ v_T: guards are evaluated at every step, and quotients are dear.
             Mode::SlipPlus(_) | Mode::SlipMinus(_) if self.has_products(held) => {
-                let rho_sq = y[0] * y[0] + y[1] * y[1];
-                let rho_v_t = y[1] * y[3] - y[0] * y[4] + rho_sq.sqrt() * y[5] * self.pin_radius;
+                let [rho_sq, rho_v_t] = products(y, self.pin_radius);
                 g[GUARD_CONTACT] = rho_sq - self.clearance * self.clearance;
                 g[GUARD_UPPER] = if matches!(mode, Mode::SlipPlus(_)) { rho_v_t } else { -rho_v_t };
             }
@@ -174,7 +173,7 @@ impl Block {
 
     /// Whether the guards of slipping are `(ρ + c) δ` and `ρ v_T`.
     #[inline(always)]
-    fn has_products(&self, held: Held<'_>) -> bool {
+    pub(super) fn has_products(&self, held: Held<'_>) -> bool {
         self.normal.adhesion && matches!((self.sliding, held), (Shape::Constant, Held::Struts(_)))
     }
 
@@ -343,6 +342,13 @@ impl Block {
             _ => Mode::SlipPlus(touch),
         }
     }
+}
+
+/// ρ² and ρ v_T: guards are evaluated at every step, and quotients are dear.
+#[inline(always)]
+pub(super) fn products<S: Over<C>, C>(y: &State<S>, pin_radius: C) -> [S; 2] {
+    let rho_sq = y[0] * y[0] + y[1] * y[1];
+    [rho_sq, y[1] * y[3] - y[0] * y[4] + rho_sq.sqrt() * y[5] * pin_radius]
 }
 
 /// `touch` in the next piece down or up.

@@ -208,6 +208,46 @@ pub fn integrate<P: Integrable>(
     finished(part, end, run.stats, outcome, start)
 }
 
+/// Integrates two joints as [`integrate`] does, with the same bits, [both at once](Method::run_pair) where events
+/// are located and the method has an explicit tableau; the time is shared between them.
+///
+/// What compares methods runs one joint after the other: how well two of them overlap is none of a method's merits.
+pub fn integrate_pair<R: Record<Block>>(
+    blocks: [&Block; 2],
+    setting: &Setting,
+    t_end: f64,
+    records: [&mut R; 2],
+) -> [BlockRun; 2] {
+    let starts = blocks.map(Block::initial_state);
+    if setting.events == Events::Blind {
+        let [first, second] = records;
+        return [
+            integrate(blocks[0], setting, starts[0], t_end, first),
+            integrate(blocks[1], setting, starts[1], t_end, second),
+        ];
+    }
+    let start = Instant::now();
+    let controls = blocks.map(|block| setting.control(block));
+    let mut runs = [0, 1].map(|i| Integration::new(blocks[i], 0.0, starts[i]));
+    let [first, second] = &mut runs;
+    let ends = blocks.into_iter().try_for_each(Jointed::check).and_then(|()| {
+        setting.method.run_pair([first, second], t_end, controls.each_ref(), records)
+    });
+    let [end_1, end_2] = ends.unwrap_or_else(|error| [Err(error.clone()), Err(error)]);
+    let (share, [run_1, run_2]) = (start.elapsed().div_f64(2.0), runs);
+    [shared(run_1, end_1, (blocks[0], share)), shared(run_2, end_2, (blocks[1], share))]
+}
+
+/// A run among others, with its share of the time.
+fn shared(
+    run: Integration<'_, Block>,
+    outcome: Result<Outcome, Error>,
+    (block, wall): (&Block, Duration),
+) -> BlockRun {
+    let end = Point { t: run.point.t, y: run.point.y, mode: run.point.mode };
+    BlockRun { wall, ..finished(block, end, run.stats, outcome, Instant::now()) }
+}
+
 /// Integrates `block` as [`integrate`] does from each of `starts`, with the same bits, each into the
 /// trajectory of its place: located runs by [several at once](Method::run_many), the time shared among them.
 ///
@@ -235,9 +275,6 @@ pub fn integrate_many(
     };
     let ends = ends.unwrap_or_else(|error| vec![Err(error); runs.len()]);
     let share = start.elapsed().div_f64(runs.len().max(1) as f64);
-    let finished = |(run, outcome): (Integration<'_, Block>, _)| {
-        let end = Point { t: run.point.t, y: run.point.y, mode: run.point.mode };
-        BlockRun { wall: share, ..finished(block, end, run.stats, outcome, start) }
-    };
-    runs.into_iter().zip(ends).map(finished).collect()
+    let pairs = runs.into_iter().zip(ends);
+    pairs.map(|(run, outcome)| shared(run, outcome, (block, share))).collect()
 }

@@ -75,6 +75,21 @@ impl<P: System, V: Simd, const S: usize> Attempt<P, V, S> {
         along_flow(field, step.t0, (y0, slope0), &mut self.start);
     }
 
+    /// Starts where the last steps ended.
+    #[inline(always)]
+    pub(super) fn go_on(&mut self) {
+        let step = &mut self.method.step;
+        step.t0 = step.t1;
+        step.y0.clone_from(&step.y1);
+        step.k[0].clone_from(&step.slope1);
+        self.start.clone_from(&self.end);
+    }
+
+    /// Whether this run's step, of which `aim` is the next, was taken as it is.
+    pub(super) fn is_before(&self, lane: usize, aim: &Aim<'_, P::State<f64>, S>) -> bool {
+        self.method.step.t1.lane(lane) == aim.from.t0
+    }
+
     /// Takes the steps `aims` along `field`, with the slopes at their ends.
     #[inline(always)]
     pub(super) fn take(&mut self, field: &impl Field<P, V>, aims: &[Aim<'_, P::State<f64>, S>]) {

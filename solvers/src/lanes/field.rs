@@ -1,9 +1,9 @@
-//! What several runs are integrated along: one model in one mode.
+//! What several runs are integrated along: one model in one mode, or a model of each.
 
 use super::dual::DualLanes;
-use super::scalar::{Lanes, Simd};
+use super::scalar::{Lanes, Own, Simd};
 use crate::erk::{InMode, Slope};
-use crate::system::System;
+use crate::system::{Alike, System, Vector};
 
 /// The right-hand side and the guards of several runs.
 pub(super) trait Field<P: System, V: Simd>: Slope<Lanes<V>, P::State<Lanes<V>>> {
@@ -15,5 +15,30 @@ impl<P: System, V: Simd> Field<P, V> for InMode<'_, P> {
     #[inline(always)]
     fn guards(&self, t: DualLanes<V>, y: &P::State<DualLanes<V>>, g: &mut P::Guards<DualLanes<V>>) {
         self.problem.guards(self.mode.clone(), t, y, g);
+    }
+}
+
+/// A model and a mode of each run, by their numbers.
+pub(super) struct OfEach<P: Alike, V: Simd>(P::Numbers<Own<V>>);
+
+impl<P: Alike, V: Simd> OfEach<P, V> {
+    /// Of the numbers of each run.
+    pub(super) fn new(each: &[P::Numbers<f64>]) -> Self {
+        let n = each[0].as_ref().len();
+        Self(Vector::from_fn(n, |i| Own::from_fn(|lane| each[lane].as_ref()[i])))
+    }
+}
+
+impl<P: Alike, V: Simd> Slope<Lanes<V>, P::State<Lanes<V>>> for OfEach<P, V> {
+    #[inline(always)]
+    fn slope(&self, t: Lanes<V>, y: &P::State<Lanes<V>>, dydt: &mut P::State<Lanes<V>>) {
+        P::rhs_of(&self.0, t, y, dydt);
+    }
+}
+
+impl<P: Alike, V: Simd> Field<P, V> for OfEach<P, V> {
+    #[inline(always)]
+    fn guards(&self, t: DualLanes<V>, y: &P::State<DualLanes<V>>, g: &mut P::Guards<DualLanes<V>>) {
+        P::guards_of(&self.0, t, y, g);
     }
 }

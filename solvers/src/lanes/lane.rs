@@ -10,7 +10,7 @@ use crate::one_step::{Course, OneStep, OneStepSolver, Scene};
 use crate::phase::PhaseEnd;
 use crate::record::Record;
 use crate::stats::Stats;
-use crate::system::System;
+use crate::system::{Alike, System};
 
 /// An explicit tableau method of `S` stages at work on one run.
 pub(super) type Solver<P, const S: usize> =
@@ -51,6 +51,14 @@ impl<'r, 'a, P: System, R: Record<P>, const S: usize> Lane<'r, 'a, P, R, S> {
             Some((course, t1, h)) => Ok(Self { index, run, record, solver, course, t1, h }),
             None => Err(Ok(Outcome::Finished)),
         }
+    }
+
+    /// What tells its system in its mode from others of a kind, if that is numbers alone.
+    pub(super) fn numbers(&self) -> Option<P::Numbers<f64>>
+    where
+        P: Alike,
+    {
+        self.run.problem.numbers(&self.run.point.mode)
     }
 
     pub(super) fn mode(&self) -> &P::Mode {
@@ -116,6 +124,21 @@ impl<'r, 'a, P: System, R: Record<P>, const S: usize> Lane<'r, 'a, P, R, S> {
                 solver.method.take_stages(of);
                 watch_from_start(run, solver);
                 solver.follow(&mut scene(run, *record), course, *h, verdict)
+            }
+        }
+    }
+
+    /// Goes on alone to the end of its phase.
+    pub(super) fn go_alone(&mut self) -> Fate {
+        watch_from_start(self.run, &mut self.solver);
+        loop {
+            let Self { run, record, solver, course, t1, h, .. } = self;
+            let (problem, mode) = (run.problem, run.point.mode.clone());
+            solver.method.attempt(problem, mode, *t1, *h, &mut run.stats);
+            let judged = solver.settle(&mut scene(run, *record), course, *h);
+            let fate = self.go_on(judged);
+            if !matches!(fate, Fate::Attempts) {
+                return fate;
             }
         }
     }

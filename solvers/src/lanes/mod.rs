@@ -29,6 +29,7 @@ mod attempt;
 pub mod dual;
 mod field;
 mod lane;
+pub(crate) mod pair;
 pub(crate) mod pool;
 pub mod scalar;
 mod sin_cos;

@@ -24,13 +24,13 @@ use crate::diffsol::{DiffsolScheme, DiffsolSolver};
 use crate::erk::ExplicitRk;
 use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
-use crate::lanes::pool;
+use crate::lanes::{pair, pool};
 use crate::one_step::{OneStepSolver, Paced};
 use crate::phase::PhaseSolver;
 use crate::radau::{Radau, RadauMethod};
 use crate::record::Record;
 use crate::rosenbrock::{Rosenbrock, RosenbrockMethod};
-use crate::system::System;
+use crate::system::{Alike, System};
 use crate::tableau::Tableau;
 use crate::taylor::{self, TaylorMethod};
 
@@ -210,6 +210,11 @@ impl Method {
         matches!(self.scheme, Scheme::Auto)
     }
 
+    /// Whether it computes several runs [at once](crate::lanes): it has an explicit tableau.
+    pub fn is_for_lanes(&self) -> bool {
+        !self.is_implicit() && !self.residuals().is_empty()
+    }
+
     /// Order of its series at a relative tolerance, or with a fixed step; none where it has no series.
     pub fn series_order(&self, rtol: Option<f64>) -> Option<usize> {
         match self.scheme {
@@ -338,6 +343,41 @@ impl Method {
                 Ok(run.run(t_end, &mut *solver, record))
             })
             .collect()
+    }
+
+    /// Integrates two runs, of systems of a kind, to `t_end`, each under a control of its own and shown to a
+    /// recorder of its own; how each ended.
+    ///
+    /// What comes out is to the bit what [`Integration::run`] gives with a [solver](Self::solver) of each
+    /// run's own. An explicit tableau method computes both [at once](crate::lanes), wherever both are in modes
+    /// that differ in numbers alone; else one run follows the other.
+    ///
+    /// # Errors
+    /// As [`solver`](Self::solver), before any run begins.
+    pub fn run_pair<P: Alike, R: Record<P>>(
+        &self,
+        mut runs: [&mut Integration<'_, P>; 2],
+        t_end: f64,
+        controls: [&Control; 2],
+        mut records: [&mut R; 2],
+    ) -> Result<[Result<Outcome, Error>; 2], Error> {
+        for (run, control) in runs.iter().zip(controls) {
+            self.check(run.problem.dim(), control)?;
+        }
+        by_scheme!(
+            self.scheme,
+            tableau => return Ok(pair::run(tableau, controls, t_end, runs, records)),
+            _ => {},
+            taylor => {},
+            _ => {},
+            _ => {},
+            auto => {},
+        );
+        let mut one = |i: usize| {
+            let mut solver = self.solver(runs[i].problem, controls[i].clone())?;
+            Ok(runs[i].run(t_end, &mut *solver, records[i]))
+        };
+        Ok([one(0)?, one(1)?])
     }
 
     /// Whether it works on `n` states under `control`.

@@ -1,8 +1,10 @@
 //! A ball that drops on a rigid floor and loses a fraction of its speed at every bounce.
 
+use std::fmt::Debug;
+
 use super::ROUNDING;
-use crate::real::Real;
-use crate::system::{Next, System};
+use crate::real::{Over, Real};
+use crate::system::{Alike, Next, System};
 
 /// What the ball does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,6 +149,23 @@ impl System for BouncingBall {
     ) -> Option<BouncingMode> {
         *y = [0.0, 0.0];
         Some(BouncingMode::Rest)
+    }
+}
+
+/// Two balls differ by gravity alone as long as both fly.
+impl Alike for BouncingBall {
+    type Numbers<C: Copy + Debug> = [C; 1];
+
+    fn numbers(&self, mode: &BouncingMode) -> Option<[f64; 1]> {
+        (*mode == BouncingMode::Flight).then_some([-self.gravity])
+    }
+
+    fn rhs_of<S: Over<C>, C: Copy + Debug>(numbers: &[C; 1], _t: S, y: &[S; 2], dydt: &mut [S; 2]) {
+        *dydt = [y[1], <S as Over<C>>::of(numbers[0])];
+    }
+
+    fn guards_of<S: Over<C>, C: Copy + Debug>(_: &[C; 1], _t: S, y: &[S; 2], g: &mut [S; 1]) {
+        *g = [y[0]];
     }
 }
 

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
 use deltazero_solvers::problems::BouncingBall;
-use deltazero_solvers::{Control, Error, Grid, Integration, Outcome, System, Trajectory};
+use deltazero_solvers::{Control, Error, Grid, Integration, Method, Outcome, System, Trajectory};
 
 use crate::log::{Log, Setting, settings};
 use crate::script::{Script, floor, guard, unused};
@@ -118,11 +118,64 @@ fn a_run_that_fails_ends_alone() {
     }
 }
 
+/// Two balls, of which the second meets its control at another step: as a pair, and each alone.
+fn pair_has_same_bits(
+    (method, controls): (&Method, [Control; 2]),
+    balls: [BouncingBall; 2],
+    t_end: f64,
+) {
+    let begun = || balls.each_ref().map(|ball| Integration::new(ball, 0.0, ball.start()));
+    let recorders = |n| recorders::<BouncingBall>(n).split_off(n - 2);
+    for n in [2, 4, 5, 12] {
+        let (mut together, mut seen) = (begun(), recorders(n));
+        let ([a, b], [shown_a, shown_b]) = (&mut together, &mut seen[..]) else { unreachable!() };
+        let ends = method.run_pair([a, b], t_end, controls.each_ref(), [shown_a, shown_b]).unwrap();
+        for (i, (mut run, mut record)) in begun().into_iter().zip(recorders(n)).enumerate() {
+            let mut solver = method.solver(&balls[i], controls[i].clone()).unwrap();
+            let end = run.run(t_end, &mut *solver, &mut record);
+            let (one, two) = (shown(&run, &end, &record), shown(&together[i], &ends[i], &seen[i]));
+            assert_eq!(one, two, "{} with {controls:?}: run {i}", method.name);
+        }
+    }
+}
+
+#[test]
+fn two_runs_of_systems_of_a_kind_have_the_bits_of_runs_alone() {
+    let ball = BouncingBall { restitution: 0.7, gravity: 9.8, height: 1.0 };
+    let moon = BouncingBall { restitution: 0.5, gravity: 1.6, height: 0.3 };
+    let lies = BouncingBall { height: 0.0, ..ball };
+    for (method, control) in tried() {
+        let tighter = match &control {
+            Control::Fixed(h) => Control::Fixed(0.3 * h),
+            Control::Adaptive(_) => crate::common::tolerance(1e-5),
+        };
+        let controls = [control, tighter];
+        // Both bounce to their ends, one ends before the other begins to, one is never in flight.
+        for (balls, t_end) in [([ball, moon], 2.0), ([ball, moon], 4.0), ([ball, lies], 1.0)] {
+            pair_has_same_bits((method, controls.clone()), balls, t_end);
+            let [a, b] = controls.clone();
+            pair_has_same_bits((method, [b, a]), [balls[1], balls[0]], t_end);
+        }
+    }
+}
+
+#[test]
+fn two_runs_need_controls_that_the_method_takes() {
+    let ball = BouncingBall { restitution: 0.7, gravity: 9.8, height: 1.0 };
+    let rk4 = Method::named("rk4").unwrap();
+    let mut runs = [0.0, 0.1].map(|t| Integration::new(&ball, t, ball.start()));
+    let [a, b] = &mut runs;
+    let (fixed, tolerance) = (Control::Fixed(0.1), crate::common::tolerance(1e-6));
+    let ends = rk4.run_pair([a, b], 1.0, [&fixed, &tolerance], [&mut (), &mut ()]);
+    assert!(matches!(ends, Err(Error::BadControl { method: "rk4", .. })), "{ends:?}");
+    assert_eq!(runs[0].point.t, 0.0);
+}
+
 #[test]
 fn runs_together_need_a_control_that_the_method_takes() {
     let script = script();
     let mut runs = vec![Integration::new(&script, 0.0, [0.0, 1.0])];
-    let rk4 = deltazero_solvers::Method::named("rk4").unwrap();
+    let rk4 = Method::named("rk4").unwrap();
     let tolerance = crate::common::tolerance(1e-6);
     let ends = rk4.run_many(&mut runs, 1.0, &tolerance, &mut [()]);
     assert!(matches!(ends, Err(Error::BadControl { method: "rk4", .. })), "{ends:?}");
