@@ -1,10 +1,13 @@
-//! Ours: every method of the list, events located; and two explicit ones event-blind.
+//! Ours: every method of the list, events located; those with an explicit tableau with both joints at once too;
+//! and two explicit ones event-blind.
 
 use std::sync::atomic::AtomicBool;
 
 use deltazero::config::Events;
-use deltazero::run::{Accuracy, Limits, Run, Setting, mode_changes};
-use deltazero_solvers::{Grid, METHODS, Method};
+use deltazero::run::{
+    Accuracy, BlockTrajectory, Limits, Run, Setting, integrate_pair, mode_changes,
+};
+use deltazero_solvers::{Grid, METHODS, Method, Stats};
 
 use crate::entry::{Entry, Handling, ladder};
 use crate::problem::{Problem, Track};
@@ -17,23 +20,33 @@ static GO_ON: AtomicBool = AtomicBool::new(false);
 /// The methods that are shown event-blind too: the price of events.
 const BLIND: [&str; 2] = ["rk45", "dop853"];
 
-/// Steps of a method that has them fixed [s].
-const STEPS: [f64; 7] = [1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5];
+/// Steps of a method that has them fixed [s], tenths of a decade apart: about as far as half decades of
+/// tolerance set those of order 4 and 5.
+const STEPS: [f64; 21] = [
+    1e-3, 8e-4, 6.3e-4, 5e-4, 4e-4, 3.2e-4, 2.5e-4, 2e-4, 1.6e-4, 1.25e-4, 1e-4, 8e-5, 6.3e-5,
+    5e-5, 4e-5, 3.2e-5, 2.5e-5, 2e-5, 1.6e-5, 1.25e-5, 1e-5,
+];
 
 /// All of ours.
 pub(super) fn entries(problem: &Problem) -> Vec<Entry<'_>> {
     let located = METHODS.iter().map(|method| (method, Events::Located, Handling::Located));
     let blind = METHODS.iter().filter(|method| BLIND.contains(&method.name));
     let blind = blind.map(|method| (method, Events::Blind, Handling::Naive));
-    located
-        .chain(blind)
-        .flat_map(|(method, events, handling)| {
-            accuracies(method).into_iter().map(move |(number, accuracy)| {
-                let run = move || Ok(run(problem, &Setting { method, events, accuracy })?);
-                Entry::new(TOOL, (method.name, handling), number, run)
-            })
+    let one_by_one = located.chain(blind).flat_map(|(method, events, handling)| {
+        accuracies(method).into_iter().map(move |(number, accuracy)| {
+            let run = move || Ok(run(problem, &Setting { method, events, accuracy })?);
+            Entry::new(TOOL, (method.name, handling), number, run)
         })
-        .collect()
+    });
+    let in_pairs = METHODS.iter().filter(|method| method.is_for_lanes()).flat_map(|method| {
+        accuracies(method).into_iter().map(move |(number, accuracy)| {
+            let setting = Setting { method, events: Events::Located, accuracy };
+            let run = move || Ok(pair(problem, &setting)?);
+            let name = format!("{} (both at once)", method.name);
+            Entry::new(TOOL, (&name, Handling::Located), number, run)
+        })
+    });
+    in_pairs.chain(one_by_one).collect()
 }
 
 /// Steps or tolerances of `method`, as a number too.
@@ -53,12 +66,25 @@ fn run(problem: &Problem, setting: &Setting) -> Result<[Track; 2], deltazero_sol
     if let Some(error) = run.error() {
         return Err(error.clone());
     }
-    Ok(std::array::from_fn(|i| {
-        let trajectory = &run.trajectories[i];
-        Track {
-            samples: trajectory.samples.iter().map(|sample| sample.y).collect(),
-            events: mode_changes(trajectory),
-            n_rhs: Some(run.parts[i].stats.work.n_rhs),
-        }
-    }))
+    Ok(std::array::from_fn(|i| track(&run.trajectories[i], &run.parts[i].stats)))
+}
+
+/// A run of both joints at once.
+fn pair(problem: &Problem, setting: &Setting) -> Result<[Track; 2], deltazero_solvers::Error> {
+    let blocks = problem.mechanism.blocks();
+    let mut trajectories = [0, 1].map(|_| BlockTrajectory::on(Grid::Times(problem.times.clone())));
+    let runs =
+        integrate_pair([blocks[0], blocks[1]], setting, problem.t_end, trajectories.each_mut());
+    for run in &runs {
+        run.outcome.clone()?;
+    }
+    Ok([0, 1].map(|i| track(&trajectories[i], &runs[i].stats)))
+}
+
+fn track(trajectory: &BlockTrajectory, stats: &Stats) -> Track {
+    Track {
+        samples: trajectory.samples.iter().map(|sample| sample.y).collect(),
+        events: mode_changes(trajectory),
+        n_rhs: Some(stats.work.n_rhs),
+    }
 }
