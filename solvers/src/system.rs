@@ -208,14 +208,20 @@ pub trait System {
 /// Systems of a kind, of which some modes differ in numbers alone: two runs in such modes, each of a system of
 /// its own, are then computed at once, by [`Method::run_pair`](crate::Method::run_pair).
 ///
-/// The operations are written once, over the numbers of one system or of several. Where `numbers(mode)` are
-/// some, [`rhs`](System::rhs) and [`guards`](System::guards) of that mode are `rhs_of` and `guards_of` them to
-/// the bit, and neither takes a decision on the [value](Real::value) of a number.
+/// Where `numbers(mode)` are some, [`rhs`](System::rhs) and [`guards`](System::guards) of that mode are `rhs_of` and
+/// `guards_of` them to the bit (but for the sign of a zero), and neither takes a decision on the
+/// [value](Real::value) of a number. Bounds of rounding, transitions and accumulation stay each system's own.
+///
+/// The operations are written over the numbers of one system, `C = f64`, or of several. Those enter as in
+/// `y * c`, `y + c` and `y - c`, or by `<S as Over<C>>::of(c)`; with each other they are not computed with, so a
+/// product of two constants is a number of its own, made in the order in which `rhs` does. For an example see
+/// [`BouncingBall`](crate::problems::BouncingBall), whose number is gravity.
 pub trait Alike: System {
     /// What tells one system in one mode from another.
     type Numbers<C: Copy + Debug>: Vector<C>;
 
-    /// The numbers of this system in `mode`, none where it is computed in another way.
+    /// The numbers of this system in `mode`, as many as of any system of the kind; none where it is computed in
+    /// another way.
     fn numbers(&self, mode: &Self::Mode) -> Option<Self::Numbers<f64>>;
 
     /// Writes `f_mode(t, y)` to `dydt`.

@@ -368,7 +368,7 @@ impl Functions<6, 2> for OfSliderCrank<'_> {
 impl Functions<6, 4> for OfSliderCrank<'_> {
     #[inline(never)]
     fn of<S: Real>(&self, y: State<S>) -> [S; 4] {
-        self.block.guards_of(Held::SliderCrank(self.crank), self.mode, &y, None)
+        self.block.guards_among(Held::SliderCrank(self.crank), self.mode, &y, None)
     }
 }
 
@@ -433,7 +433,7 @@ impl System for Block {
     #[inline(always)]
     fn guards<S: Real>(&self, mode: Mode, _t: S, y: &State<S>, g: &mut [S; 4]) {
         match &self.body {
-            Body::Struts(inertia) => *g = self.guards_of(Held::Struts(inertia), mode, y, None),
+            Body::Struts(inertia) => *g = self.guards_among(Held::Struts(inertia), mode, y, None),
             Body::SliderCrank(crank) => {
                 *g = S::all_apart(*y, &OfSliderCrank { block: self, crank, mode });
             }
@@ -504,6 +504,8 @@ impl Alike for Block {
 
 #[cfg(test)]
 mod tests {
+    use num_dual::Dual64;
+
     use super::*;
     use crate::config::Config;
     use crate::model::Mechanism;
@@ -526,6 +528,53 @@ mod tests {
                     assert!((plain / general - 1.0).abs() < 1e-15, "{plain}, {general}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_plain_slip_is_that_of_its_numbers_to_the_bit() {
+        let bits = |each: &[Dual64]| -> Vec<_> {
+            each.iter().map(|x| [x.re.to_bits(), x.eps.to_bits()]).collect()
+        };
+        let mut config = Config::table1().unwrap();
+        for stop_at_90 in [true, false] {
+            config.run.stop_at_90 = stop_at_90;
+            for block in Mechanism::new(&config).blocks() {
+                for (k, mode) in [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)]
+                    .into_iter()
+                    .enumerate()
+                {
+                    let numbers = block.numbers(&mode).unwrap();
+                    for i in 0..100 {
+                        // Around the bush, up to and past 90°.
+                        let (s, c) = (0.7 * f64::from(i) + k as f64).sin_cos();
+                        let re =
+                            [1e-4 * s, -1e-4 * c, 0.02 * f64::from(i), 2e-3 * c, -1e-3, 0.3 * s];
+                        let y = re.map(|x| Dual64::new(x, 0.3 * x + 1e-3));
+                        let (mut own, mut of) =
+                            ([Dual64::from_re(0.0); 6], [Dual64::from_re(0.0); 6]);
+                        block.rhs(mode, Dual64::from_re(0.0), &y, &mut own);
+                        Block::rhs_of(&numbers, Dual64::from_re(0.0), &y, &mut of);
+                        assert_eq!(bits(&own), bits(&of), "{mode}");
+                        let (mut own, mut of) =
+                            ([Dual64::from_re(0.0); 4], [Dual64::from_re(0.0); 4]);
+                        block.guards(mode, Dual64::from_re(0.0), &y, &mut own);
+                        Block::guards_of(&numbers, Dual64::from_re(0.0), &y, &mut of);
+                        // A rate of zero may have the other sign.
+                        let both =
+                            own.map(|g| [g.re, g.eps]).into_iter().zip(of.map(|g| [g.re, g.eps]));
+                        assert!(both.into_iter().all(|(own, of)| own == of), "{mode}");
+                    }
+                }
+                for mode in [Mode::Apart, Mode::Stick(Touch::PLAIN), Mode::Relaxing(Touch::PLAIN)] {
+                    assert_eq!(block.numbers(&mode), None, "{mode}");
+                }
+            }
+        }
+        config.joints[0].contact.adhesion = false;
+        config.joints[1].contact.exponent = 1.5;
+        for block in Mechanism::new(&config).blocks() {
+            assert_eq!(block.numbers(&Mode::SlipPlus(Touch::PLAIN)), None);
         }
     }
 

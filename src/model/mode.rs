@@ -117,7 +117,7 @@ impl fmt::Display for Mode {
 impl Block {
     /// The guards of `mode`: positive inside it, one where it does not use them.
     #[inline(always)]
-    pub(super) fn guards_of<S: Real>(
+    pub(super) fn guards_among<S: Real>(
         &self,
         held: Held<'_>,
         mode: Mode,

@@ -1,4 +1,4 @@
-//! Slip of struts under the plain law: what most of a run is, and the one mode that joints differ in by numbers alone.
+//! Slip of struts under the plain law: what most of a run is, and joints differ in by numbers alone.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -28,7 +28,7 @@ pub(super) struct PlainSlip<C = f64> {
     pin_radius: C,
     /// `σ`.
     sigma: C,
-    /// One where the block ends at θ = 90°, else zero; and what is left of one.
+    /// `(1, 0)` where the block ends at θ = 90°, else `(0, 1)`: the factor of that guard and what is added to it.
     ends: [C; 2],
 }
 

@@ -113,7 +113,7 @@ impl Integrable for Block {
         });
         let mode = self.mode_of_state(run.point.t, &run.point.y);
         let end = Point { t: run.point.t, y: run.point.y, mode };
-        finished(self, end, run.stats, outcome, start)
+        finished(self, end, run.stats, outcome, start.elapsed())
     }
 
     fn integrate_extended(
@@ -128,7 +128,7 @@ impl Integrable for Block {
         let mut run = ExtendedIntegration::new(self, 0.0, &y0, Tolerance { rtol, atol });
         let outcome = self.check().and_then(|()| run.run(t_end, record));
         let end = Point { t: run.t.value(), y: run.rounded(), mode: run.mode };
-        finished(self, end, run.stats, outcome, start)
+        finished(self, end, run.stats, outcome, start.elapsed())
     }
 }
 
@@ -162,7 +162,7 @@ fn not_built<P: Jointed>(part: &P, y0: P::State<f64>, reason: &str) -> OwnRun<P>
     let error =
         Error::OutsideModel { t: 0.0, mode: format!("{mode:?}"), reason: reason.to_owned() };
     let end = Point { t: 0.0, y: y0, mode };
-    finished(part, end, Stats::default(), Err(error), Instant::now())
+    finished(part, end, Stats::default(), Err(error), Duration::ZERO)
 }
 
 /// Where a run ended.
@@ -177,12 +177,12 @@ fn finished<P: Jointed>(
     end: Point<P::State<f64>, P::Mode>,
     stats: Stats,
     outcome: Result<Outcome, Error>,
-    start: Instant,
+    wall: Duration,
 ) -> OwnRun<P> {
     let Point { t, y, mode } = end;
     let (block, k) = (part.block(), part.nearest_end(&mode, &y));
     let outcome = block.judged(outcome, t, P::joint_mode(&mode, k), &part.joint_state(&y, k));
-    PartRun { joint: block.joint, outcome, t, y, mode, stats, wall: start.elapsed() }
+    PartRun { joint: block.joint, outcome, t, y, mode, stats, wall }
 }
 
 /// Integrates `part` from `y0` at t = 0 to `t_end`, shown to `record`.
@@ -205,7 +205,7 @@ pub fn integrate<P: Integrable>(
         run.run(t_end, &mut *solver, record)
     });
     let end = Point { t: run.point.t, y: run.point.y, mode: run.point.mode };
-    finished(part, end, run.stats, outcome, start)
+    finished(part, end, run.stats, outcome, start.elapsed())
 }
 
 /// Integrates two joints as [`integrate`] does, with the same bits, [both at once](Method::run_pair) where events
@@ -219,7 +219,7 @@ pub fn integrate_pair<R: Record<Block>>(
     records: [&mut R; 2],
 ) -> [BlockRun; 2] {
     let starts = blocks.map(Block::initial_state);
-    if setting.events == Events::Blind {
+    if setting.events == Events::Blind || blocks.iter().any(|block| block.check().is_err()) {
         let [first, second] = records;
         return [
             integrate(blocks[0], setting, starts[0], t_end, first),
@@ -230,9 +230,7 @@ pub fn integrate_pair<R: Record<Block>>(
     let controls = blocks.map(|block| setting.control(block));
     let mut runs = [0, 1].map(|i| Integration::new(blocks[i], 0.0, starts[i]));
     let [first, second] = &mut runs;
-    let ends = blocks.into_iter().try_for_each(Jointed::check).and_then(|()| {
-        setting.method.run_pair([first, second], t_end, controls.each_ref(), records)
-    });
+    let ends = setting.method.run_pair([first, second], t_end, controls.each_ref(), records);
     let [end_1, end_2] = ends.unwrap_or_else(|error| [Err(error.clone()), Err(error)]);
     let (share, [run_1, run_2]) = (start.elapsed().div_f64(2.0), runs);
     [shared(run_1, end_1, (blocks[0], share)), shared(run_2, end_2, (blocks[1], share))]
@@ -245,7 +243,7 @@ fn shared(
     (block, wall): (&Block, Duration),
 ) -> BlockRun {
     let end = Point { t: run.point.t, y: run.point.y, mode: run.point.mode };
-    BlockRun { wall, ..finished(block, end, run.stats, outcome, Instant::now()) }
+    finished(block, end, run.stats, outcome, wall)
 }
 
 /// Integrates `block` as [`integrate`] does from each of `starts`, with the same bits, each into the

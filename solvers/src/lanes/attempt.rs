@@ -21,7 +21,7 @@ pub(super) struct Aim<'a, Y, const S: usize> {
 /// A step of an explicit tableau method with `S` stages, of several runs.
 pub(super) struct Attempt<P: System, V: Simd, const S: usize> {
     pub(super) method: ExplicitRk<P::State<Lanes<V>>, S, Lanes<V>>,
-    /// Relative and absolute tolerances of each run, where errors are weighed.
+    /// Relative and absolute tolerances of each run, where errors of any are weighed; NaN where not of all.
     tolerance: Option<(Own<V>, Vec<Own<V>>)>,
     start: P::Guards<DualLanes<V>>,
     end: P::Guards<DualLanes<V>>,
@@ -32,8 +32,7 @@ pub(super) struct Attempt<P: System, V: Simd, const S: usize> {
 }
 
 impl<P: System, V: Simd, const S: usize> Attempt<P, V, S> {
-    /// For systems like `problem`, by the method of `tableau`; `control(i)` is that of run `i`, and all are of
-    /// one kind.
+    /// For systems like `problem`, by the method of `tableau`; `control(i)` is that of run `i`.
     pub(super) fn new<'c>(
         problem: &P,
         tableau: &'static Tableau<S>,
@@ -49,7 +48,7 @@ impl<P: System, V: Simd, const S: usize> Attempt<P, V, S> {
         let guards = || Vector::from_fn(problem.n_guards(), |_| DualLanes::cst(1.0));
         Self {
             method: ExplicitRk::new(tableau, problem.dim()),
-            tolerance: tolerance(0).map(|_| {
+            tolerance: (0..V::N).any(|lane| tolerance(lane).is_some()).then(|| {
                 let rtol = number(&|lane| Some(tolerance(lane)?.rtol));
                 (rtol, (0..problem.dim()).map(atol).collect())
             }),

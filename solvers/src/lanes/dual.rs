@@ -4,14 +4,12 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use num_dual::Dual64;
 
-use wide::f64x8;
-
 use super::scalar::{LANES, Lanes, Own, Simd};
 use crate::real::{Function, Over, Real};
 
 /// Values and their derivatives along one direction each.
 #[derive(Clone, Copy, Debug)]
-pub struct DualLanes<V = f64x8> {
+pub struct DualLanes<V> {
     /// Values.
     pub re: Lanes<V>,
     /// Derivatives.
@@ -26,9 +24,13 @@ impl<V: Simd> DualLanes<V> {
     }
 
     fn map(self, f: impl Fn(Dual64) -> Dual64) -> Self {
-        let dual = |i: usize| Dual64::new(self.re.lane(i), self.eps.lane(i));
-        let each: [_; LANES] = std::array::from_fn(|i| f(dual(i.min(V::N - 1))));
-        Self::new(Lanes::from_fn(|i| each[i].re), Lanes::from_fn(|i| each[i].eps))
+        let mut eps = [0.0; LANES];
+        let re = Lanes::from_fn(|i| {
+            let each = f(Dual64::new(self.re.lane(i), self.eps.lane(i)));
+            eps[i] = each.eps;
+            each.re
+        });
+        Self::new(re, Lanes::from_fn(|i| eps[i]))
     }
 }
 
@@ -190,7 +192,7 @@ impl<V: Simd> Real for DualLanes<V> {
 
 #[cfg(test)]
 mod tests {
-    use wide::f64x2;
+    use wide::{f64x2, f64x8};
 
     use super::*;
 

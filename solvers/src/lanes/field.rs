@@ -23,8 +23,15 @@ pub(super) struct OfEach<P: Alike, V: Simd>(P::Numbers<Own<V>>);
 
 impl<P: Alike, V: Simd> OfEach<P, V> {
     /// Of the numbers of each run.
+    ///
+    /// # Panics
+    /// Where they differ in length.
     pub(super) fn new(each: &[P::Numbers<f64>]) -> Self {
         let n = each[0].as_ref().len();
+        assert!(
+            each.iter().all(|own| own.as_ref().len() == n),
+            "systems alike have as many numbers"
+        );
         Self(Vector::from_fn(n, |i| Own::from_fn(|lane| each[lane].as_ref()[i])))
     }
 }

@@ -76,7 +76,7 @@ impl<'r, 'a, P: System, R: Record<P>, const S: usize> Lane<'r, 'a, P, R, S> {
         self.solver.method.take_end((self.t1, self.h), (&attempt.method, lane));
     }
 
-    /// Goes on by what the attempt came to in this lane.
+    /// Goes on by what the attempt came to in this lane, which it has [received](Self::receive).
     #[inline]
     pub(super) fn settle<V: Simd>(&mut self, attempt: &Attempt<P, V, S>, lane: usize) -> Fate {
         let judged = self.judge(attempt, lane);

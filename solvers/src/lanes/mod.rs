@@ -1,5 +1,5 @@
-//! Several runs of one model computed with at once, each with its own step size, mode and events, and the
-//! bits that it has alone.
+//! Several runs of one model, or of models of a kind, computed with at once, each with its own step size, mode
+//! and events, and the bits that it has alone.
 //!
 //! A right-hand side is a chain of operations that wait for each other: a root, a division, a force, an
 //! acceleration. Vector instructions do as many of it as there are [lanes](scalar::LANES) in the time of
@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! starts, slopes, t, h of each run  →  a number of all runs, [`Lanes`](scalar::Lanes)
-//! stages, end, slope there, norms of the errors, factors to the next step, guards and their rates: at once
+//! stages, end, slope there, norms of the errors, guards and their rates: at once
 //! verdict, record, the next step; where a guard may have fallen, its search, landing, transition: of each
 //! ```
 //!
@@ -24,6 +24,10 @@
 //!
 //! All runs share the model with its parameters. Those of a sweep over a parameter have a model each and
 //! run one after the other; so do, in effect, runs whose modes carry data of their own.
+//!
+//! [`Method::run_pair`](crate::Method::run_pair) is the way in for two runs of models that are
+//! [alike](crate::Alike): constants of model and mode are then [numbers of each run](scalar::Own), so that two joints,
+//! or slips to either side, share a vector of two. A run whose mode is of another form goes on alone meanwhile.
 
 mod attempt;
 pub mod dual;

@@ -102,7 +102,7 @@ simd!(f64x8, 8);
 
 /// A number of each of several runs; what is computed with it has the bits that each would have alone.
 #[derive(Clone, Copy, Debug)]
-pub struct Lanes<V = f64x8>(V);
+pub struct Lanes<V>(V);
 
 /// A constant of each of several runs.
 #[derive(Clone, Copy, Debug)]
@@ -202,7 +202,8 @@ impl<V: Simd> Real for Lanes<V> {
         let same = (1..V::N).all(|i| self.lane(i).to_bits() == first.to_bits());
         assert!(
             same,
-            "a decision on a number of several runs, {:?}: set IN_LANES to false",
+            "a decision on a number of several runs, {:?}: set IN_LANES to false, or give no \
+             numbers of this mode",
             self.0
         );
         first

@@ -7,7 +7,7 @@
 //! `k_sin.c` and `k_cos.c` of FreeBSD's msun, © 1993 Sun Microsystems: "Permission to use, copy, modify, and
 //! distribute this software is freely granted, provided that this notice is preserved."
 
-use super::scalar::Simd;
+use super::scalar::{LANES, Simd};
 
 const S1: f64 = -0.16666666666666632;
 const S2: f64 = 0.00833333333332249;
@@ -57,15 +57,19 @@ fn cos<V: Simd>(x: V) -> V {
 #[cold]
 #[inline(never)]
 fn one_by_one<V: Simd>(x: V) -> (V, V) {
-    let pair = |i: usize| libm::sincos(x.lane(i));
-    (V::from_fn(|i| pair(i).0), V::from_fn(|i| pair(i).1))
+    let mut cos = [0.0; LANES];
+    let sin = V::from_fn(|i| {
+        let each = libm::sincos(x.lane(i));
+        cos[i] = each.1;
+        each.0
+    });
+    (sin, V::from_fn(|i| cos[i]))
 }
 
 #[cfg(test)]
 mod tests {
     use wide::{f64x2, f64x8};
 
-    use super::super::scalar::LANES;
     use super::*;
 
     fn assert_same(each: [f64; LANES]) {

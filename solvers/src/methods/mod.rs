@@ -212,7 +212,15 @@ impl Method {
 
     /// Whether it computes several runs [at once](crate::lanes): it has an explicit tableau.
     pub fn is_for_lanes(&self) -> bool {
-        !self.is_implicit() && !self.residuals().is_empty()
+        by_scheme!(
+            self.scheme,
+            _tableau => true,
+            _ => false,
+            taylor => false,
+            _ => false,
+            _ => false,
+            auto => false,
+        )
     }
 
     /// Order of its series at a relative tolerance, or with a fixed step; none where it has no series.
@@ -354,6 +362,10 @@ impl Method {
     ///
     /// # Errors
     /// As [`solver`](Self::solver), before any run begins.
+    ///
+    /// # Panics
+    /// Where two systems give numbers of different lengths, or one decides on a number of a mode that it gave
+    /// numbers for.
     pub fn run_pair<P: Alike, R: Record<P>>(
         &self,
         mut runs: [&mut Integration<'_, P>; 2],
@@ -364,20 +376,21 @@ impl Method {
         for (run, control) in runs.iter().zip(controls) {
             self.check(run.problem.dim(), control)?;
         }
-        by_scheme!(
-            self.scheme,
-            tableau => return Ok(pair::run(tableau, controls, t_end, runs, records)),
-            _ => {},
-            taylor => {},
-            _ => {},
-            _ => {},
-            auto => {},
-        );
-        let mut one = |i: usize| {
-            let mut solver = self.solver(runs[i].problem, controls[i].clone())?;
-            Ok(runs[i].run(t_end, &mut *solver, records[i]))
-        };
-        Ok([one(0)?, one(1)?])
+        let [a, b] = [0, 1].map(|i| runs[i].problem);
+        if (a.dim(), a.n_guards()) == (b.dim(), b.n_guards()) {
+            by_scheme!(
+                self.scheme,
+                tableau => return Ok(pair::run(tableau, controls, t_end, runs, records)),
+                _ => {},
+                taylor => {},
+                _ => {},
+                _ => {},
+                auto => {},
+            );
+        }
+        let mut solvers =
+            [self.solver(a, controls[0].clone())?, self.solver(b, controls[1].clone())?];
+        Ok([0, 1].map(|i| runs[i].run(t_end, &mut *solvers[i], records[i])))
     }
 
     /// Whether it works on `n` states under `control`.

@@ -118,7 +118,7 @@ fn a_run_that_fails_ends_alone() {
     }
 }
 
-/// Two balls, of which the second meets its control at another step: as a pair, and each alone.
+/// Two balls as a pair, and each alone.
 fn pair_has_same_bits(
     (method, controls): (&Method, [Control; 2]),
     balls: [BouncingBall; 2],
@@ -150,12 +150,27 @@ fn two_runs_of_systems_of_a_kind_have_the_bits_of_runs_alone() {
             Control::Adaptive(_) => crate::common::tolerance(1e-5),
         };
         let controls = [control, tighter];
-        // Both bounce to their ends, one ends before the other begins to, one is never in flight.
-        for (balls, t_end) in [([ball, moon], 2.0), ([ball, moon], 4.0), ([ball, lies], 1.0)] {
+        // Both bounce, one comes to rest, both do, one is never in flight.
+        for (balls, t_end) in
+            [([ball, moon], 0.9), ([ball, moon], 2.0), ([ball, moon], 4.0), ([ball, lies], 1.0)]
+        {
             pair_has_same_bits((method, controls.clone()), balls, t_end);
             let [a, b] = controls.clone();
             pair_has_same_bits((method, [b, a]), [balls[1], balls[0]], t_end);
         }
+    }
+}
+
+#[test]
+fn one_of_two_runs_may_have_a_tolerance_and_the_other_a_step() {
+    let ball = BouncingBall { restitution: 0.7, gravity: 9.8, height: 1.0 };
+    let moon = BouncingBall { restitution: 0.5, gravity: 1.6, height: 0.3 };
+    for name in ["rk45", "dop853", "taylor"] {
+        let method = Method::named(name).unwrap();
+        let controls = [Control::Fixed(0.03), crate::common::tolerance(1e-6)];
+        pair_has_same_bits((method, controls.clone()), [ball, moon], 2.0);
+        let [a, b] = controls;
+        pair_has_same_bits((method, [b, a]), [ball, moon], 2.0);
     }
 }
 
@@ -168,6 +183,11 @@ fn two_runs_need_controls_that_the_method_takes() {
     let (fixed, tolerance) = (Control::Fixed(0.1), crate::common::tolerance(1e-6));
     let ends = rk4.run_pair([a, b], 1.0, [&fixed, &tolerance], [&mut (), &mut ()]);
     assert!(matches!(ends, Err(Error::BadControl { method: "rk4", .. })), "{ends:?}");
+    // Of one that runs one after the other no run begins either.
+    let [a, b] = &mut runs;
+    let bdf = Method::named("bdf").unwrap();
+    let ends = bdf.run_pair([a, b], 1.0, [&tolerance, &fixed], [&mut (), &mut ()]);
+    assert!(matches!(ends, Err(Error::BadControl { method: "bdf", .. })), "{ends:?}");
     assert_eq!(runs[0].point.t, 0.0);
 }
 

@@ -316,7 +316,7 @@ impl System for Chain {
             // Where nothing sticks they go with no acceleration.
             let extra = extra.get(k).copied().unwrap_or([none; 3]);
             let own = self.state_of(y, k);
-            g.copy_from_slice(&self.bay.guards_of(
+            g.copy_from_slice(&self.bay.guards_among(
                 self.bay.body.held(),
                 modes[k],
                 &own,
