@@ -1,7 +1,7 @@
 //! The finals: those that need little work are timed in turns.
 
 use super::trial::{Start, Trial, TrialEnd};
-use super::{Contest, Entry};
+use super::{Contest, Entry, least};
 use crate::run::Setting;
 
 /// Those that take longer than this many times the shortest time, and more than this many times the least
@@ -21,9 +21,9 @@ pub(super) fn time(
     for entry in entries.iter_mut() {
         entry.timed = entry.work <= of_note;
     }
-    let least_work = least(entries, |entry| entry.work);
+    let least_work = least_of(entries, |entry| entry.work);
     for turn in 0..contest.repeats {
-        let shortest = least(entries, |entry| entry.wall_s);
+        let shortest = least_of(entries, |entry| entry.wall_s);
         for (entry, setting) in entries.iter_mut().zip(settings) {
             // The search has run each of them once, but at different times: not to be judged by that.
             let is_slow = entry.wall_s > CLOSE * shortest && entry.work > CLOSE * least_work;
@@ -45,7 +45,6 @@ pub(super) fn time(
 }
 
 /// The least `of` those that are timed.
-fn least(entries: &[Entry], of: impl Fn(&Entry) -> f64) -> f64 {
-    let timed = entries.iter().filter(|entry| entry.timed);
-    timed.fold(f64::INFINITY, |least, entry| least.min(of(entry)))
+fn least_of(entries: &[Entry], of: impl Fn(&Entry) -> f64) -> f64 {
+    least(entries.iter().filter(|entry| entry.timed).map(of))
 }

@@ -306,12 +306,12 @@ impl Least {
     }
 
     fn of_all(&self) -> f64 {
-        least(&self.0)
+        least(self.0)
     }
 
     /// The work up to which a candidate may be among the fastest.
     fn of_note(&self) -> f64 {
-        let fixed = least(&self.0[..AUTO_KIND]);
+        let fixed = least(self.0[..AUTO_KIND].iter().copied());
         FINAL * if fixed.is_finite() { fixed } else { self.of_all() }
     }
 
@@ -321,8 +321,8 @@ impl Least {
     }
 }
 
-fn least(works: &[f64]) -> f64 {
-    works.iter().fold(f64::INFINITY, |least, own| least.min(*own))
+fn least(each: impl IntoIterator<Item = f64>) -> f64 {
+    each.into_iter().fold(f64::INFINITY, f64::min)
 }
 
 /// Whether a run that treats events in this way has them right, or need not have at this accuracy.

@@ -204,8 +204,18 @@ pub fn integrate<P: Integrable>(
         let mut solver = setting.method.solver(part, setting.control(part))?;
         run.run(t_end, &mut *solver, record)
     });
+    ended(part, run, outcome, start.elapsed())
+}
+
+/// What became of an integration that took the time `wall`.
+fn ended<P: Jointed>(
+    part: &P,
+    run: Integration<'_, P>,
+    outcome: Result<Outcome, Error>,
+    wall: Duration,
+) -> OwnRun<P> {
     let end = Point { t: run.point.t, y: run.point.y, mode: run.point.mode };
-    finished(part, end, run.stats, outcome, start.elapsed())
+    finished(part, end, run.stats, outcome, wall)
 }
 
 /// Integrates two joints as [`integrate`] does, with the same bits, [both at once](Method::run_pair) where events
@@ -233,17 +243,7 @@ pub fn integrate_pair<R: Record<Block>>(
     let ends = setting.method.run_pair([first, second], t_end, controls.each_ref(), records);
     let [end_1, end_2] = ends.unwrap_or_else(|error| [Err(error.clone()), Err(error)]);
     let (share, [run_1, run_2]) = (start.elapsed().div_f64(2.0), runs);
-    [shared(run_1, end_1, (blocks[0], share)), shared(run_2, end_2, (blocks[1], share))]
-}
-
-/// A run among others, with its share of the time.
-fn shared(
-    run: Integration<'_, Block>,
-    outcome: Result<Outcome, Error>,
-    (block, wall): (&Block, Duration),
-) -> BlockRun {
-    let end = Point { t: run.point.t, y: run.point.y, mode: run.point.mode };
-    finished(block, end, run.stats, outcome, wall)
+    [ended(blocks[0], run_1, end_1, share), ended(blocks[1], run_2, end_2, share)]
 }
 
 /// Integrates `block` as [`integrate`] does from each of `starts`, with the same bits, each into the
@@ -274,5 +274,5 @@ pub fn integrate_many(
     let ends = ends.unwrap_or_else(|error| vec![Err(error); runs.len()]);
     let share = start.elapsed().div_f64(runs.len().max(1) as f64);
     let pairs = runs.into_iter().zip(ends);
-    pairs.map(|(run, outcome)| shared(run, outcome, (block, share))).collect()
+    pairs.map(|(run, outcome)| ended(block, run, outcome, share)).collect()
 }

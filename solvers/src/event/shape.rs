@@ -38,12 +38,16 @@ pub(super) fn has_no_dip(from: [f64; 2], to: [f64; 2], h: f64) -> bool {
     least > NEAR * (from[0].max(to[0]) - least).max(DEPTH * bend(from, to, h))
 }
 
+/// `c₂` and `c₃` of the cubic `g₀ + s₀ θ + c₂ θ² + c₃ θ³` with these values and slopes at 0 and 1.
+fn bent([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> [f64; 2] {
+    let rise = g1 - g0;
+    [3.0 * rise - 2.0 * s0 - s1, s0 + s1 - 2.0 * rise]
+}
+
 /// The least value in (0, 1) of the cubic with these values and slopes at 0 and 1; none where it has no
 /// minimum inside.
 fn cubic_minimum([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> Option<f64> {
-    // g(θ) = g0 + s0 θ + c2 θ² + c3 θ³
-    let rise = g1 - g0;
-    let (c2, c3) = (3.0 * rise - 2.0 * s0 - s1, s0 + s1 - 2.0 * rise);
+    let [c2, c3] = bent([g0, g1], [s0, s1]);
     let discriminant = c2 * c2 - 3.0 * c3 * s0;
     if discriminant <= 0.0 {
         return None;
@@ -66,8 +70,7 @@ pub(super) fn sextic(
     [s0, s1]: [f64; 2],
     quarters: [f64; 3],
 ) -> [f64; N_NODES + 1] {
-    let rise = g1 - g0;
-    let (c2, c3) = (3.0 * rise - 2.0 * s0 - s1, s0 + s1 - 2.0 * rise);
+    let [c2, c3] = bent([g0, g1], [s0, s1]);
     let cubic = |theta: f64| g0 + theta * (s0 + theta * (c2 + theta * c3));
     let bubble = |theta: f64| 16.0 * (theta * (1.0 - theta)) * (theta * (1.0 - theta));
     let q: [f64; 3] = std::array::from_fn(|k| {
