@@ -1,9 +1,7 @@
 //! One joint with what hangs on it: a hybrid system of six states.
 
-use std::fmt::Debug;
-
-use deltazero_solvers::real::{Functions, Over};
-use deltazero_solvers::{Alike, Error, ModeOfState, Next, Outcome, Real, System};
+use deltazero_solvers::real::Functions;
+use deltazero_solvers::{Error, ModeOfState, Next, Outcome, Real, System};
 
 use super::contact::{NormalLaw, PinPose};
 use super::inertia::{Arrow, BlockInertia};
@@ -467,116 +465,12 @@ impl System for Block {
     }
 }
 
-impl Alike for Block {
-    type Numbers<C: Copy + Debug> = [C; PlainSlip::N];
-
-    fn numbers(&self, mode: &Mode) -> Option<[f64; PlainSlip::N]> {
-        let (Body::Struts(inertia), Some(stiffness)) = (&self.body, self.plain_stiffness) else {
-            return None;
-        };
-        let is_slip = mode.sigma().is_some() && self.has_products(Held::Struts(inertia));
-        is_slip.then(|| PlainSlip::new(self, inertia, stiffness, *mode).numbers())
-    }
-
-    #[inline(always)]
-    fn rhs_of<S: Over<C>, C: Copy + Debug>(
-        numbers: &[C; PlainSlip::N],
-        _t: S,
-        y: &State<S>,
-        dydt: &mut State<S>,
-    ) {
-        let a = PlainSlip::of(numbers).accelerations(y);
-        // One by one: as an array they are copied through memory, and the next stage waits for that.
-        (dydt[0], dydt[1], dydt[2]) = (y[3], y[4], y[5]);
-        (dydt[3], dydt[4], dydt[5]) = (a[0], a[1], a[2]);
-    }
-
-    #[inline(always)]
-    fn guards_of<S: Over<C>, C: Copy + Debug>(
-        numbers: &[C; PlainSlip::N],
-        _t: S,
-        y: &State<S>,
-        g: &mut [S; 4],
-    ) {
-        *g = PlainSlip::of(numbers).guards(y);
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use num_dual::Dual64;
-
     use super::*;
     use crate::config::Config;
     use crate::model::Mechanism;
     use crate::model::contact::Touch;
-
-    #[test]
-    fn plain_accelerations_are_the_general_ones() {
-        let config = Config::table1().unwrap();
-        for block in Mechanism::new(&config).blocks() {
-            let y = [3e-5, -9.9e-5, 0.02, 2e-3, -1e-3, 0.3];
-            let (posture, pose) = (block.body.held().at(&y), block.pose(&y));
-            for mode in [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)] {
-                let forces = block.forces(mode, &y, &pose);
-                let general = block.accelerations(&y, &posture, &pose, forces);
-                let mut dydt = [0.0; 6];
-                block.rhs(mode, 0.0, &y, &mut dydt);
-                assert!(block.plain_stiffness.is_some());
-                for (plain, general) in dydt[3..].iter().zip(general) {
-                    // Measured: equal to the bit.
-                    assert!((plain / general - 1.0).abs() < 1e-15, "{plain}, {general}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn a_plain_slip_is_that_of_its_numbers_to_the_bit() {
-        let bits = |each: &[Dual64]| -> Vec<_> {
-            each.iter().map(|x| [x.re.to_bits(), x.eps.to_bits()]).collect()
-        };
-        let mut config = Config::table1().unwrap();
-        for stop_at_90 in [true, false] {
-            config.run.stop_at_90 = stop_at_90;
-            for block in Mechanism::new(&config).blocks() {
-                for (k, mode) in [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)]
-                    .into_iter()
-                    .enumerate()
-                {
-                    let numbers = block.numbers(&mode).unwrap();
-                    for i in 0..100 {
-                        // Around the bush, up to and past 90°.
-                        let (s, c) = (0.7 * f64::from(i) + k as f64).sin_cos();
-                        let re =
-                            [1e-4 * s, -1e-4 * c, 0.02 * f64::from(i), 2e-3 * c, -1e-3, 0.3 * s];
-                        let y = re.map(|x| Dual64::new(x, 0.3 * x + 1e-3));
-                        let (mut own, mut of) =
-                            ([Dual64::from_re(0.0); 6], [Dual64::from_re(0.0); 6]);
-                        block.rhs(mode, Dual64::from_re(0.0), &y, &mut own);
-                        Block::rhs_of(&numbers, Dual64::from_re(0.0), &y, &mut of);
-                        assert_eq!(bits(&own), bits(&of), "{mode}");
-                        let (mut own, mut of) =
-                            ([Dual64::from_re(0.0); 4], [Dual64::from_re(0.0); 4]);
-                        block.guards(mode, Dual64::from_re(0.0), &y, &mut own);
-                        Block::guards_of(&numbers, Dual64::from_re(0.0), &y, &mut of);
-                        // A rate of zero may have the other sign.
-                        let both =
-                            own.map(|g| [g.re, g.eps]).into_iter().zip(of.map(|g| [g.re, g.eps]));
-                        assert!(both.into_iter().all(|(own, of)| own == of), "{mode}");
-                    }
-                }
-                for mode in [Mode::Apart, Mode::Stick(Touch::PLAIN), Mode::Relaxing(Touch::PLAIN)] {
-                    assert_eq!(block.numbers(&mode), None, "{mode}");
-                }
-            }
-        }
-        config.joints[0].contact.adhesion = false;
-        config.joints[1].contact.exponent = 1.5;
-        for block in Mechanism::new(&config).blocks() {
-            assert_eq!(block.numbers(&Mode::SlipPlus(Touch::PLAIN)), None);
-        }
-    }
 
     #[test]
     fn guard_bounds_are_above_zero_at_rest_in_every_mode() {
