@@ -292,22 +292,26 @@ fn both_joints_at_once_have_the_bits_of_one_after_the_other() {
         let mechanism = Mechanism::new(&config);
         let blocks = mechanism.blocks();
         let fresh = || [0, 1].map(|_| Trajectory::on(Grid::uniform(0.01, 0.5)));
-        for method in METHODS.iter().filter(|method| method.is_for_lanes() || method.name == "bdf")
+        for method in METHODS.iter().filter(|method| method.is_for_pairs() || method.name == "bdf")
         {
-            let accuracy = if method.is_fixed_step() {
-                Accuracy::Step(2e-5)
-            } else {
-                Accuracy::Rtol(1e-6, None)
+            let accuracies = match method.name {
+                _ if method.is_fixed_step() => vec![Accuracy::Step(2e-5)],
+                // At the looser one some series are cut.
+                "taylor" => vec![Accuracy::Rtol(1e-6, None), Accuracy::Rtol(3.2e-5, None)],
+                _ => vec![Accuracy::Rtol(1e-6, None)],
             };
-            let setting = setting(method.name, Events::Located, accuracy);
-            let (mut both, mut alone) = (fresh(), fresh());
-            let runs = integrate_pair([blocks[0], blocks[1]], &setting, 0.5, both.each_mut());
-            for (i, (run, both)) in runs.iter().zip(&both).enumerate() {
-                let one =
-                    integrate(blocks[i], &setting, blocks[i].initial_state(), 0.5, &mut alone[i]);
-                assert_eq!(one.outcome, run.outcome, "{keys:?}");
-                assert_eq!((one.t, one.y, one.stats), (run.t, run.y, run.stats), "{keys:?}");
-                assert_eq!((&alone[i].events, &alone[i].samples), (&both.events, &both.samples));
+            for accuracy in accuracies {
+                let setting = setting(method.name, Events::Located, accuracy);
+                let (mut both, mut alone) = (fresh(), fresh());
+                let runs = integrate_pair([blocks[0], blocks[1]], &setting, 0.5, both.each_mut());
+                for (i, (run, both)) in runs.iter().zip(&both).enumerate() {
+                    let start = blocks[i].initial_state();
+                    let one = integrate(blocks[i], &setting, start, 0.5, &mut alone[i]);
+                    assert_eq!(one.outcome, run.outcome, "{keys:?}");
+                    assert_eq!((one.t, one.y, one.stats), (run.t, run.y, run.stats), "{keys:?}");
+                    let alone = (&alone[i].events, &alone[i].samples);
+                    assert_eq!(alone, (&both.events, &both.samples));
+                }
             }
         }
     }

@@ -88,7 +88,7 @@ impl StepController {
     /// As [`judge`](Self::judge), where the method proposes the size of the next step: after a good one the
     /// size is left as it is, without a logarithm, and the error is not remembered.
     #[inline]
-    pub fn check(&mut self, h: f64, err_sq: impl FnOnce(&Tolerance) -> f64) -> Verdict {
+    fn check(&mut self, h: f64, err_sq: impl FnOnce(&Tolerance) -> f64) -> Verdict {
         let Control::Adaptive(tolerance) = &self.control else { return self.judge(h, err_sq) };
         let err_sq = err_sq(tolerance);
         if err_sq <= 1.0 {
@@ -97,6 +97,17 @@ impl StepController {
             return Verdict::Accept(h);
         }
         self.judge(h, |_| err_sq)
+    }
+
+    /// By [`check`](Self::check) where the size of the step was proposed, else by [`judge`](Self::judge).
+    #[inline]
+    pub fn verdict(
+        &mut self,
+        is_proposed: bool,
+        h: f64,
+        err_sq: impl FnOnce(&Tolerance) -> f64,
+    ) -> Verdict {
+        if is_proposed { self.check(h, err_sq) } else { self.judge(h, err_sq) }
     }
 
     /// What is made of a step of size `h` by the square of the norm of its error; one of zero has the largest

@@ -127,6 +127,18 @@ impl<P: System> GuardWatch<P> {
         Ok(first)
     }
 
+    /// Evaluates all guards of `mode` at `(t, y)`, without their bounds.
+    pub(crate) fn values(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        t: f64,
+        y: &P::State<f64>,
+    ) -> &P::Guards<f64> {
+        problem.guards(mode, t, y, &mut self.values);
+        &self.values
+    }
+
     /// Whether guard `i`, as last evaluated, is violated.
     pub fn is_violated(&self, i: usize) -> bool {
         self.values.as_ref()[i] < -self.bounds.as_ref()[i]

@@ -119,7 +119,7 @@ pub struct OneStepSolver<P: System, M> {
     /// Longest step.
     longest: f64,
     /// Whether the method proposes sizes from the present start, so that the controller checks them only.
-    is_proposed: bool,
+    pub(crate) is_proposed: bool,
 }
 
 /// A solver whose steps another one has a say in.
@@ -212,27 +212,63 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         Ok(smaller)
     }
 
-    /// The step towards `t_end`, `span` away, that the method proposes under adaptive control.
-    fn proposed(
+    /// Settles the size of the step that is due, if one is: what the method proposes under adaptive control, else
+    /// what the controller made of the last one, or a first one.
+    #[inline(always)]
+    pub(crate) fn pace(
         &mut self,
         problem: &P,
-        mode: P::Mode,
-        span: f64,
+        point: &Point<P>,
+        course: &mut Course,
         stats: &mut Stats,
-    ) -> Option<f64> {
-        let Control::Adaptive(tolerance) = self.controller.control() else { return None };
-        if !M::PROPOSES {
-            return None;
+    ) {
+        self.pace_by(problem, point, course, stats, |method, tolerance, stats| {
+            method.propose(problem, point.mode.clone(), tolerance, stats)
+        });
+    }
+
+    /// The same with what `propose` gives in place of the method.
+    #[inline(always)]
+    pub(crate) fn pace_by(
+        &mut self,
+        problem: &P,
+        point: &Point<P>,
+        course: &mut Course,
+        stats: &mut Stats,
+        propose: impl FnOnce(&mut M, &Tolerance, &mut Stats) -> Option<f64>,
+    ) {
+        let Some(due) = course.due.take() else { return };
+        let (span, before) = (course.t_end - point.t, stats.work);
+        if span == 0.0 {
+            return;
         }
-        let proposed = self.method.propose(problem, mode, tolerance, stats);
+        let proposed = match self.controller.control() {
+            Control::Adaptive(tolerance) if M::PROPOSES => {
+                propose(&mut self.method, tolerance, stats)
+            }
+            _ => None,
+        };
         self.is_proposed = proposed.is_some();
         // An infinite one is the whole span.
-        proposed.map(|h| h.min(span.abs()).copysign(span))
+        let proposed = proposed.map(|h| h.min(span.abs()));
+        match due {
+            Due::Next => course.h = proposed.unwrap_or(course.h).copysign(span),
+            Due::First { least } => {
+                let h = match (proposed.or(self.h), self.controller.control()) {
+                    (Some(h), _) | (None, &Control::Fixed(h)) => h,
+                    (None, Control::Adaptive(tolerance)) => {
+                        self.first_step(tolerance, problem, point, course.t_end, stats)
+                    }
+                };
+                course.h = h.abs().min(self.longest).max(least).copysign(span);
+                stats.restart += stats.work - before;
+            }
+        }
     }
 }
 
 impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
-    /// Begins a phase from `point` towards `t_end`, another time.
+    /// Begins a phase from `point` towards `t_end`, another time; its first step is [due](Self::pace).
     pub(crate) fn begin(
         &mut self,
         problem: &P,
@@ -248,17 +284,9 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         };
         self.method.restart(problem, mode.clone(), point.t, &point.y, stats);
         check_finite(point, self.method.step().slope0())?;
-        self.watch.begin(problem, mode.clone(), point.t, &point.y, self.method.step().slope0());
-        let at_start = self.proposed(problem, mode, t_end - point.t, stats);
-        let h = match (at_start.or(self.h), self.controller.control()) {
-            (Some(h), _) | (None, &Control::Fixed(h)) => h,
-            (None, Control::Adaptive(tolerance)) => {
-                self.first_step(tolerance, problem, point, t_end, stats)
-            }
-        };
+        self.watch.begin(problem, mode, point.t, &point.y, self.method.step().slope0());
         stats.restart += stats.work - before;
-        let h = h.abs().min(self.longest).max(least).copysign(t_end - point.t);
-        Ok(Course { t_end, stretch, h })
+        Ok(Course { t_end, stretch, h: 0.0, due: Some(Due::First { least }) })
     }
 
     /// Judges the last attempt, of size `h`, and does what follows; how the phase ended, if it did.
@@ -273,12 +301,9 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             course.h = self.unconverged(scene.point, h, scene.stats)?;
             return Ok(None);
         }
+        let is_proposed = M::PROPOSES && self.is_proposed;
         let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
-        let verdict = if M::PROPOSES && self.is_proposed {
-            self.controller.check(h, error_sq)
-        } else {
-            self.controller.judge(h, error_sq)
-        };
+        let verdict = self.controller.verdict(is_proposed, h, error_sq);
         self.follow(scene, course, h, verdict)
     }
 
@@ -339,24 +364,20 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         course: &mut Course,
         landed_on: Option<usize>,
     ) -> Option<PhaseEnd> {
-        let Scene { problem, point, stats, record } = scene;
+        let Scene { point, stats, record, .. } = scene;
         let mode = point.mode.clone();
         stats.n_accepted += 1;
         point.t = self.method.step().t1();
         point.y.clone_from(self.method.step().y1());
         let step = self.method.step();
-        let go_on = record.step(&Accepted { mode: mode.clone(), step, landed_on, stats });
+        let go_on = record.step(&Accepted { mode, step, landed_on, stats });
         self.h = Some(course.h);
         match landed_on {
             _ if go_on.is_break() => return Some(PhaseEnd::Interrupted),
             Some(guard) => return Some(PhaseEnd::Guard(guard)),
             None => self.method.advance(),
         }
-        if point.t != course.t_end
-            && let Some(proposed) = self.proposed(problem, mode, course.t_end - point.t, stats)
-        {
-            course.h = proposed;
-        }
+        course.due = M::PROPOSES.then_some(Due::Next);
         None
     }
 }
@@ -367,6 +388,20 @@ pub(crate) struct Course {
     pub(crate) t_end: f64,
     stretch: f64,
     pub(crate) h: f64,
+    /// Whether that size is still to be settled.
+    pub(crate) due: Option<Due>,
+}
+
+/// A step whose size is to be settled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Due {
+    /// The first one of a phase, no shorter than what time resolves.
+    First {
+        /// That.
+        least: f64,
+    },
+    /// Another one, of a method that proposes sizes.
+    Next,
 }
 
 impl Course {
@@ -409,13 +444,14 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
         let mode = point.mode.clone();
         let mut course = self.begin(problem, point, t_end, stats)?;
         let mut scene = Scene { problem, point, stats, record };
-        while let Some((t1, h)) = course.next(scene.point)? {
+        loop {
+            self.pace(problem, scene.point, &mut course, scene.stats);
+            let Some((t1, h)) = course.next(scene.point)? else { return Ok(PhaseEnd::EndOfTime) };
             self.method.attempt(problem, mode.clone(), t1, h, scene.stats);
             if let Some(end) = self.settle(&mut scene, &mut course, h)? {
                 return Ok(end);
             }
         }
-        Ok(PhaseEnd::EndOfTime)
     }
 }
 

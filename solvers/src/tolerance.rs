@@ -1,7 +1,7 @@
 //! Tolerances and the norm that errors are weighed in.
 
 use crate::error::Error;
-use crate::real::{Ordered, Over};
+use crate::real::{Ordered, Over, Real};
 
 /// How accurate each step is asked to be.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,10 +42,7 @@ impl Tolerance {
     /// Where `atol` is shorter than `y`; [`check`](Self::check) refuses it.
     #[inline]
     pub fn weights(&self, y: &[f64], weights: &mut [f64]) {
-        let atol = &self.atol[..y.len()];
-        for ((weight, y), atol) in weights.iter_mut().zip(y).zip(atol) {
-            *weight = 1.0 / (y.abs() * self.rtol + atol);
-        }
+        weigh((self.rtol, &self.atol), y, weights);
     }
 
     /// The square of [`norm`](Self::norm).
@@ -56,6 +53,26 @@ impl Tolerance {
     pub fn norm_sq(&self, error: &[f64], y0: &[f64], y1: &[f64]) -> f64 {
         norm_sq((self.rtol, &self.atol), error, y0, y1)
     }
+}
+
+/// [`Tolerance::weights`] for tolerances `rtol` and `atol`, of one run or of each of several.
+#[inline]
+pub(crate) fn weigh<T: Ordered + Over<C>, C: Copy>(
+    (rtol, atol): (C, &[C]),
+    y: &[T],
+    weights: &mut [T],
+) {
+    let atol = &atol[..y.len()];
+    for ((weight, y), atol) in weights.iter_mut().zip(y).zip(atol) {
+        *weight = T::cst(1.0) / (y.abs() * rtol + *atol);
+    }
+}
+
+/// The mean square of `y_i weight_i`.
+#[inline]
+pub(crate) fn weighed_sq<T: Real>(y: &[T], weights: &[T]) -> T {
+    let squares = y.iter().zip(weights).map(|(y, weight)| (*y * *weight) * (*y * *weight));
+    squares.fold(T::cst(0.0), |sum, square| sum + square) / y.len() as f64
 }
 
 /// The square of the [norm](Tolerance::norm) for tolerances `rtol` and `atol`, of one run or of each of several.

@@ -219,7 +219,7 @@ fn ended<P: Jointed>(
 }
 
 /// Integrates two joints as [`integrate`] does, with the same bits, [both at once](Method::run_pair) where events
-/// are located and the method has an explicit tableau; the time is shared between them.
+/// are located and the method [can](Method::is_for_pairs); the time is shared between them.
 ///
 /// What compares methods runs one joint after the other: how well two of them overlap is none of a method's merits.
 pub fn integrate_pair<R: Record<Block>>(

@@ -180,7 +180,11 @@ impl<Y: Vector<f64>, const S: usize> ExplicitRk<Y, S> {
 
 /// Writes the vector of one run among those of several to `one`.
 #[inline(always)]
-fn pick<V: Simd, L: Vector<Lanes<V>>, Y: Vector<f64>>(all: &L, lane: usize, one: &mut Y) {
+pub(super) fn pick<V: Simd, L: Vector<Lanes<V>>, Y: Vector<f64>>(
+    all: &L,
+    lane: usize,
+    one: &mut Y,
+) {
     for (all, one) in all.as_ref().iter().zip(one.as_mut()) {
         *one = all.lane(lane);
     }

@@ -4,6 +4,9 @@ use super::dual::DualLanes;
 use super::scalar::{Lanes, Own, Simd};
 use crate::erk::{InMode, Slope};
 use crate::system::{Alike, System, Vector};
+use crate::taylor::base::Base;
+use crate::taylor::expand::SeriesField;
+use crate::taylor::series::Series;
 
 /// The right-hand side and the guards of several runs.
 pub(super) trait Field<P: System, V: Simd>: Slope<Lanes<V>, P::State<Lanes<V>>> {
@@ -40,6 +43,44 @@ impl<P: Alike, V: Simd> Slope<Lanes<V>, P::State<Lanes<V>>> for OfEach<P, V> {
     #[inline(always)]
     fn slope(&self, t: Lanes<V>, y: &P::State<Lanes<V>>, dydt: &mut P::State<Lanes<V>>) {
         P::rhs_of(&self.0, t, y, dydt);
+    }
+}
+
+impl<P: Alike, V: Simd> OfEach<P, V> {
+    /// Writes the guards at `(t, y)` to `g`.
+    #[inline(always)]
+    pub(super) fn guards_at(
+        &self,
+        t: Lanes<V>,
+        y: &P::State<Lanes<V>>,
+        g: &mut P::Guards<Lanes<V>>,
+    ) {
+        P::guards_of(&self.0, t, y, g);
+    }
+}
+
+impl<P: Alike, V: Simd> SeriesField<P, Lanes<V>> for OfEach<P, V>
+where
+    Lanes<V>: Base,
+{
+    #[inline(always)]
+    fn slope<'s>(
+        &self,
+        t: Series<'s, Lanes<V>>,
+        y: &P::State<Series<'s, Lanes<V>>>,
+        dydt: &mut P::State<Series<'s, Lanes<V>>>,
+    ) {
+        P::rhs_of(&self.0, t, y, dydt);
+    }
+
+    #[inline(always)]
+    fn guards<'s>(
+        &self,
+        t: Series<'s, Lanes<V>>,
+        y: &P::State<Series<'s, Lanes<V>>>,
+        g: &mut P::Guards<Series<'s, Lanes<V>>>,
+    ) {
+        P::guards_of(&self.0, t, y, g);
     }
 }
 

@@ -6,26 +6,27 @@ use crate::control::Verdict;
 use crate::erk::ExplicitRk;
 use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
-use crate::one_step::{Course, OneStep, OneStepSolver, Scene};
-use crate::phase::PhaseEnd;
+use crate::one_step::{Course, Due, OneStep, OneStepSolver, Scene};
+use crate::phase::{PhaseEnd, Point};
 use crate::record::Record;
 use crate::stats::Stats;
+use crate::step::Step;
 use crate::system::{Alike, System};
 
-/// An explicit tableau method of `S` stages at work on one run.
-pub(super) type Solver<P, const S: usize> =
-    OneStepSolver<P, ExplicitRk<<P as System>::State<f64>, S>>;
-
 /// A run with its method and recorder, and the step that it is to attempt.
-pub(super) struct Lane<'r, 'a, P: System, R, const S: usize> {
+pub(super) struct Lane<'r, 'a, P: System, R, M> {
     pub(super) index: usize,
-    run: &'r mut Integration<'a, P>,
-    record: &'r mut R,
-    solver: Solver<P, S>,
-    course: Course,
-    t1: f64,
-    h: f64,
+    pub(super) run: &'r mut Integration<'a, P>,
+    pub(super) record: &'r mut R,
+    pub(super) solver: OneStepSolver<P, M>,
+    pub(super) course: Course,
+    pub(super) t1: f64,
+    pub(super) h: f64,
 }
+
+/// A run by an explicit tableau method of `S` stages.
+pub(super) type TableauLane<'r, 'a, P, R, const S: usize> =
+    Lane<'r, 'a, P, R, ExplicitRk<<P as System>::State<f64>, S>>;
 
 /// How a run goes on after an attempt.
 pub(super) enum Fate {
@@ -37,11 +38,11 @@ pub(super) enum Fate {
     Ends(Result<Outcome, Error>),
 }
 
-impl<'r, 'a, P: System, R: Record<P>, const S: usize> Lane<'r, 'a, P, R, S> {
+impl<'r, 'a, P: System, R: Record<P>, M: OneStep<P>> Lane<'r, 'a, P, R, M> {
     /// Begins `run` towards `t_end`, or tells how it ended.
     pub(super) fn begin(
         (index, run, record): (usize, &'r mut Integration<'a, P>, &'r mut R),
-        mut solver: Solver<P, S>,
+        mut solver: OneStepSolver<P, M>,
         t_end: f64,
     ) -> Result<Self, Result<Outcome, Error>> {
         if let Some(outcome) = run.begin(t_end, record).map_err(Err)? {
@@ -65,6 +66,72 @@ impl<'r, 'a, P: System, R: Record<P>, const S: usize> Lane<'r, 'a, P, R, S> {
         &self.run.point.mode
     }
 
+    /// Goes on from how an attempt ended the phase, if it did.
+    #[inline]
+    pub(super) fn go_on(&mut self, judged: Result<Option<PhaseEnd>, Error>) -> Fate {
+        let fate = judged.and_then(|end| match end {
+            Some(end) => self.pass(end),
+            None => {
+                let Integration { problem, point, stats, .. } = &mut *self.run;
+                self.solver.pace(problem, point, &mut self.course, stats);
+                match self.course.next(point)? {
+                    Some((t1, h)) => {
+                        (self.t1, self.h) = (t1, h);
+                        Ok(Fate::Attempts)
+                    }
+                    None => self.pass(PhaseEnd::EndOfTime),
+                }
+            }
+        });
+        fate.unwrap_or_else(|error| Fate::Ends(Err(error)))
+    }
+
+    /// Goes on alone to the end of its phase.
+    pub(super) fn go_alone(&mut self) -> Fate {
+        watch_from_start(self.run, &mut self.solver);
+        if let Some(due) = self.course.due {
+            let Self { run, solver, .. } = self;
+            let Point { t, y, mode } = &run.point;
+            if due == Due::Next {
+                // Its method has not seen the steps of several.
+                solver.method.restart(run.problem, mode.clone(), *t, y, &mut Stats::default());
+            }
+            let fate = self.go_on(Ok(None));
+            if !matches!(fate, Fate::Attempts) {
+                return fate;
+            }
+        }
+        loop {
+            let judged = self.attempt();
+            let fate = self.go_on(judged);
+            if !matches!(fate, Fate::Attempts) {
+                return fate;
+            }
+        }
+    }
+
+    /// Attempts its step alone; how the phase ended, if it did.
+    pub(super) fn attempt(&mut self) -> Result<Option<PhaseEnd>, Error> {
+        let Self { run, record, solver, course, t1, h, .. } = self;
+        let (problem, mode) = (run.problem, run.point.mode.clone());
+        solver.method.attempt(problem, mode, *t1, *h, &mut run.stats);
+        solver.settle(&mut scene(run, *record), course, *h)
+    }
+
+    /// Passes from a phase that ended to the next.
+    fn pass(&mut self, end: PhaseEnd) -> Result<Fate, Error> {
+        if let Some(outcome) = self.run.pass(end, self.record)? {
+            return Ok(Fate::Ends(Ok(outcome)));
+        }
+        let Some(phase) = enter(self.run, &mut self.solver, self.course.t_end)? else {
+            return Ok(Fate::Ends(Ok(Outcome::Finished)));
+        };
+        (self.course, self.t1, self.h) = phase;
+        Ok(Fate::Begins)
+    }
+}
+
+impl<P: System, R: Record<P>, const S: usize> TableauLane<'_, '_, P, R, S> {
     pub(super) fn aim(&self) -> Aim<'_, P::State<f64>, S> {
         Aim { t1: self.t1, h: self.h, from: &self.solver.method.step }
     }
@@ -81,22 +148,6 @@ impl<'r, 'a, P: System, R: Record<P>, const S: usize> Lane<'r, 'a, P, R, S> {
     pub(super) fn settle<V: Simd>(&mut self, attempt: &Attempt<P, V, S>, lane: usize) -> Fate {
         let judged = self.judge(attempt, lane);
         self.go_on(judged)
-    }
-
-    /// Goes on from how an attempt ended the phase, if it did.
-    #[inline]
-    fn go_on(&mut self, judged: Result<Option<PhaseEnd>, Error>) -> Fate {
-        let fate = judged.and_then(|end| match end {
-            Some(end) => self.pass(end),
-            None => match self.course.next(&self.run.point)? {
-                Some((t1, h)) => {
-                    (self.t1, self.h) = (t1, h);
-                    Ok(Fate::Attempts)
-                }
-                None => self.pass(PhaseEnd::EndOfTime),
-            },
-        });
-        fate.unwrap_or_else(|error| Fate::Ends(Err(error)))
     }
 
     /// How the phase ended, if it did: by a look at the attempt where that is enough, else as it would alone.
@@ -127,58 +178,35 @@ impl<'r, 'a, P: System, R: Record<P>, const S: usize> Lane<'r, 'a, P, R, S> {
             }
         }
     }
-
-    /// Goes on alone to the end of its phase.
-    pub(super) fn go_alone(&mut self) -> Fate {
-        watch_from_start(self.run, &mut self.solver);
-        loop {
-            let Self { run, record, solver, course, t1, h, .. } = self;
-            let (problem, mode) = (run.problem, run.point.mode.clone());
-            solver.method.attempt(problem, mode, *t1, *h, &mut run.stats);
-            let judged = solver.settle(&mut scene(run, *record), course, *h);
-            let fate = self.go_on(judged);
-            if !matches!(fate, Fate::Attempts) {
-                return fate;
-            }
-        }
-    }
-
-    /// Passes from a phase that ended to the next.
-    fn pass(&mut self, end: PhaseEnd) -> Result<Fate, Error> {
-        if let Some(outcome) = self.run.pass(end, self.record)? {
-            return Ok(Fate::Ends(Ok(outcome)));
-        }
-        let Some(phase) = enter(self.run, &mut self.solver, self.course.t_end)? else {
-            return Ok(Fate::Ends(Ok(Outcome::Finished)));
-        };
-        (self.course, self.t1, self.h) = phase;
-        Ok(Fate::Begins)
-    }
 }
 
 /// Has the guards watched from the start of the present step on.
-fn watch_from_start<P: System, const S: usize>(
+fn watch_from_start<P: System, M: OneStep<P>>(
     run: &Integration<'_, P>,
-    solver: &mut Solver<P, S>,
+    solver: &mut OneStepSolver<P, M>,
 ) {
-    let (step, mode) = (&solver.method.step, run.point.mode.clone());
-    solver.watch.start_at(run.problem, mode, step.t0, &step.y0, &step.k[0]);
+    let (step, mode) = (solver.method.step(), run.point.mode.clone());
+    solver.watch.start_at(run.problem, mode, step.t0(), step.y0(), step.slope0());
 }
 
-/// Begins a phase: its course, and end and size of its first step; none at the end of time.
-fn enter<P: System, const S: usize>(
+/// Begins a phase: its course, and end and size of its first step unless it is still due; none at the end of time.
+fn enter<P: System, M: OneStep<P>>(
     run: &mut Integration<'_, P>,
-    solver: &mut Solver<P, S>,
+    solver: &mut OneStepSolver<P, M>,
     t_end: f64,
 ) -> Result<Option<(Course, f64, f64)>, Error> {
     if run.point.t == t_end {
         return Ok(None);
     }
-    let course = solver.begin(run.problem, &run.point, t_end, &mut run.stats)?;
+    let mut course = solver.begin(run.problem, &run.point, t_end, &mut run.stats)?;
+    if M::PROPOSES {
+        return Ok(Some((course, run.point.t, 0.0)));
+    }
+    solver.pace(run.problem, &run.point, &mut course, &mut run.stats);
     Ok(course.next(&run.point)?.map(|(t1, h)| (course, t1, h)))
 }
 
-fn scene<'s, P: System>(
+pub(super) fn scene<'s, P: System>(
     run: &'s mut Integration<'_, P>,
     record: &'s mut dyn Record<P>,
 ) -> Scene<'s, P> {

@@ -28,6 +28,8 @@
 //! [`Method::run_pair`](crate::Method::run_pair) is the way in for two runs of models that are
 //! [alike](crate::Alike): constants of model and mode are then [numbers of each run](scalar::Own), so that two joints,
 //! or slips to either side, share a vector of two. A run whose mode is of another form goes on alone meanwhile.
+//! Two [series](crate::taylor) of one order are expanded at once too, with those of the guards; step sizes follow from
+//! them, and a run whose series is to be cut takes that step alone.
 
 mod attempt;
 pub mod dual;
@@ -36,4 +38,5 @@ mod lane;
 pub(crate) mod pair;
 pub(crate) mod pool;
 pub mod scalar;
+mod series;
 mod sin_cos;

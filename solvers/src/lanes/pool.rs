@@ -3,7 +3,7 @@
 use wide::f64x8;
 
 use super::attempt::Attempt;
-use super::lane::{Fate, Lane};
+use super::lane::{Fate, Lane, TableauLane};
 use super::scalar::LANES;
 use crate::control::Control;
 use crate::erk::{ExplicitRk, InMode};
@@ -85,11 +85,11 @@ struct Pool<'r, 'a, P: System, R, const S: usize> {
 }
 
 /// Runs in one mode; boxed, as they move from group to group.
-type Group<'r, 'a, P, R, const S: usize> = Vec<Box<Lane<'r, 'a, P, R, S>>>;
+type Group<'r, 'a, P, R, const S: usize> = Vec<Box<TableauLane<'r, 'a, P, R, S>>>;
 
 impl<'r, 'a, P: System, R: Record<P>, const S: usize> Pool<'r, 'a, P, R, S> {
     /// Puts a run to those in its mode.
-    fn put(&mut self, lane: Box<Lane<'r, 'a, P, R, S>>) {
+    fn put(&mut self, lane: Box<TableauLane<'r, 'a, P, R, S>>) {
         match self.groups.iter_mut().find(|group| group[0].mode() == lane.mode()) {
             Some(group) => group.push(lane),
             None => self.groups.push(vec![lane]),

@@ -33,6 +33,9 @@ pub trait Simd:
     /// The number of run `i`, in memory no more than that is read of.
     fn lane(&self, i: usize) -> f64;
 
+    /// `self · by + plus`, fused where the target has an instruction for it.
+    fn mul_add(self, by: Self, plus: Self) -> Self;
+
     /// Square root.
     fn sqrt(self) -> Self;
 
@@ -67,6 +70,16 @@ macro_rules! simd {
             #[inline(always)]
             fn lane(&self, i: usize) -> f64 {
                 self.as_array()[i]
+            }
+
+            #[inline(always)]
+            fn mul_add(self, by: Self, plus: Self) -> Self {
+                // The vectors' own is fused on some targets where that of an `f64` is not.
+                if cfg!(target_feature = "fma") {
+                    <$vector>::mul_add(self, by, plus)
+                } else {
+                    self * by + plus
+                }
             }
 
             #[inline(always)]
@@ -133,6 +146,12 @@ impl<V: Simd> Lanes<V> {
     #[inline(always)]
     pub fn lane(&self, i: usize) -> f64 {
         self.0.lane(i)
+    }
+
+    /// `self · by + plus`, fused where the target has an instruction for it.
+    #[inline(always)]
+    pub fn mul_add(self, by: Self, plus: Self) -> Self {
+        Self(self.0.mul_add(by.0, plus.0))
     }
 
     fn map(self, mut f: impl FnMut(f64) -> f64) -> Self {

@@ -210,13 +210,14 @@ impl Method {
         matches!(self.scheme, Scheme::Auto)
     }
 
-    /// Whether it computes several runs [at once](crate::lanes): it has an explicit tableau.
-    pub fn is_for_lanes(&self) -> bool {
+    /// Whether it computes two runs of systems of a kind [at once](Self::run_pair): it has an explicit tableau, or
+    /// is made of series.
+    pub fn is_for_pairs(&self) -> bool {
         by_scheme!(
             self.scheme,
             _tableau => true,
             _ => false,
-            taylor => false,
+            taylor => true,
             _ => false,
             _ => false,
             auto => false,
@@ -357,8 +358,8 @@ impl Method {
     /// recorder of its own; how each ended.
     ///
     /// What comes out is to the bit what [`Integration::run`] gives with a [solver](Self::solver) of each
-    /// run's own. An explicit tableau method computes both [at once](crate::lanes), wherever both are in modes
-    /// that differ in numbers alone; else one run follows the other.
+    /// run's own. An explicit tableau method, and series of one order, compute both [at once](crate::lanes), wherever
+    /// both are in modes that differ in numbers alone; else one run follows the other.
     ///
     /// # Errors
     /// As [`solver`](Self::solver), before any run begins.
@@ -380,9 +381,15 @@ impl Method {
         if (a.dim(), a.n_guards()) == (b.dim(), b.n_guards()) {
             by_scheme!(
                 self.scheme,
-                tableau => return Ok(pair::run(tableau, controls, t_end, runs, records)),
+                tableau => return Ok(pair::by_stages(tableau, controls, t_end, runs, records)),
                 _ => {},
-                taylor => {},
+                taylor => {
+                    if let [Control::Adaptive(a), Control::Adaptive(b)] = controls
+                        && taylor::order_for(a.rtol) == taylor::order_for(b.rtol)
+                    {
+                        return Ok(pair::by_series([a, b], controls, t_end, runs, records));
+                    }
+                },
                 _ => {},
                 _ => {},
                 auto => {},

@@ -1,15 +1,24 @@
-//! The numbers that coefficients are: plain ones, or of twice the digits.
+//! The numbers that coefficients are: plain ones, of twice the digits, or of two runs.
+
+use std::ops::{Add, BitAnd, Mul};
 
 use twofloat::TwoFloat;
-use wide::f64x4;
+use wide::{f64x2, f64x4, f64x8};
 
 use super::rows::{MAX_ORDER, Row};
-use crate::real::Real;
+use crate::lanes::scalar::Lanes;
+use crate::real::{Ordered, Real};
 
 /// A number that series are made of.
 pub trait Base: Real {
     /// The highest order of a series with code of its own.
     const HIGHEST_UNROLLED: usize;
+
+    /// What decisions are taken on.
+    type Rounded: Ordered;
+
+    /// The nearest such number.
+    fn rounded(self) -> Self::Rounded;
 
     /// `a b + c`, fused where the target has an instruction for it.
     fn fma(a: Self, b: Self, c: Self) -> Self;
@@ -20,49 +29,159 @@ pub trait Base: Real {
     }
 }
 
+// Where the compiler is not asked for speed, it is spared the code of each order; the bits are the same.
+const UNROLLED: usize = if cfg!(debug_assertions) { 0 } else { MAX_ORDER };
+
 impl Base for f64 {
-    // Where the compiler is not asked for speed, it is spared the code of each order; the bits are the same.
-    const HIGHEST_UNROLLED: usize = if cfg!(debug_assertions) { 0 } else { MAX_ORDER };
+    const HIGHEST_UNROLLED: usize = UNROLLED;
+
+    type Rounded = Self;
+
+    #[inline(always)]
+    fn rounded(self) -> Self {
+        self
+    }
 
     #[inline(always)]
     fn fma(a: Self, b: Self, c: Self) -> Self {
         if cfg!(target_feature = "fma") { a.mul_add(b, c) } else { a * b + c }
     }
 
-    /// Four terms at a time: first the one to four after which as many are left as fours hold.
     #[inline(always)]
     fn long_inner(k: usize, a: &Row<Self>, b: &Row<Self>) -> Self {
-        let first = f64x4::new(FIRST[(k - 2) % 4].map(f64::from_bits));
-        let mut sums = (four(a, 1) * four_down(b, k - 1)) & first;
-        for fours_left in (1..(k + 2) / 4).rev() {
-            let (a, b) = (four(a, k - 4 * fours_left), four_down(b, 4 * fours_left));
-            // The vectors' own `mul_add` is fused on some targets where the one above is not.
-            sums = if cfg!(target_feature = "fma") { a.mul_add(b, sums) } else { a * b + sums };
-        }
-        let [first, second, third, fourth] = sums.to_array();
-        (first + third) + (second + fourth)
+        sum_by_fours::<Self, f64x4>(k, a, b)
     }
+}
+
+/// Of two runs, with the bits that each has alone.
+impl Base for Lanes<f64x2> {
+    const HIGHEST_UNROLLED: usize = UNROLLED;
+
+    type Rounded = Self;
+
+    #[inline(always)]
+    fn rounded(self) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn fma(a: Self, b: Self, c: Self) -> Self {
+        a.mul_add(b, c)
+    }
+
+    #[inline(always)]
+    fn long_inner(k: usize, a: &Row<Self>, b: &Row<Self>) -> Self {
+        sum_by_fours::<Self, f64x8>(k, a, b)
+    }
+}
+
+/// [`long_inner`](Base::long_inner), four terms at a time: first the one to four after which as many are left as
+/// fours hold.
+#[inline(always)]
+fn sum_by_fours<B: Base, F: Four<B>>(k: usize, a: &Row<B>, b: &Row<B>) -> B {
+    let upwards =
+        |row: &Row<B>, k: usize| F::of([row.at(k), row.at(k + 1), row.at(k + 2), row.at(k + 3)]);
+    // Read upwards and turned, they are one load and one permutation.
+    let downwards = |row: &Row<B>, k: usize| {
+        F::turned([row.at(k - 3), row.at(k - 2), row.at(k - 1), row.at(k)])
+    };
+    let mut sums = (upwards(a, 1) * downwards(b, k - 1)) & F::first(FIRST[(k - 2) % 4]);
+    for fours_left in (1..(k + 2) / 4).rev() {
+        let (a, b) = (upwards(a, k - 4 * fours_left), downwards(b, 4 * fours_left));
+        sums = a.mul_add(b, sums);
+    }
+    sums.sum()
 }
 
 /// Masks of the first one, two, three and four of four numbers.
 const FIRST: [[u64; 4]; 4] = [[!0, 0, 0, 0], [!0, !0, 0, 0], [!0, !0, !0, 0], [!0; 4]];
 
-/// Coefficients from the one of order `k` upwards.
-#[inline(always)]
-fn four(row: &Row<f64>, k: usize) -> f64x4 {
-    f64x4::new([row.at(k), row.at(k + 1), row.at(k + 2), row.at(k + 3)])
+/// Four numbers at a time.
+trait Four<B>: Copy + Mul<Output = Self> + Add<Output = Self> + BitAnd<Output = Self> {
+    /// These four.
+    fn of(each: [B; 4]) -> Self;
+
+    /// These four from the last to the first.
+    fn turned(each: [B; 4]) -> Self;
+
+    /// The masks of four numbers.
+    fn first(each: [u64; 4]) -> Self;
+
+    /// `self · by + plus`, fused where the target has an instruction for it.
+    fn mul_add(self, by: Self, plus: Self) -> Self;
+
+    /// `(first + third) + (second + fourth)`.
+    fn sum(self) -> B;
 }
 
-/// Those from the one of order `k` downwards. Read upwards and turned, they are one load and one permutation.
-#[inline(always)]
-fn four_down(row: &Row<f64>, k: usize) -> f64x4 {
-    let [fourth, third, second, first] = four(row, k - 3).to_array();
-    f64x4::new([first, second, third, fourth])
+impl Four<f64> for f64x4 {
+    #[inline(always)]
+    fn of(each: [f64; 4]) -> Self {
+        Self::new(each)
+    }
+
+    #[inline(always)]
+    fn turned([a, b, c, d]: [f64; 4]) -> Self {
+        Self::new([d, c, b, a])
+    }
+
+    #[inline(always)]
+    fn first(each: [u64; 4]) -> Self {
+        Self::new(each.map(f64::from_bits))
+    }
+
+    #[inline(always)]
+    fn mul_add(self, by: Self, plus: Self) -> Self {
+        if cfg!(target_feature = "fma") { self.mul_add(by, plus) } else { self * by + plus }
+    }
+
+    #[inline(always)]
+    fn sum(self) -> f64 {
+        let [a, b, c, d] = self.to_array();
+        (a + c) + (b + d)
+    }
+}
+
+impl Four<Lanes<f64x2>> for f64x8 {
+    #[inline(always)]
+    fn of([a, b, c, d]: [Lanes<f64x2>; 4]) -> Self {
+        let [(a, a_2), (b, b_2), (c, c_2), (d, d_2)] = [a, b, c, d].map(|x| (x.lane(0), x.lane(1)));
+        Self::new([a, a_2, b, b_2, c, c_2, d, d_2])
+    }
+
+    #[inline(always)]
+    fn turned([a, b, c, d]: [Lanes<f64x2>; 4]) -> Self {
+        Self::of([d, c, b, a])
+    }
+
+    #[inline(always)]
+    fn first([a, b, c, d]: [u64; 4]) -> Self {
+        Self::new([a, a, b, b, c, c, d, d].map(f64::from_bits))
+    }
+
+    #[inline(always)]
+    fn mul_add(self, by: Self, plus: Self) -> Self {
+        if cfg!(target_feature = "fma") { self.mul_add(by, plus) } else { self * by + plus }
+    }
+
+    #[inline(always)]
+    fn sum(self) -> Lanes<f64x2> {
+        let [a, a_2, b, b_2, c, c_2, d, d_2] = self.to_array();
+        let [a, a_2, b, b_2] =
+            (f64x4::new([a, a_2, b, b_2]) + f64x4::new([c, c_2, d, d_2])).to_array();
+        Lanes::from_fn(|run| [a, a_2][run]) + Lanes::from_fn(|run| [b, b_2][run])
+    }
 }
 
 impl Base for TwoFloat {
     // An operation is twenty: loops cost little.
     const HIGHEST_UNROLLED: usize = 0;
+
+    type Rounded = f64;
+
+    fn rounded(self) -> f64 {
+        self.value()
+    }
 
     #[inline]
     fn fma(a: Self, b: Self, c: Self) -> Self {

@@ -7,7 +7,49 @@ use super::guards::FIRST_LOOK;
 use super::rows::{Rows, Table};
 use super::series::Series;
 use super::unrolled::OfOrder;
+use crate::erk::InMode;
 use crate::system::{System, Vector};
+
+/// A right-hand side and guards to expand.
+pub(crate) trait SeriesField<P: System, B: Base> {
+    /// Writes the slope at `(t, y)` to `dydt`.
+    fn slope<'s>(
+        &self,
+        t: Series<'s, B>,
+        y: &P::State<Series<'s, B>>,
+        dydt: &mut P::State<Series<'s, B>>,
+    );
+
+    /// Writes the guards there to `g`.
+    fn guards<'s>(
+        &self,
+        t: Series<'s, B>,
+        y: &P::State<Series<'s, B>>,
+        g: &mut P::Guards<Series<'s, B>>,
+    );
+}
+
+impl<P: System, B: Base> SeriesField<P, B> for InMode<'_, P> {
+    #[inline(always)]
+    fn slope<'s>(
+        &self,
+        t: Series<'s, B>,
+        y: &P::State<Series<'s, B>>,
+        dydt: &mut P::State<Series<'s, B>>,
+    ) {
+        self.problem.rhs(self.mode.clone(), t, y, dydt);
+    }
+
+    #[inline(always)]
+    fn guards<'s>(
+        &self,
+        t: Series<'s, B>,
+        y: &P::State<Series<'s, B>>,
+        g: &mut P::Guards<Series<'s, B>>,
+    ) {
+        self.problem.guards(self.mode.clone(), t, y, g);
+    }
+}
 
 /// The expansion of a solution about the start of a step.
 ///
@@ -30,17 +72,16 @@ impl<B: Base> Default for Expansion<B> {
 impl<B: Base> Expansion<B> {
     /// Begins an expansion about `(t0, y0)`, whose slope there goes to `slope`: the value of the
     /// right-hand side to the bit.
-    pub fn begin<P: System>(
+    pub(crate) fn begin<P: System>(
         &mut self,
-        problem: &P,
-        mode: P::Mode,
+        field: &impl SeriesField<P, B>,
         t0: B,
         y0: &P::State<B>,
         slope: &mut P::State<B>,
     ) {
         loop {
-            let run = Run { rows: &self.rows, t0, problem, mode: mode.clone() };
-            self.n_rows = RhsRun { run, y: y0, next: slope }.unrolled(0);
+            let run = Run { rows: &self.rows, t0, field };
+            self.n_rows = RhsRun::<P, B, _> { run, y: y0, next: slope }.unrolled(0);
             if !self.rows.grow(self.n_rows) {
                 return;
             }
@@ -53,32 +94,29 @@ impl<B: Base> Expansion<B> {
     /// # Panics
     /// Where the right-hand side makes other operations at another order: it may branch on its mode
     /// and on the [`value`](crate::Real::value) of its arguments only.
-    pub fn complete<P: System>(
+    pub(crate) fn complete<P: System>(
         &mut self,
-        problem: &P,
-        mode: P::Mode,
+        field: &impl SeriesField<P, B>,
         t0: B,
         y: &mut [P::State<B>],
     ) {
         for k in 1..y.len() - 1 {
             let (below, above) = y.split_at_mut(k + 1);
-            let run = Run { rows: &self.rows, t0, problem, mode: mode.clone() };
-            let n = RhsRun { run, y: &below[k], next: &mut above[0] }.unrolled(k);
+            let run = Run { rows: &self.rows, t0, field };
+            let n = RhsRun::<P, B, _> { run, y: &below[k], next: &mut above[0] }.unrolled(k);
             assert!(n == self.n_rows, "operations of order {k} differ from those of order 0");
         }
     }
 }
 
 /// One run of a system over series.
-pub(super) struct Run<'a, P: System, B: Copy> {
+pub(super) struct Run<'a, F, B: Copy> {
     /// The table, for this order and those below.
     pub(super) rows: &'a Rows<B>,
     /// Time about which is expanded.
     pub(super) t0: B,
-    /// The system.
-    pub(super) problem: &'a P,
-    /// The mode.
-    pub(super) mode: P::Mode,
+    /// The system in its mode.
+    pub(super) field: &'a F,
 }
 
 /// Time and state, of which `y` is the coefficient of the order of `table`.
@@ -104,40 +142,40 @@ const fn highest_unrolled<P: System, B: Base>() -> usize {
 }
 
 /// The coefficients of the state of the next order, `y_(k+1) = f_k/(k + 1)`; gives the rows it took.
-struct RhsRun<'a, P: System, B: Base> {
-    run: Run<'a, P, B>,
+struct RhsRun<'a, P: System, B: Base, F> {
+    run: Run<'a, F, B>,
     y: &'a P::State<B>,
     next: &'a mut P::State<B>,
 }
 
-impl<P: System, B: Base> OfOrder for RhsRun<'_, P, B> {
+impl<P: System, B: Base, F: SeriesField<P, B>> OfOrder for RhsRun<'_, P, B, F> {
     type Output = usize;
 
     const HIGHEST: usize = highest_unrolled::<P, B>();
 
     #[inline(always)]
     fn of_order(self, k: usize) -> usize {
-        let Run { rows, t0, problem, mode } = self.run;
+        let Run { rows, t0, field } = self.run;
         let n = Cell::new(0);
         let (t, y): (_, P::State<Series<'_, B>>) = start(rows.table(&n, k), t0, self.y.as_ref());
         let next = self.next.as_mut();
         let zero = |_| Series::constant(B::cst(0.0));
         let mut f = P::State::<Series<'_, B>>::from_fn(next.len(), zero);
-        problem.rhs(mode, t, &y, &mut f);
+        field.slope(t, &y, &mut f);
         let (f, share) = (f.as_ref(), B::cst(1.0) / (k + 1) as f64);
         each(next.len().min(f.len()), |i| next[i] = f[i].coefficient(k) * share);
         n.get()
     }
 }
 
-/// The coefficients of the guards to `g`, to the nearest `f64`; the same.
-pub(super) struct GuardsRun<'a, P: System, B: Base> {
-    pub(super) run: Run<'a, P, B>,
+/// The coefficients of the guards to `g`, rounded; the same.
+pub(super) struct GuardsRun<'a, P: System, B: Base, F> {
+    pub(super) run: Run<'a, F, B>,
     pub(super) y: &'a P::State<B>,
-    pub(super) g: &'a mut P::Guards<f64>,
+    pub(super) g: &'a mut P::Guards<B::Rounded>,
 }
 
-impl<P: System, B: Base> OfOrder for GuardsRun<'_, P, B> {
+impl<P: System, B: Base, F: SeriesField<P, B>> OfOrder for GuardsRun<'_, P, B, F> {
     type Output = usize;
 
     const HIGHEST: usize = if highest_unrolled::<P, B>() < FIRST_LOOK {
@@ -148,15 +186,15 @@ impl<P: System, B: Base> OfOrder for GuardsRun<'_, P, B> {
 
     #[inline(always)]
     fn of_order(self, k: usize) -> usize {
-        let Run { rows, t0, problem, mode } = self.run;
+        let Run { rows, t0, field } = self.run;
         let n = Cell::new(0);
         let (t, y): (_, P::State<Series<'_, B>>) = start(rows.table(&n, k), t0, self.y.as_ref());
         let g = self.g.as_mut();
         let zero = |_| Series::constant(B::cst(0.0));
         let mut series = P::Guards::<Series<'_, B>>::from_fn(g.len(), zero);
-        problem.guards(mode, t, &y, &mut series);
+        field.guards(t, &y, &mut series);
         let series = series.as_ref();
-        each(g.len().min(series.len()), |i| g[i] = series[i].coefficient(k).value());
+        each(g.len().min(series.len()), |i| g[i] = series[i].coefficient(k).rounded());
         n.get()
     }
 }

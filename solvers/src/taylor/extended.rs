@@ -11,6 +11,7 @@ use super::guards::GuardSeries;
 use super::method::TaylorStep;
 use super::order::{self, Reach};
 use super::rows::MAX_ORDER;
+use crate::erk::InMode;
 use crate::error::{Error, Outcome};
 use crate::event::{Fall, GuardWatch};
 use crate::integrate::{Instant, Switchboard, rounded};
@@ -124,7 +125,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     fn phase(&mut self, t_end: f64, record: &mut dyn Record<P>) -> Result<PhaseEnd, Error> {
         let (problem, mode) = (self.problem, self.mode.clone());
         let (start, rest) = self.y.split_at_mut(1);
-        self.expansion.begin(problem, mode.clone(), self.t, &start[0], &mut rest[0]);
+        self.expansion.begin(&InMode { problem, mode: &mode }, self.t, &start[0], &mut rest[0]);
         let point = self.point();
         self.watch.begin(problem, mode.clone(), point.t, &point.y, &rounded::<P, _>(&self.y[1]));
         while self.t.value() != t_end {
@@ -149,7 +150,8 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     /// Expands about the present state, and takes a step as long as the last terms and the defect at its
     /// end allow.
     fn take_step(&mut self, t_end: f64) -> Result<(), Error> {
-        self.expansion.complete(self.problem, self.mode.clone(), self.t, &mut self.y);
+        let field = InMode { problem: self.problem, mode: &self.mode };
+        self.expansion.complete(&field, self.t, &mut self.y);
         self.stats.work.n_rhs += 1;
         self.guards.forget();
         (self.step.t0, self.step.t0_low) = (self.t.hi(), self.t.lo());
@@ -196,7 +198,8 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
                 *y = *y * size + c.as_ref()[i];
             }
         }
-        self.expansion.begin(self.problem, self.mode.clone(), self.t1, &self.y1, &mut self.slope1);
+        let field = InMode { problem: self.problem, mode: &self.mode };
+        self.expansion.begin(&field, self.t1, &self.y1, &mut self.slope1);
         self.step.t1 = self.t1.value();
         self.step.y1 = rounded::<P, _>(&self.y1);
         self.step.slope1 = rounded::<P, _>(&self.slope1);

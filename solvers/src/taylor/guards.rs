@@ -1,18 +1,20 @@
 //! Guards along a step: polynomials too, and when the first of them falls.
 
 use super::base::Base;
-use super::expand::{GuardsRun, Run};
+use super::expand::{GuardsRun, Run, SeriesField};
 use super::polynomial::Polynomial;
 use super::rows::Rows;
 use super::unrolled::OfOrder;
+use crate::erk::InMode;
 use crate::error::Error;
 use crate::event::{Fall, GuardWatch};
+use crate::real::{Ordered, Real};
 use crate::root::minimum;
 use crate::step::Step;
 use crate::system::{System, Vector};
 
 /// Order to which guards are expanded at first: enough, in most steps, to see that they are far from zero.
-pub(super) const FIRST_LOOK: usize = 6;
+pub(crate) const FIRST_LOOK: usize = 6;
 /// How exactly roots of the polynomials are found, as a fraction of the step.
 const PRECISION: f64 = 1e-14;
 
@@ -25,10 +27,10 @@ pub struct GuardSeries<G, B: Copy> {
     n_known: usize,
 }
 
-impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
+impl<G: Vector<B::Rounded>, B: Base> GuardSeries<G, B> {
     /// Memory for `n` guards to `order`.
     pub fn new(n: usize, order: usize) -> Self {
-        let g = (0..=order).map(|_| G::from_fn(n, |_| 0.0)).collect();
+        let g = (0..=order).map(|_| G::from_fn(n, |_| B::Rounded::cst(0.0))).collect();
         Self { rows: Rows::new(), g, n_known: 0 }
     }
 
@@ -38,23 +40,49 @@ impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
     }
 
     /// Makes the coefficients up to `order` known, those of the solution being `y`.
-    fn expand<P: System<Guards<f64> = G>>(
+    pub(crate) fn expand<P: System<Guards<B::Rounded> = G>>(
         &mut self,
-        problem: &P,
-        mode: P::Mode,
+        field: &impl SeriesField<P, B>,
         t0: B,
         y: &[P::State<B>],
         order: usize,
     ) {
         while self.n_known <= order {
             let k = self.n_known;
-            let run = Run { rows: &self.rows, t0, problem, mode: mode.clone() };
-            let n = GuardsRun { run, y: &y[k], g: &mut self.g[k] }.unrolled(k);
+            let run = Run { rows: &self.rows, t0, field };
+            let n = GuardsRun::<P, B, _> { run, y: &y[k], g: &mut self.g[k] }.unrolled(k);
             let is_short = self.rows.grow(n);
             self.n_known = if is_short { 0 } else { k + 1 };
         }
     }
 
+    /// Whether guard `i`, `end` at the end of a step of size `h`, stays above zero on it, by more than
+    /// its last two terms and what the rest lacks there.
+    #[inline]
+    pub(crate) fn is_clear(
+        &self,
+        i: usize,
+        h: B::Rounded,
+        degree: usize,
+        end: B::Rounded,
+    ) -> <B::Rounded as Ordered>::Mask {
+        let zero = B::Rounded::cst(0.0);
+        let g_0 = self.g[0].as_ref()[i];
+        let (mut sum, mut least, mut power) = (g_0, g_0, B::Rounded::cst(1.0));
+        let mut last = [zero; 2];
+        for g in &self.g[1..=degree] {
+            power = power * h;
+            let term = g.as_ref()[i] * power;
+            sum = sum + term;
+            least = least - (-term).max(zero);
+            last = [last[1], term];
+        }
+        // No for what is not a number.
+        least.is_above(last[0].abs() + last[1].abs() + (sum - end).abs() * 2.0)
+    }
+}
+
+impl<G: Vector<f64>, B: Base<Rounded = f64>> GuardSeries<G, B> {
     /// Guard `i` over a step of size `h`, to `degree` or where its series ceases to be finite.
     fn polynomial(&self, i: usize, h: f64, degree: usize) -> Polynomial {
         let is_finite = |g: &&G| g.as_ref()[i].is_finite();
@@ -93,24 +121,31 @@ impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
         watch: &mut GuardWatch<P>,
     ) -> Result<Option<Fall>, Error> {
         let (start, t1) = (step.t0(), step.t1());
-        let h = t1 - start;
+        let (h, low) = (t1 - start, FIRST_LOOK.min(degree));
+        let field = InMode { problem, mode: &mode };
+        self.expand(&field, t0, y, low);
+        let ends = watch.values(problem, mode.clone(), t1, step.y1()).as_ref().iter().enumerate();
+        // Without a branch between the guards. Where all are clear none is violated at the end.
+        if ends.fold(true, |all, (guard, end)| all & self.is_clear(guard, h, low, *end)) {
+            watch.keep();
+            return Ok(None);
+        }
         watch.violated(problem, mode.clone(), t1, step.y1())?;
-        self.expand(problem, mode.clone(), t0, y, FIRST_LOOK.min(degree));
         let mut first: Option<Fall> = None;
         for guard in 0..self.g[0].as_ref().len() {
             let at_end = watch.is_violated(guard);
             let end = watch.value(guard);
-            if !at_end && self.is_clear(guard, h, FIRST_LOOK.min(degree), end) {
+            if !at_end && self.is_clear(guard, h, low, end) {
                 continue;
             }
-            self.expand(problem, mode.clone(), t0, y, degree);
+            self.expand(&field, t0, y, degree);
             if self.g[..=degree].iter().any(|g| !g.as_ref()[guard].is_finite()) {
                 // Singular at the start of the step: no polynomial tells what it does.
                 watch.start_at(problem, mode.clone(), start, step.y0(), step.slope0());
                 return if watch.is_clear(problem, mode.clone(), step) {
                     Ok(None)
                 } else {
-                    watch.first_to_fall(problem, mode, step, PRECISION, None)
+                    watch.first_to_fall(problem, mode.clone(), step, PRECISION, None)
                 };
             }
             if !at_end && self.is_clear(guard, h, degree, end) {
@@ -147,23 +182,6 @@ impl<G: Vector<f64>, B: Base> GuardSeries<G, B> {
     pub(super) fn rate(&self, i: usize, s: f64, degree: usize) -> f64 {
         let terms = self.g[1..=degree].iter().enumerate().rev();
         terms.fold(0.0, |sum, (k, g)| sum * s + (k + 1) as f64 * g.as_ref()[i])
-    }
-
-    /// Whether guard `i`, `end` at the end of a step of size `h`, stays above zero on it, by more than
-    /// its last two terms and what the rest lacks there.
-    fn is_clear(&self, i: usize, h: f64, degree: usize, end: f64) -> bool {
-        let g_0 = self.g[0].as_ref()[i];
-        let (mut sum, mut least, mut power) = (g_0, g_0, 1.0);
-        let mut last = [0.0; 2];
-        for g in &self.g[1..=degree] {
-            power *= h;
-            let term = g.as_ref()[i] * power;
-            sum += term;
-            least += if term < 0.0 { term } else { 0.0 };
-            last = [last[1], term];
-        }
-        // False for what is not a number.
-        least > last[0].abs() + last[1].abs() + 2.0 * (sum - end).abs()
     }
 }
 

@@ -1,12 +1,15 @@
 //! The method: a series about the start of each step, summed at its end.
 
+use super::base::Base;
 use super::expand::Expansion;
 use super::guards::GuardSeries;
 use super::order::{self, Reach};
 use super::rows::MAX_ORDER;
+use crate::erk::InMode;
 use crate::error::Error;
 use crate::event::{Fall, GuardWatch};
 use crate::one_step::OneStep;
+use crate::real::Real;
 use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{System, Vector};
@@ -15,14 +18,14 @@ use crate::tolerance::Tolerance;
 /// The Taylor method at work on one system.
 #[derive(Debug)]
 pub struct TaylorMethod<Y, G> {
-    step: TaylorStep<Y>,
+    pub(crate) step: TaylorStep<Y>,
     expansion: Expansion<f64>,
-    guards: GuardSeries<G, f64>,
+    pub(crate) guards: GuardSeries<G, f64>,
     /// Whether the series is complete, and not its first order alone.
-    is_expanded: bool,
+    pub(crate) is_expanded: bool,
     /// Degree that the tolerance asks for; none to have it chosen by the step.
-    degree: Option<usize>,
-    error: Y,
+    pub(crate) degree: Option<usize>,
+    pub(crate) error: Y,
 }
 
 /// A step of the Taylor method: a polynomial.
@@ -31,13 +34,13 @@ pub struct TaylorStep<Y> {
     pub(super) t0: f64,
     /// What the start has beyond `t0`, where it has more digits.
     pub(super) t0_low: f64,
-    pub(super) t1: f64,
-    pub(super) y1: Y,
-    pub(super) slope1: Y,
+    pub(crate) t1: f64,
+    pub(crate) y1: Y,
+    pub(crate) slope1: Y,
     /// Coefficients by order, from the state and the slope at the start on.
-    pub(super) y: Vec<Y>,
+    pub(crate) y: Vec<Y>,
     /// Degree of the polynomial that the step is taken with.
-    pub(super) degree: usize,
+    pub(crate) degree: usize,
     /// What the tolerance weighs each state with at the start.
     pub(super) weights: Y,
 }
@@ -85,7 +88,7 @@ impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
     {
         if !std::mem::replace(&mut self.is_expanded, true) {
             let TaylorStep { t0, y, .. } = &mut self.step;
-            self.expansion.complete(problem, mode, *t0, y);
+            self.expansion.complete(&InMode { problem, mode: &mode }, *t0, y);
             self.guards.forget();
             stats.work.n_rhs += 1;
         }
@@ -113,7 +116,7 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
         (step.t0, step.t1) = (t, t);
         step.y[0].clone_from(y);
         step.y1.clone_from(y);
-        self.expansion.begin(problem, mode, t, y, &mut step.y[1]);
+        self.expansion.begin(&InMode { problem, mode: &mode }, t, y, &mut step.y[1]);
         self.is_expanded = false;
         self.degree = None;
     }
@@ -146,11 +149,9 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
         step.t1 = t1;
         step.degree = self.degree.unwrap_or_else(|| order::convergent_degree(&step.y, h));
         sum_with_slope(&step.y[..=step.degree], h, &mut step.y1, &mut self.error);
-        self.expansion.begin(problem, mode, t1, &step.y1, &mut step.slope1);
-        let share = h / (step.degree + 1) as f64;
-        for (error, slope) in self.error.as_mut().iter_mut().zip(step.slope1.as_ref()) {
-            *error = share * (*error - slope);
-        }
+        let field = InMode { problem, mode: &mode };
+        self.expansion.begin(&field, t1, &step.y1, &mut step.slope1);
+        to_defect(h, step.degree, &step.slope1, &mut self.error);
     }
 
     fn complete(&mut self, _problem: &P, _mode: P::Mode, _stats: &mut Stats) {}
@@ -192,23 +193,32 @@ fn sum<Y: Vector<f64>>(c: &[Y], h: f64, y: &mut Y) {
     y.clone_from(last);
     for c in rest.iter().rev() {
         for (y, c) in y.as_mut().iter_mut().zip(c.as_ref()) {
-            *y = *y * h + c;
+            *y = Base::fma(*y, h, *c);
         }
     }
 }
 
 /// The same with its derivative.
 #[inline]
-fn sum_with_slope<Y: Vector<f64>>(c: &[Y], h: f64, y: &mut Y, slope: &mut Y) {
+pub(crate) fn sum_with_slope<T: Base, Y: Vector<T>>(c: &[Y], h: T, y: &mut Y, slope: &mut Y) {
     let [rest @ .., last] = c else { return };
     y.clone_from(last);
-    slope.as_mut().fill(0.0);
+    slope.as_mut().fill(T::cst(0.0));
     for c in rest.iter().rev() {
         let both = y.as_mut().iter_mut().zip(slope.as_mut());
         for ((y, slope), c) in both.zip(c.as_ref()) {
-            *slope = *slope * h + *y;
-            *y = *y * h + c;
+            *slope = T::fma(*slope, h, *y);
+            *y = T::fma(*y, h, *c);
         }
+    }
+}
+
+/// Makes `h/(N + 1)` times its difference from `slope` of the derivative of a polynomial of `degree` N.
+#[inline]
+pub(crate) fn to_defect<T: Real, Y: Vector<T>>(h: T, degree: usize, slope: &Y, derivative: &mut Y) {
+    let share = h / (degree + 1) as f64;
+    for (derivative, slope) in derivative.as_mut().iter_mut().zip(slope.as_ref()) {
+        *derivative = share * (*derivative - *slope);
     }
 }
 

@@ -3,7 +3,7 @@
 use super::rows::MAX_ORDER;
 use crate::magnitude::{exp2, log2};
 use crate::system::Vector;
-use crate::tolerance::Tolerance;
+use crate::tolerance::{Tolerance, weighed_sq};
 
 /// The order of runs with a fixed step.
 pub const FIXED_STEP_ORDER: usize = 8;
@@ -50,14 +50,13 @@ pub struct Reach {
 ///
 /// `weights` is memory, as long as a state.
 pub fn reach<Y: Vector<f64>>(y: &[Y], tolerance: &Tolerance, weights: &mut Y) -> Option<Reach> {
-    let order = y.len() - 1;
-    let (start, weights) = (y[0].as_ref(), weights.as_mut());
-    tolerance.weights(start, weights);
-    let weights = &*weights;
-    let norm_sq = |k: usize| {
-        let weighed = y[k].as_ref().iter().zip(weights).map(|(y, weight)| y * weight);
-        weighed.map(|ratio| ratio * ratio).sum::<f64>() / start.len() as f64
-    };
+    tolerance.weights(y[0].as_ref(), weights.as_mut());
+    reach_by(y.len() - 1, |k| weighed_sq(y[k].as_ref(), weights.as_ref()))
+}
+
+/// [`reach`] of a series of `order` by the squares of its norms.
+#[inline]
+pub(crate) fn reach_by(order: usize, norm_sq: impl Fn(usize) -> f64) -> Option<Reach> {
     // log₂ h of the last two terms; not a number where they are not.
     let of_last = |n: usize| {
         let (a, b) = (log_root(norm_sq(n - 1), n - 1), log_root(norm_sq(n), n));

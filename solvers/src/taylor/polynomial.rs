@@ -6,6 +6,22 @@ use crate::root::{Bracket, find_root};
 /// Halvings after which roots are not told apart: they are then a touch, and no crossing.
 const DEPTH: u32 = 40;
 
+/// `1/C(n, k)`.
+const PER_BINOMIAL: [[f64; MAX_ORDER + 1]; MAX_ORDER + 1] = {
+    let mut table = [[0.0; MAX_ORDER + 1]; MAX_ORDER + 1];
+    let mut n = 0;
+    while n <= MAX_ORDER {
+        let (mut k, mut binomial) = (0, 1);
+        while k <= n {
+            table[n][k] = 1.0 / binomial as f64;
+            binomial = binomial * (n - k) / (k + 1);
+            k += 1;
+        }
+        n += 1;
+    }
+    table
+};
+
 /// A polynomial on [0, 1], by its coefficients of 1, s, s², …
 #[derive(Clone, Copy, Debug)]
 pub struct Polynomial {
@@ -99,10 +115,8 @@ impl Bernstein {
             }
         }
         // b_j = Σ_k C(j, k)/C(n, k) c_k: differences summed up.
-        let mut binomial = 1.0;
-        for (k, b) in b.iter_mut().enumerate().take(n + 1).skip(1) {
-            binomial *= (n + 1 - k) as f64 / k as f64;
-            *b /= binomial;
+        for (b, per_binomial) in b.iter_mut().zip(&PER_BINOMIAL[n]) {
+            *b *= per_binomial;
         }
         for i in 0..n {
             for j in (i + 1..=n).rev() {

@@ -6,7 +6,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::base::Base;
 use super::recurrence;
 use super::rows::{Row, Table};
-use crate::real::{Function, Functions, Real};
+use crate::lanes::scalar::{Lanes, Own, Simd};
+use crate::real::{Function, Functions, Over, Real};
 
 /// The largest integer power that is taken by products.
 const LARGEST_PRODUCT: f64 = 64.0;
@@ -303,6 +304,52 @@ impl<B: Base> Div<f64> for Series<'_, B> {
     #[inline(always)]
     fn div(self, x: f64) -> Self {
         self.over(B::cst(x))
+    }
+}
+
+impl<V: Simd> Add<Own<V>> for Series<'_, Lanes<V>>
+where
+    Lanes<V>: Base,
+{
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, own: Own<V>) -> Self {
+        self.plus(own.number())
+    }
+}
+
+impl<V: Simd> Sub<Own<V>> for Series<'_, Lanes<V>>
+where
+    Lanes<V>: Base,
+{
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, own: Own<V>) -> Self {
+        self.plus(-own.number())
+    }
+}
+
+impl<V: Simd> Mul<Own<V>> for Series<'_, Lanes<V>>
+where
+    Lanes<V>: Base,
+{
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, own: Own<V>) -> Self {
+        self.linear(self.coefficient * own)
+    }
+}
+
+impl<V: Simd> Over<Own<V>> for Series<'_, Lanes<V>>
+where
+    Lanes<V>: Base,
+{
+    #[inline(always)]
+    fn of(constant: Own<V>) -> Self {
+        Self::constant(constant.number())
     }
 }
 

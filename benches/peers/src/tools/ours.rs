@@ -38,7 +38,7 @@ pub(super) fn entries(problem: &Problem) -> Vec<Entry<'_>> {
             Entry::new(TOOL, (method.name, handling), number, run)
         })
     });
-    let in_pairs = METHODS.iter().filter(|method| method.is_for_lanes()).flat_map(|method| {
+    let in_pairs = METHODS.iter().filter(|method| method.is_for_pairs()).flat_map(|method| {
         accuracies(method).into_iter().map(move |(number, accuracy)| {
             let setting = Setting { method, events: Events::Located, accuracy };
             let run = move || Ok(pair(problem, &setting)?);
