@@ -101,7 +101,7 @@ impl StepController {
 
     /// By [`check`](Self::check) where the size of the step was proposed, else by [`judge`](Self::judge).
     #[inline]
-    pub fn verdict(
+    pub(crate) fn verdict(
         &mut self,
         is_proposed: bool,
         h: f64,

@@ -393,7 +393,7 @@ pub(crate) struct Course {
 }
 
 /// A step whose size is to be settled.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) enum Due {
     /// The first one of a phase, no shorter than what time resolves.
     First {

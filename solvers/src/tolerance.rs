@@ -56,6 +56,9 @@ impl Tolerance {
 }
 
 /// [`Tolerance::weights`] for tolerances `rtol` and `atol`, of one run or of each of several.
+///
+/// # Panics
+/// Where `atol` is shorter than `y`.
 #[inline]
 pub(crate) fn weigh<T: Ordered + Over<C>, C: Copy>(
     (rtol, atol): (C, &[C]),

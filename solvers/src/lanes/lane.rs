@@ -6,8 +6,8 @@ use crate::control::Verdict;
 use crate::erk::ExplicitRk;
 use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
-use crate::one_step::{Course, Due, OneStep, OneStepSolver, Scene};
-use crate::phase::{PhaseEnd, Point};
+use crate::one_step::{Course, OneStep, OneStepSolver, Scene};
+use crate::phase::PhaseEnd;
 use crate::record::Record;
 use crate::stats::Stats;
 use crate::step::Step;
@@ -86,16 +86,10 @@ impl<'r, 'a, P: System, R: Record<P>, M: OneStep<P>> Lane<'r, 'a, P, R, M> {
         fate.unwrap_or_else(|error| Fate::Ends(Err(error)))
     }
 
-    /// Goes on alone to the end of its phase.
+    /// Goes on alone to the end of its phase; of a method that proposes sizes from the start of that.
     pub(super) fn go_alone(&mut self) -> Fate {
         watch_from_start(self.run, &mut self.solver);
-        if let Some(due) = self.course.due {
-            let Self { run, solver, .. } = self;
-            let Point { t, y, mode } = &run.point;
-            if due == Due::Next {
-                // Its method has not seen the steps of several.
-                solver.method.restart(run.problem, mode.clone(), *t, y, &mut Stats::default());
-            }
+        if self.course.due.is_some() {
             let fate = self.go_on(Ok(None));
             if !matches!(fate, Fate::Attempts) {
                 return fate;

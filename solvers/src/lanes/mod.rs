@@ -11,8 +11,8 @@
 //! verdict, record, the next step; where a guard may have fallen, its search, landing, transition: of each
 //! ```
 //!
-//! The code of a step is the one of [`erk`](crate::erk) over another scalar, that of events is the one of
-//! each run. A vector instruction rounds as the scalar one does, elementary functions are those of `libm`
+//! The code of a step is the one of [`erk`](crate::erk) or [`taylor`](crate::taylor) over another scalar, that of
+//! events is the one of each run. A vector instruction rounds as the scalar one does, elementary functions are those of `libm`
 //! operation by operation or run by run, so nothing that comes out depends on the company: states, times,
 //! events and counts of work. Runs that leave a mode wait for others in their next one.
 //!
@@ -28,8 +28,8 @@
 //! [`Method::run_pair`](crate::Method::run_pair) is the way in for two runs of models that are
 //! [alike](crate::Alike): constants of model and mode are then [numbers of each run](scalar::Own), so that two joints,
 //! or slips to either side, share a vector of two. A run whose mode is of another form goes on alone meanwhile.
-//! Two [series](crate::taylor) of one order are expanded at once too, with those of the guards; step sizes follow from
-//! them, and a run whose series is to be cut takes that step alone.
+//! Two [series](crate::taylor) of one order, to tolerances, are expanded at once too, and those of the guards with
+//! them; a run whose series is to be cut takes that step alone.
 
 mod attempt;
 pub mod dual;

@@ -210,7 +210,7 @@ impl Method {
         matches!(self.scheme, Scheme::Auto)
     }
 
-    /// Whether it computes two runs of systems of a kind [at once](Self::run_pair): it has an explicit tableau, or
+    /// Whether it can compute two runs of systems of a kind [at once](Self::run_pair): it has an explicit tableau, or
     /// is made of series.
     pub fn is_for_pairs(&self) -> bool {
         by_scheme!(
@@ -358,8 +358,8 @@ impl Method {
     /// recorder of its own; how each ended.
     ///
     /// What comes out is to the bit what [`Integration::run`] gives with a [solver](Self::solver) of each
-    /// run's own. An explicit tableau method, and series of one order, compute both [at once](crate::lanes), wherever
-    /// both are in modes that differ in numbers alone; else one run follows the other.
+    /// run's own. An explicit tableau method, and series of one order to tolerances, compute both
+    /// [at once](crate::lanes), wherever both are in modes that differ in numbers alone; else one run follows the other.
     ///
     /// # Errors
     /// As [`solver`](Self::solver), before any run begins.

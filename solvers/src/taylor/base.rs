@@ -6,7 +6,7 @@ use twofloat::TwoFloat;
 use wide::{f64x2, f64x4, f64x8};
 
 use super::rows::{MAX_ORDER, Row};
-use crate::lanes::scalar::Lanes;
+use crate::lanes::scalar::{Lanes, Simd};
 use crate::real::{Ordered, Real};
 
 /// A number that series are made of.
@@ -161,7 +161,7 @@ impl Four<Lanes<f64x2>> for f64x8 {
 
     #[inline(always)]
     fn mul_add(self, by: Self, plus: Self) -> Self {
-        if cfg!(target_feature = "fma") { self.mul_add(by, plus) } else { self * by + plus }
+        Simd::mul_add(self, by, plus)
     }
 
     #[inline(always)]
@@ -197,20 +197,29 @@ mod tests {
     #[test]
     fn long_sums_take_each_term_once_and_no_other() {
         for k in 6..=MAX_ORDER {
-            let rows = Rows::new();
+            let (rows, both) = (Rows::new(), Rows::new());
             let n = std::cell::Cell::new(0);
-            let table = rows.table(&n, k);
-            let (a, b) = (table.next(), table.next());
+            let [[a, b], [a_2, b_2]] = [(); 2].map(|()| [(); 2].map(|()| rows.table(&n, k).next()));
+            n.set(0);
+            let [a_both, b_both] = [(); 2].map(|()| both.table(&n, k).next());
             for j in 0..=MAX_ORDER {
                 // Orders that no such sum takes are poison.
                 let is_term = (1..k).contains(&j);
                 let of = |x: usize| if is_term { (x % 97) as f64 } else { f64::NAN };
-                a.set(j, of(j * j + 3));
-                b.set(j, of(7 * j + 5));
+                let each = [of(j * j + 3), of(7 * j + 5), of(11 * j + 2), of(j * j + 5 * j)];
+                a.set(j, each[0]);
+                b.set(j, each[1]);
+                a_2.set(j, each[2]);
+                b_2.set(j, each[3]);
+                a_both.set(j, Lanes::from_fn(|run| [each[0], each[2]][run]));
+                b_both.set(j, Lanes::from_fn(|run| [each[1], each[3]][run]));
             }
             // Whole numbers: the order of summation is no matter.
-            let sum: f64 = (1..k).map(|j| a.at(j) * b.at(k - j)).sum();
-            assert_eq!(f64::long_inner(k, a, b), sum, "order {k}");
+            let sum =
+                |a: &Row<f64>, b: &Row<f64>| -> f64 { (1..k).map(|j| a.at(j) * b.at(k - j)).sum() };
+            assert_eq!(f64::long_inner(k, a, b), sum(a, b), "order {k}");
+            let of_both = Lanes::<f64x2>::long_inner(k, a_both, b_both);
+            assert_eq!([0, 1].map(|run| of_both.lane(run)), [sum(a, b), sum(a_2, b_2)], "{k}");
         }
     }
 }

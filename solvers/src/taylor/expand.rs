@@ -57,7 +57,7 @@ impl<P: System, B: Base> SeriesField<P, B> for InMode<'_, P> {
 /// y(t₀ + s) = Σ y_k sᵏ,   y_(k+1) = f_k/(k + 1),   f(t₀ + s, y(t₀ + s)) = Σ f_k sᵏ
 /// ```
 #[derive(Debug)]
-pub struct Expansion<B: Copy> {
+pub(crate) struct Expansion<B: Copy> {
     rows: Rows<B>,
     /// Those that the present expansion takes.
     n_rows: usize,

@@ -8,7 +8,7 @@ use twofloat::TwoFloat;
 
 use super::expand::Expansion;
 use super::guards::GuardSeries;
-use super::method::TaylorStep;
+use super::method::{TaylorStep, sum_with_slope};
 use super::order::{self, Reach};
 use super::rows::MAX_ORDER;
 use crate::erk::InMode;
@@ -190,14 +190,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         let (size, degree) = (t1 - self.t, self.step.degree);
         self.t1 = t1;
         let mut slopes = self.y1.clone();
-        let ends = self.y1.as_mut().iter_mut().zip(slopes.as_mut());
-        for (i, (y, slope)) in ends.enumerate() {
-            (*y, *slope) = (TwoFloat::from(0.0), TwoFloat::from(0.0));
-            for c in self.y[..=degree].iter().rev() {
-                *slope = *slope * size + *y;
-                *y = *y * size + c.as_ref()[i];
-            }
-        }
+        sum_with_slope(&self.y[..=degree], size, &mut self.y1, &mut slopes);
         let field = InMode { problem: self.problem, mode: &self.mode };
         self.expansion.begin(&field, self.t1, &self.y1, &mut self.slope1);
         self.step.t1 = self.t1.value();

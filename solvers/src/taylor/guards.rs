@@ -130,7 +130,7 @@ impl<G: Vector<f64>, B: Base<Rounded = f64>> GuardSeries<G, B> {
             watch.keep();
             return Ok(None);
         }
-        watch.violated(problem, mode.clone(), t1, step.y1())?;
+        watch.violated_there(problem, mode.clone(), t1, step.y1())?;
         let mut first: Option<Fall> = None;
         for guard in 0..self.g[0].as_ref().len() {
             let at_end = watch.is_violated(guard);

@@ -95,6 +95,15 @@ impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
     }
 }
 
+impl<Y, G> TaylorMethod<Y, G> {
+    /// Takes note of how far the series reaches; the step size to propose.
+    #[inline]
+    pub(crate) fn reaches(&mut self, reach: Option<Reach>) -> Option<f64> {
+        self.degree = reach.map(|reach| reach.degree);
+        reach.map(|reach| reach.h)
+    }
+}
+
 impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
     type Step = TaylorStep<P::State<f64>>;
 
@@ -130,8 +139,7 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
     ) -> Option<f64> {
         self.expand(problem, mode, stats);
         let reach = order::reach(&self.step.y, tolerance, &mut self.step.weights);
-        self.degree = reach.map(|Reach { degree, .. }| degree);
-        reach.map(|Reach { h, .. }| h)
+        self.reaches(reach)
     }
 
     /// Sums the series, and begins that of the step to come: `y₁ = p(h)` and `ẏ₁ = f(t₁, y₁)` for the

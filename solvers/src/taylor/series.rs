@@ -440,7 +440,7 @@ impl<B: Base> Real for Series<'_, B> {
     #[inline(always)]
     fn apart<F: Function>(self, f: &F) -> Self {
         let Some(Place { table, row }) = self.kept().place else {
-            return Self::constant(f.of(self.coefficient));
+            return Self::constant(self.coefficient.apart(f));
         };
         let (c, c_k) = table.apart(|table| Self::function(table, (row, self.coefficient), f));
         Self { place: Some(Place { table, row: c }), coefficient: c_k }
@@ -469,6 +469,8 @@ impl<B: Base> Real for Series<'_, B> {
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
+
+    use wide::f64x2;
 
     use super::super::rows::{MAX_ORDER, N_ROWS, Rows};
     use super::*;
@@ -522,6 +524,32 @@ mod tests {
         for (sum, exact) in sums.iter().zip(operations(x + s)) {
             // Measured: 8.9e-16.
             assert!((sum - exact).abs() < 5e-15, "{sum} for {exact}");
+        }
+    }
+
+    /// Operations with constants of each run, and each of a [`Real`].
+    fn with_constants<S: Over<C>, C: Copy>(x: S, [c, d]: [C; 2]) -> [S; 10] {
+        let [a, b, e, f, g, h, i, j] = operations(x);
+        [a, b, e, f, g, h, i, j, (x * c + d) * x - c, <S as Over<C>>::of(d) / x]
+    }
+
+    #[test]
+    fn series_of_two_runs_have_the_bits_of_each() {
+        let (x, c, d) = ([0.7, 0.8], [1.5, -0.3], [0.1, 7.0]);
+        let (both, each) = (Rows::new(), [Rows::new(), Rows::new()]);
+        for k in 0..=MAX_ORDER {
+            let start = |x: f64| [x, 1.0, 0.0][k.min(2)];
+            let n = Cell::new(0);
+            let of_both = Series::new(both.table(&n, k), Lanes::<f64x2>::from_fn(|i| start(x[i])));
+            let own = [c, d].map(|c| Own::from_fn(|i| c[i]));
+            let of_both = with_constants(of_both, own).map(|series| series.coefficient(k));
+            for (i, rows) in each.iter().enumerate() {
+                n.set(0);
+                let alone = Series::new(rows.table(&n, k), start(x[i]));
+                let alone = with_constants(alone, [c[i], d[i]]).map(|series| series.coefficient(k));
+                let bits = of_both.map(|both| both.lane(i).to_bits());
+                assert_eq!(bits, alone.map(f64::to_bits), "order {k}, run {i}");
+            }
         }
     }
 

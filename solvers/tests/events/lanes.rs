@@ -2,7 +2,12 @@
 #![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
 use deltazero_solvers::problems::BouncingBall;
-use deltazero_solvers::{Control, Error, Grid, Integration, Method, Outcome, System, Trajectory};
+use std::fmt::Debug;
+
+use deltazero_solvers::{
+    Alike, Control, Error, Grid, Integration, METHODS, Method, Next, Outcome, Over, Real, System,
+    Trajectory,
+};
 
 use crate::log::{Log, Setting, settings};
 use crate::script::{Script, floor, guard, unused};
@@ -118,25 +123,41 @@ fn a_run_that_fails_ends_alone() {
     }
 }
 
-/// Two balls as a pair, and each alone.
-fn pair_has_same_bits(
+/// Two runs as a pair, and each alone; how they ended and how many steps were rejected.
+fn pair_has_same_bits<P: Alike<State<f64> = [f64; 2]>>(
     (method, controls): (&Method, [Control; 2]),
-    balls: [BouncingBall; 2],
+    problems: &[P; 2],
+    starts: [(f64, [f64; 2]); 2],
     t_end: f64,
-) {
-    let begun = || balls.each_ref().map(|ball| Integration::new(ball, 0.0, ball.start()));
-    let recorders = |n| recorders::<BouncingBall>(n).split_off(n - 2);
+) -> (Vec<Result<Outcome, Error>>, u64) {
+    let begun = || {
+        [0, 1].map(|i| {
+            let (t, y) = starts[i];
+            Integration::new(&problems[i], t, y)
+        })
+    };
+    let recorders = |n| recorders::<P>(n).split_off(n - 2);
+    let (mut all, mut n_rejected) = (Vec::new(), 0);
     for n in [2, 4, 5, 12] {
         let (mut together, mut seen) = (begun(), recorders(n));
         let ([a, b], [shown_a, shown_b]) = (&mut together, &mut seen[..]) else { unreachable!() };
         let ends = method.run_pair([a, b], t_end, controls.each_ref(), [shown_a, shown_b]).unwrap();
         for (i, (mut run, mut record)) in begun().into_iter().zip(recorders(n)).enumerate() {
-            let mut solver = method.solver(&balls[i], controls[i].clone()).unwrap();
+            let mut solver = method.solver(&problems[i], controls[i].clone()).unwrap();
             let end = run.run(t_end, &mut *solver, &mut record);
             let (one, two) = (shown(&run, &end, &record), shown(&together[i], &ends[i], &seen[i]));
             assert_eq!(one, two, "{} with {controls:?}: run {i}", method.name);
+            n_rejected += run.stats.n_rejected;
         }
+        all.extend(ends);
     }
+    (all, n_rejected)
+}
+
+/// Two balls from rest at their heights.
+fn balls_have_same_bits(with: (&Method, [Control; 2]), balls: [BouncingBall; 2], t_end: f64) {
+    let starts = balls.each_ref().map(|ball| (0.0, ball.start()));
+    pair_has_same_bits(with, &balls, starts, t_end);
 }
 
 #[test]
@@ -154,9 +175,9 @@ fn two_runs_of_systems_of_a_kind_have_the_bits_of_runs_alone() {
             for (balls, t_end) in
                 [([ball, moon], 0.9), ([ball, moon], 2.0), ([ball, moon], 4.0), ([ball, lies], 1.0)]
             {
-                pair_has_same_bits((method, controls.clone()), balls, t_end);
+                balls_have_same_bits((method, controls.clone()), balls, t_end);
                 let [a, b] = controls.clone();
-                pair_has_same_bits((method, [b, a]), [balls[1], balls[0]], t_end);
+                balls_have_same_bits((method, [b, a]), [balls[1], balls[0]], t_end);
             }
         }
     }
@@ -169,10 +190,118 @@ fn one_of_two_runs_may_have_a_tolerance_and_the_other_a_step() {
     for name in ["rk45", "dop853", "taylor"] {
         let method = Method::named(name).unwrap();
         let controls = [Control::Fixed(0.03), crate::common::tolerance(1e-6)];
-        pair_has_same_bits((method, controls.clone()), [ball, moon], 2.0);
+        balls_have_same_bits((method, controls.clone()), [ball, moon], 2.0);
         let [a, b] = controls;
-        pair_has_same_bits((method, [b, a]), [ball, moon], 2.0);
+        balls_have_same_bits((method, [b, a]), [ball, moon], 2.0);
     }
+}
+
+/// A mass on a spring above a floor, with a drag that grows with its speed: `v̇ = −a y − b v √(v² + 0.1)`.
+#[derive(Clone, Copy)]
+struct Drag {
+    stiffness: f64,
+    /// Below zero it drives, and the speed is infinite after a finite time.
+    drag: f64,
+    floor: f64,
+}
+
+impl System for Drag {
+    type Mode = ();
+    type State<S: Real> = [S; 2];
+    type Guards<S: Real> = [S; 1];
+
+    const IN_LANES: bool = true;
+
+    fn dim(&self) -> usize {
+        2
+    }
+
+    fn n_guards(&self) -> usize {
+        1
+    }
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
+
+    fn rhs<S: Real>(&self, (): (), t: S, y: &[S; 2], dydt: &mut [S; 2]) {
+        Self::rhs_of(&self.constants(), t, y, dydt);
+    }
+
+    fn guards<S: Real>(&self, (): (), t: S, y: &[S; 2], g: &mut [S; 1]) {
+        Self::guards_of(&self.constants(), t, y, g);
+    }
+
+    fn guard_bounds(&self, (): (), _t: f64, y: &[f64; 2], bounds: &mut [f64; 1]) {
+        *bounds = [4.0 * f64::EPSILON * (y[0].abs() + self.floor.abs())];
+    }
+
+    fn transition<S: Real>(&self, (): (), _guard: usize, _t: S, y: &mut [S; 2]) -> Next<()> {
+        *y = [S::cst(self.floor), -y[1] * 0.8];
+        Next::Mode(())
+    }
+}
+
+impl Drag {
+    fn constants(&self) -> [f64; 3] {
+        [-self.stiffness, -self.drag, self.floor]
+    }
+}
+
+impl Alike for Drag {
+    type Numbers<C: Copy + Debug> = [C; 3];
+
+    fn numbers(&self, (): &()) -> Option<[f64; 3]> {
+        Some(self.constants())
+    }
+
+    fn rhs_of<S: Over<C>, C: Copy + Debug>(
+        [stiffness, drag, _]: &[C; 3],
+        _t: S,
+        y: &[S; 2],
+        dydt: &mut [S; 2],
+    ) {
+        let drag = y[1] * (y[1] * y[1] + 0.1).sqrt() * *drag;
+        *dydt = [y[1], y[0] * *stiffness + drag];
+    }
+
+    fn guards_of<S: Over<C>, C: Copy + Debug>(
+        [_, _, floor]: &[C; 3],
+        _t: S,
+        y: &[S; 2],
+        g: &mut [S; 1],
+    ) {
+        *g = [y[0] - *floor];
+    }
+}
+
+#[test]
+fn two_runs_whose_series_do_not_end_have_the_bits_of_runs_alone() {
+    let slow = Drag { stiffness: 9.0, drag: 0.3, floor: -0.5 };
+    let stiff = Drag { stiffness: 400.0, drag: 30.0, floor: -0.2 };
+    let blows_up = Drag { stiffness: 1.0, drag: -2.0, floor: -5.0 };
+    let [near, far] = [(0.0, [1.0, 0.0]), (0.1, [0.3, -2.0])];
+    let tolerance = crate::common::tolerance;
+    let mut n_rejected = 0;
+    for method in METHODS.iter().filter(|method| method.is_for_pairs()) {
+        let controls = if method.is_fixed_step() {
+            vec![[Control::Fixed(0.01), Control::Fixed(0.007)]]
+        } else {
+            // Of the first two series have one order.
+            [[1e-8, 9e-9], [3e-2, 2e-2], [1e-6, 1e-11]].map(|rtols| rtols.map(tolerance)).to_vec()
+        };
+        for controls in controls {
+            let with = || (method, controls.clone());
+            let both = [slow, stiff];
+            // Forward, one of them not at all, one forward and the other backward, both backward.
+            for t_end in [2.0, 0.1, 0.05, -0.3] {
+                n_rejected += pair_has_same_bits(with(), &both, [near, far], t_end).1;
+                let (both, starts) = ([stiff, slow], [far, near]);
+                n_rejected += pair_has_same_bits(with(), &both, starts, t_end).1;
+            }
+            let (ends, _) = pair_has_same_bits(with(), &[blows_up, slow], [far, near], 2.0);
+            assert!(ends.iter().any(Result::is_err), "{}: {ends:?}", method.name);
+        }
+    }
+    assert!(n_rejected > 0);
 }
 
 #[test]
