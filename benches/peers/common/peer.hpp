@@ -71,7 +71,7 @@ inline Times now() {
 
 using Solve = std::function<void(const Joint&, double rtol, Track&)>;
 
-// Runs a method over the ladder, 1e-3 ... 1e-13 in half decades, and prints its lines.
+// Runs a method over the ladder, 1e-3 ... 1e-13 in quarters of a decade, and prints its lines.
 inline void ladder(const char* tool, const std::string& version, const char* method,
                    const char* handling, const char* folder, const Solve& solve) {
     const auto once = [&](double rtol, Track tracks[2]) {
@@ -84,8 +84,9 @@ inline void ladder(const char* tool, const std::string& version, const char* met
         const Times end = now();
         return Times{end.wall - begin.wall, end.cpu - begin.cpu};
     };
-    for (int k = 0; k <= 20; ++k) {
-        const std::string text = (k % 2 ? "3e-" : "1e-") + std::to_string(3 + (k + 1) / 2);
+    const char* const digits[] = {"1", "5.6", "3.2", "1.8"};
+    for (int k = 0; k <= 40; ++k) {
+        const std::string text = digits[k % 4] + ("e-" + std::to_string(3 + (k + 3) / 4));
         const double rtol = std::stod(text);
         Track tracks[2];
         try {

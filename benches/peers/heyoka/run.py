@@ -22,7 +22,7 @@ except ImportError:
     sys.exit(0)
 
 import model
-from peer import T_END, TIMES, Track, ladder
+from peer import LADDER, T_END, TIMES, Track, ladder
 
 NAMES = ["X", "Y", "theta", "v_x", "v_y", "omega"]
 MAX_EVENTS = 5000
@@ -83,5 +83,5 @@ def solve(number, tol):
 
 
 if __name__ == "__main__":
-    TOLS = ["1e-3", "1e-4", "1e-5", "1e-6", "1e-8", "1e-10", "1e-12", "1e-14", "1e-16"]
+    TOLS = LADDER[::2] + ["1e-14", "1e-15", "1e-16"]
     ladder("heyoka", hy.__version__, "taylor", "located", solve, TOLS, warm_up=True)

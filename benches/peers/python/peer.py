@@ -8,7 +8,7 @@ from model import JOINTS
 
 N_SAMPLES, T_END = 200, 2.0
 TIMES = [0.01 * k for k in range(1, N_SAMPLES)] + [T_END]
-LADDER = [f"{'3' if k % 2 else '1'}e-{3 + (k + 1) // 2}" for k in range(21)]
+LADDER = [f"{('1', '5.6', '3.2', '1.8')[k % 4]}e-{3 + (k + 3) // 4}" for k in range(41)]
 # Seconds on the processor: the longest run of a ladder, and the repeats of a run.
 LONGEST = float(os.environ.get("PEERS_LONGEST", "1"))
 BUDGET = float(os.environ.get("PEERS_BUDGET", "0.3"))

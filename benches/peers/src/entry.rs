@@ -90,10 +90,14 @@ impl<'a> Entry<'a> {
     }
 }
 
-/// The ladder of relative tolerances: half decades from 1e-3 to 1e-13, rounded to 1 and 3.
+/// The ladder of relative tolerances: quarters of a decade from 1e-3 to 1e-13, rounded to two digits.
 pub(crate) fn ladder() -> impl Iterator<Item = f64> {
-    let text = (3..=13).flat_map(|k| [format!("1e-{k}"), format!("3e-{}", k + 1)]);
-    text.filter_map(|text| text.parse().ok()).take(21)
+    let decade = |k: u32| {
+        [format!("1e-{k}")]
+            .into_iter()
+            .chain(["5.6", "3.2", "1.8"].map(move |x| format!("{x}e-{}", k + 1)))
+    };
+    (3..=13).flat_map(decade).filter_map(|text| text.parse().ok()).take(41)
 }
 
 /// Absolute tolerances: `rtol` times the scale of each state.

@@ -20,12 +20,12 @@ static GO_ON: AtomicBool = AtomicBool::new(false);
 /// The methods that are shown event-blind too: the price of events.
 const BLIND: [&str; 2] = ["rk45", "dop853"];
 
-/// Steps of a method that has them fixed [s], tenths of a decade apart: about as far as half decades of
-/// tolerance set those of order 4 and 5.
-const STEPS: [f64; 21] = [
-    1e-3, 8e-4, 6.3e-4, 5e-4, 4e-4, 3.2e-4, 2.5e-4, 2e-4, 1.6e-4, 1.25e-4, 1e-4, 8e-5, 6.3e-5,
-    5e-5, 4e-5, 3.2e-5, 2.5e-5, 2e-5, 1.6e-5, 1.25e-5, 1e-5,
-];
+/// Steps of a method that has them fixed [s], twentieths of a decade apart from 1e-3 to 1e-5, rounded to three
+/// digits: about as far as quarters of a decade of tolerance set those of order 4 and 5.
+fn steps() -> impl Iterator<Item = f64> {
+    let step = |k: u32| format!("{:.2e}", libm::pow(10.0, -3.0 - 0.05 * f64::from(k)));
+    (0..=40).filter_map(move |k| step(k).parse().ok())
+}
 
 /// All of ours.
 pub(super) fn entries(problem: &Problem) -> Vec<Entry<'_>> {
@@ -52,7 +52,7 @@ pub(super) fn entries(problem: &Problem) -> Vec<Entry<'_>> {
 /// Steps or tolerances of `method`, as a number too.
 fn accuracies(method: &Method) -> Vec<(f64, Accuracy)> {
     if method.is_fixed_step() {
-        STEPS.map(|step| (step, Accuracy::Step(step))).to_vec()
+        steps().map(|step| (step, Accuracy::Step(step))).collect()
     } else {
         ladder().map(|rtol| (rtol, Accuracy::Rtol(rtol, None))).collect()
     }
