@@ -22,6 +22,7 @@ pub mod extended;
 pub mod guards;
 pub mod method;
 pub mod order;
+mod own;
 pub mod polynomial;
 pub mod recurrence;
 pub mod rows;

@@ -6,8 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::base::Base;
 use super::recurrence;
 use super::rows::{Row, Table};
-use crate::lanes::scalar::{Lanes, Own, Simd};
-use crate::real::{Function, Functions, Over, Real};
+use crate::real::{Function, Functions, Real};
 
 /// The largest integer power that is taken by products.
 const LARGEST_PRODUCT: f64 = 64.0;
@@ -28,7 +27,7 @@ const LARGEST_PRODUCT: f64 = 64.0;
 pub struct Series<'a, B: Copy> {
     place: Option<Place<'a, B>>,
     /// The coefficient of the present order; of a constant its value, at every order.
-    coefficient: B,
+    pub(super) coefficient: B,
 }
 
 /// Where the coefficients of a series are.
@@ -81,7 +80,7 @@ impl<'a, B: Base> Series<'a, B> {
 
     /// A linear function of this series, with this coefficient; of a constant, its value.
     #[inline(always)]
-    fn linear(self, coefficient: B) -> Self {
+    pub(super) fn linear(self, coefficient: B) -> Self {
         match self.place {
             None => Self::constant(coefficient),
             Some(Place { table, .. }) => Self::new(table, coefficient),
@@ -90,7 +89,7 @@ impl<'a, B: Base> Series<'a, B> {
 
     /// The series with `x` added to its coefficient of order zero.
     #[inline(always)]
-    fn plus(self, x: B) -> Self {
+    pub(super) fn plus(self, x: B) -> Self {
         let is_value = self.place.is_none_or(|place| place.table.k == 0);
         self.linear(if is_value { self.coefficient + x } else { self.coefficient })
     }
@@ -307,52 +306,6 @@ impl<B: Base> Div<f64> for Series<'_, B> {
     }
 }
 
-impl<V: Simd> Add<Own<V>> for Series<'_, Lanes<V>>
-where
-    Lanes<V>: Base,
-{
-    type Output = Self;
-
-    #[inline(always)]
-    fn add(self, own: Own<V>) -> Self {
-        self.plus(own.number())
-    }
-}
-
-impl<V: Simd> Sub<Own<V>> for Series<'_, Lanes<V>>
-where
-    Lanes<V>: Base,
-{
-    type Output = Self;
-
-    #[inline(always)]
-    fn sub(self, own: Own<V>) -> Self {
-        self.plus(-own.number())
-    }
-}
-
-impl<V: Simd> Mul<Own<V>> for Series<'_, Lanes<V>>
-where
-    Lanes<V>: Base,
-{
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, own: Own<V>) -> Self {
-        self.linear(self.coefficient * own)
-    }
-}
-
-impl<V: Simd> Over<Own<V>> for Series<'_, Lanes<V>>
-where
-    Lanes<V>: Base,
-{
-    #[inline(always)]
-    fn of(constant: Own<V>) -> Self {
-        Self::constant(constant.number())
-    }
-}
-
 impl<B: Base> Real for Series<'_, B> {
     #[inline(always)]
     fn cst(x: f64) -> Self {
@@ -467,16 +420,14 @@ impl<B: Base> Real for Series<'_, B> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::cell::Cell;
-
-    use wide::f64x2;
 
     use super::super::rows::{MAX_ORDER, N_ROWS, Rows};
     use super::*;
 
     /// Every operation of a [`Real`] once, of an argument near 0.7.
-    fn operations<S: Real>(x: S) -> [S; 8] {
+    pub(crate) fn operations<S: Real>(x: S) -> [S; 8] {
         let (sin, cos) = x.sin_cos();
         [
             x * x / (x + 1.0) - S::cst(2.0) / x,
@@ -524,32 +475,6 @@ mod tests {
         for (sum, exact) in sums.iter().zip(operations(x + s)) {
             // Measured: 8.9e-16.
             assert!((sum - exact).abs() < 5e-15, "{sum} for {exact}");
-        }
-    }
-
-    /// Operations with constants of each run, and each of a [`Real`].
-    fn with_constants<S: Over<C>, C: Copy>(x: S, [c, d]: [C; 2]) -> [S; 10] {
-        let [a, b, e, f, g, h, i, j] = operations(x);
-        [a, b, e, f, g, h, i, j, (x * c + d) * x - c, <S as Over<C>>::of(d) / x]
-    }
-
-    #[test]
-    fn series_of_two_runs_have_the_bits_of_each() {
-        let (x, c, d) = ([0.7, 0.8], [1.5, -0.3], [0.1, 7.0]);
-        let (both, each) = (Rows::new(), [Rows::new(), Rows::new()]);
-        for k in 0..=MAX_ORDER {
-            let start = |x: f64| [x, 1.0, 0.0][k.min(2)];
-            let n = Cell::new(0);
-            let of_both = Series::new(both.table(&n, k), Lanes::<f64x2>::from_fn(|i| start(x[i])));
-            let own = [c, d].map(|c| Own::from_fn(|i| c[i]));
-            let of_both = with_constants(of_both, own).map(|series| series.coefficient(k));
-            for (i, rows) in each.iter().enumerate() {
-                n.set(0);
-                let alone = Series::new(rows.table(&n, k), start(x[i]));
-                let alone = with_constants(alone, [c[i], d[i]]).map(|series| series.coefficient(k));
-                let bits = of_both.map(|both| both.lane(i).to_bits());
-                assert_eq!(bits, alone.map(f64::to_bits), "order {k}, run {i}");
-            }
         }
     }
 

@@ -1,0 +1,91 @@
+//! Series of several runs, and constants of each.
+
+use std::ops::{Add, Mul, Sub};
+
+use super::base::Base;
+use super::series::Series;
+use crate::lanes::scalar::{Lanes, Own, Simd};
+use crate::real::Over;
+
+impl<V: Simd> Add<Own<V>> for Series<'_, Lanes<V>>
+where
+    Lanes<V>: Base,
+{
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, own: Own<V>) -> Self {
+        self.plus(own.number())
+    }
+}
+
+impl<V: Simd> Sub<Own<V>> for Series<'_, Lanes<V>>
+where
+    Lanes<V>: Base,
+{
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, own: Own<V>) -> Self {
+        self.plus(-own.number())
+    }
+}
+
+impl<V: Simd> Mul<Own<V>> for Series<'_, Lanes<V>>
+where
+    Lanes<V>: Base,
+{
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, own: Own<V>) -> Self {
+        self.linear(self.coefficient * own)
+    }
+}
+
+impl<V: Simd> Over<Own<V>> for Series<'_, Lanes<V>>
+where
+    Lanes<V>: Base,
+{
+    #[inline(always)]
+    fn of(constant: Own<V>) -> Self {
+        Self::constant(constant.number())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use wide::f64x2;
+
+    use super::super::rows::{MAX_ORDER, Rows};
+    use super::super::series::tests::operations;
+    use super::*;
+
+    /// Operations with constants of each run, and each of a [`Real`].
+    fn with_constants<S: Over<C>, C: Copy>(x: S, [c, d]: [C; 2]) -> [S; 10] {
+        let [a, b, e, f, g, h, i, j] = operations(x);
+        [a, b, e, f, g, h, i, j, (x * c + d) * x - c, <S as Over<C>>::of(d) / x]
+    }
+
+    #[test]
+    fn series_of_two_runs_have_the_bits_of_each() {
+        let (x, c, d) = ([0.7, 0.8], [1.5, -0.3], [0.1, 7.0]);
+        let (both, each) = (Rows::new(), [Rows::new(), Rows::new()]);
+        for k in 0..=MAX_ORDER {
+            let start = |x: f64| [x, 1.0, 0.0][k.min(2)];
+            let n = Cell::new(0);
+            let of_both = Series::new(both.table(&n, k), Lanes::<f64x2>::from_fn(|i| start(x[i])));
+            let own = [c, d].map(|c| Own::from_fn(|i| c[i]));
+            let of_both = with_constants(of_both, own).map(|series| series.coefficient(k));
+            for (i, rows) in each.iter().enumerate() {
+                n.set(0);
+                let alone = Series::new(rows.table(&n, k), start(x[i]));
+                let alone = with_constants(alone, [c[i], d[i]]).map(|series| series.coefficient(k));
+                let bits = of_both.map(|both| both.lane(i).to_bits());
+                assert_eq!(bits, alone.map(f64::to_bits), "order {k}, run {i}");
+            }
+        }
+    }
+}
