@@ -89,18 +89,16 @@ impl<'r, 'a, P: System, R: Record<P>, M: OneStep<P>> Lane<'r, 'a, P, R, M> {
     /// Goes on alone to the end of its phase; of a method that proposes sizes from the start of that.
     pub(super) fn go_alone(&mut self) -> Fate {
         watch_from_start(self.run, &mut self.solver);
-        if self.course.due.is_some() {
-            let fate = self.go_on(Ok(None));
-            if !matches!(fate, Fate::Attempts) {
-                return fate;
-            }
-        }
+        let mut judged = match self.course.due {
+            Some(_) => Ok(None),
+            None => self.attempt(),
+        };
         loop {
-            let judged = self.attempt();
             let fate = self.go_on(judged);
             if !matches!(fate, Fate::Attempts) {
                 return fate;
             }
+            judged = self.attempt();
         }
     }
 

@@ -149,7 +149,7 @@ impl<P: Alike> SeriesPair<P> {
 
 impl<P: Alike> Together<P, TaylorMethod<P::State<f64>, P::Guards<f64>>> for SeriesPair<P> {
     /// A run has the place of its index. One without another takes both places: that is faster than alone, for its
-    /// code is of one mode (measured: 570 ns a step against 660 at order 11).
+    /// code is of one mode.
     fn go<'r, 'a, R: Record<P>>(
         &mut self,
         field: &OfEach<P, f64x2>,

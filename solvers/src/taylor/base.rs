@@ -29,7 +29,7 @@ pub trait Base: Real {
     }
 }
 
-// Where the compiler is not asked for speed, it is spared the code of each order; the bits are the same.
+/// Where the compiler is not asked for speed, it is spared the code of each order; the bits are the same.
 const UNROLLED: usize = if cfg!(debug_assertions) { 0 } else { MAX_ORDER };
 
 impl Base for f64 {

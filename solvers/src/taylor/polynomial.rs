@@ -7,7 +7,7 @@ use crate::root::{Bracket, find_root};
 const DEPTH: u32 = 40;
 
 /// `1/C(n, k)`.
-const PER_BINOMIAL: [[f64; MAX_ORDER + 1]; MAX_ORDER + 1] = {
+static PER_BINOMIAL: [[f64; MAX_ORDER + 1]; MAX_ORDER + 1] = {
     let mut table = [[0.0; MAX_ORDER + 1]; MAX_ORDER + 1];
     let mut n = 0;
     while n <= MAX_ORDER {
@@ -115,7 +115,7 @@ impl Bernstein {
             }
         }
         // b_j = Σ_k C(j, k)/C(n, k) c_k: differences summed up.
-        for (b, per_binomial) in b.iter_mut().zip(&PER_BINOMIAL[n]) {
+        for (b, per_binomial) in b.iter_mut().zip(&PER_BINOMIAL[n][..=n]) {
             *b *= per_binomial;
         }
         for i in 0..n {

@@ -1,5 +1,5 @@
-//! Ours: every method of the list, events located; those with an explicit tableau with both joints at once too;
-//! and two explicit ones event-blind.
+//! Ours: every method of the list, events located; those that can with both joints at once too; and two explicit
+//! ones event-blind.
 
 use std::sync::atomic::AtomicBool;
 
