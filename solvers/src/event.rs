@@ -111,18 +111,7 @@ impl<P: System> GuardWatch<P> {
         t: f64,
         y: &P::State<f64>,
     ) -> Result<Option<usize>, Error> {
-        self.values(problem, mode.clone(), t, y);
-        self.violated_there(problem, mode, t, y)
-    }
-
-    /// The same where all guards were just [evaluated](Self::values).
-    pub(crate) fn violated_there(
-        &mut self,
-        problem: &P,
-        mode: P::Mode,
-        t: f64,
-        y: &P::State<f64>,
-    ) -> Result<Option<usize>, Error> {
+        problem.guards(mode.clone(), t, y, &mut self.values);
         problem.guard_bounds(mode.clone(), t, y, &mut self.bounds);
         let mut first = None;
         for (i, (g, bound)) in self.values.as_ref().iter().zip(self.bounds.as_ref()).enumerate() {
@@ -136,18 +125,6 @@ impl<P: System> GuardWatch<P> {
             }
         }
         Ok(first)
-    }
-
-    /// Evaluates all guards of `mode` at `(t, y)`, without their bounds.
-    pub(crate) fn values(
-        &mut self,
-        problem: &P,
-        mode: P::Mode,
-        t: f64,
-        y: &P::State<f64>,
-    ) -> &P::Guards<f64> {
-        problem.guards(mode, t, y, &mut self.values);
-        &self.values
     }
 
     /// Whether guard `i`, as last evaluated, is violated.

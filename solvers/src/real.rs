@@ -47,6 +47,14 @@ pub trait Real:
     /// `selfᵃ` for a base of at least zero.
     fn powf(self, a: f64) -> Self;
 
+    /// The length `ρ = √(d·d)` of the plane vector `d`, of which `v` is the rate along every solution: what
+    /// expands makes the coefficients of ρ from those of ρ̇, and another `v` would make them wrong. Where `d` is
+    /// zero, `1/ρ` and ρ̇ are not finite.
+    #[inline(always)]
+    fn length(d: [Self; 2], v: [Self; 2]) -> Length<Self> {
+        length_of_values(d, v)
+    }
+
     /// Iterations of Newton's by which a root known to the digits of an `f64` has all of this number: each
     /// doubles digits and, of what expands, orders.
     const NEWTON_STEPS: usize = 6;
@@ -63,6 +71,25 @@ pub trait Real:
     ) -> [Self; M] {
         f.of(x)
     }
+}
+
+/// A length `ρ` of a vector `d` that moves at `v`.
+#[derive(Clone, Copy, Debug)]
+pub struct Length<S> {
+    /// `ρ`.
+    pub value: S,
+    /// `1/ρ`.
+    pub reciprocal: S,
+    /// `ρ̇ = d·v/ρ`.
+    pub rate: S,
+}
+
+/// [`Real::length`] by its definition.
+#[inline(always)]
+pub(crate) fn length_of_values<S: Real>(d: [S; 2], v: [S; 2]) -> Length<S> {
+    let value = (d[0] * d[0] + d[1] * d[1]).sqrt();
+    let reciprocal = S::cst(1.0) / value;
+    Length { value, reciprocal, rate: (d[0] * v[0] + d[1] * v[1]) * reciprocal }
 }
 
 /// A number that constants of the kind `C` are added to and multiplied with: `f64` of any, and of the number of

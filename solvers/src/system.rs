@@ -106,6 +106,26 @@ pub trait System {
     /// Writes the guards of `mode` to `g`: positive inside the mode.
     fn guards<S: Real>(&self, mode: Self::Mode, t: S, y: &Self::State<S>, g: &mut Self::Guards<S>);
 
+    /// Writes both [`rhs`](Self::rhs) and [`guards`](Self::guards) at `(t, y)`, each to the bit. Where the two have
+    /// terms in common, a model may compute those once; the default calls one after the other.
+    ///
+    /// Its operations on numbers begin with those of `rhs`, in the order of `rhs`: a series is begun by the
+    /// one and gone on with by the other. Where they do not, series are wrong: steps to a tolerance are rejected
+    /// until a run ends in [`StepUnderflow`](crate::Error::StepUnderflow), fixed ones are not. A model that
+    /// has its own is tested by [`begins_with_rhs`](crate::taylor::expand::begins_with_rhs).
+    #[inline(always)]
+    fn rhs_with_guards<S: Real>(
+        &self,
+        mode: Self::Mode,
+        t: S,
+        y: &Self::State<S>,
+        dydt: &mut Self::State<S>,
+        g: &mut Self::Guards<S>,
+    ) {
+        self.rhs(mode.clone(), t, y, dydt);
+        self.guards(mode, t, y, g);
+    }
+
     /// Writes bounds of the rounding errors of [`guards`](Self::guards) to `bounds`, in the
     /// guards' units and above zero: a guard is *violated* when it is below minus its bound.
     fn guard_bounds(
@@ -239,6 +259,19 @@ pub trait Alike: System {
         y: &Self::State<S>,
         g: &mut Self::Guards<S>,
     );
+
+    /// Writes both; as [`System::rhs_with_guards`].
+    #[inline(always)]
+    fn rhs_with_guards_of<S: Over<C>, C: Copy + Debug>(
+        numbers: &Self::Numbers<C>,
+        t: S,
+        y: &Self::State<S>,
+        dydt: &mut Self::State<S>,
+        g: &mut Self::Guards<S>,
+    ) {
+        Self::rhs_of(numbers, t, y, dydt);
+        Self::guards_of(numbers, t, y, g);
+    }
 }
 
 /// A [`System`] whose mode can be read off its state, as an event-blind integration needs it.

@@ -46,19 +46,6 @@ impl<P: Alike, V: Simd> Slope<Lanes<V>, P::State<Lanes<V>>> for OfEach<P, V> {
     }
 }
 
-impl<P: Alike, V: Simd> OfEach<P, V> {
-    /// Writes the guards at `(t, y)` to `g`.
-    #[inline(always)]
-    pub(super) fn guards_at(
-        &self,
-        t: Lanes<V>,
-        y: &P::State<Lanes<V>>,
-        g: &mut P::Guards<Lanes<V>>,
-    ) {
-        P::guards_of(&self.0, t, y, g);
-    }
-}
-
 impl<P: Alike, V: Simd> SeriesField<P, Lanes<V>> for OfEach<P, V>
 where
     Lanes<V>: Base,
@@ -81,6 +68,17 @@ where
         g: &mut P::Guards<Series<'s, Lanes<V>>>,
     ) {
         P::guards_of(&self.0, t, y, g);
+    }
+
+    #[inline(always)]
+    fn slope_with_guards<'s>(
+        &self,
+        t: Series<'s, Lanes<V>>,
+        y: &P::State<Series<'s, Lanes<V>>>,
+        dydt: &mut P::State<Series<'s, Lanes<V>>>,
+        g: &mut P::Guards<Series<'s, Lanes<V>>>,
+    ) {
+        P::rhs_with_guards_of(&self.0, t, y, dydt, g);
     }
 }
 

@@ -16,7 +16,7 @@ use crate::record::Record;
 use crate::system::{Alike, System, Vector};
 use crate::taylor::TaylorMethod;
 use crate::taylor::expand::Expansion;
-use crate::taylor::guards::{FIRST_LOOK, GuardSeries};
+use crate::taylor::guards::GuardSeries;
 use crate::taylor::method::{sum_with_slope, to_defect};
 use crate::taylor::order::{Reach, reach_by};
 use crate::tolerance::{Tolerance, norm_sq, weigh, weighed_sq};
@@ -45,8 +45,6 @@ pub(super) struct SeriesPair<P: Alike> {
     error: P::State<Two>,
     /// Square of its norm.
     error_sq: Two,
-    /// Guards at the end.
-    end: P::Guards<Two>,
     /// A bit for each run whose end is finite and whose guards are clear.
     plain: u32,
 }
@@ -69,7 +67,7 @@ impl<P: Alike> SeriesPair<P> {
         let state = || Vector::from_fn(n, |_| Two::cst(0.0));
         Self {
             expansion: Expansion::default(),
-            guards: GuardSeries::new(n_guards, FIRST_LOOK),
+            guards: GuardSeries::new(n_guards, order),
             y: (0..=order).map(|_| state()).collect(),
             weights: state(),
             rtol: number(&|tolerance| tolerance.rtol),
@@ -80,7 +78,6 @@ impl<P: Alike> SeriesPair<P> {
             slope1: state(),
             error: state(),
             error_sq: Two::cst(0.0),
-            end: Vector::from_fn(n_guards, |_| Two::cst(1.0)),
             plain: 0,
         }
     }
@@ -100,7 +97,7 @@ impl<P: Alike> SeriesPair<P> {
             *y = Lanes::from_fn(|run| of[run].run.point.y.as_ref()[i]);
         }
         let (start, rest) = self.y.split_at_mut(1);
-        self.expansion.begin(field, self.t0, &start[0], &mut rest[0]);
+        self.expansion.begin(field, self.t0, &start[0], &mut rest[0], self.guards.start());
     }
 
     /// Starts where the last steps ended.
@@ -109,12 +106,13 @@ impl<P: Alike> SeriesPair<P> {
         self.t0 = self.t1;
         self.y[0].clone_from(&self.y1);
         self.y[1].clone_from(&self.slope1);
+        self.guards.advance();
     }
 
     /// Expands solutions about the start.
     #[inline(always)]
     fn expand(&mut self, field: &OfEach<P, f64x2>) {
-        self.expansion.complete(field, self.t0, &mut self.y);
+        self.expansion.complete(field, self.t0, &mut self.y, self.guards.low());
         weigh((self.rtol, &self.atol), self.y[0].as_ref(), self.weights.as_mut());
     }
 
@@ -129,10 +127,8 @@ impl<P: Alike> SeriesPair<P> {
     fn take(&mut self, field: &OfEach<P, f64x2>, t1: Two) {
         self.t1 = t1;
         let h = t1 - self.t0;
-        self.guards.forget();
-        self.guards.expand(field, self.t0, &self.y, FIRST_LOOK);
         sum_with_slope(&self.y, h, &mut self.y1, &mut self.error);
-        self.expansion.begin(field, t1, &self.y1, &mut self.slope1);
+        self.expansion.begin(field, t1, &self.y1, &mut self.slope1, &mut self.guards.end);
         to_defect(h, self.order(), &self.slope1, &mut self.error);
         let (y0, y1) = (self.y[0].as_ref(), self.y1.as_ref());
         self.error_sq = norm_sq((self.rtol, &self.atol), self.error.as_ref(), y0, y1);
@@ -140,9 +136,9 @@ impl<P: Alike> SeriesPair<P> {
         for x in y1.iter().chain(self.slope1.as_ref()) {
             self.plain &= Two::cst(f64::INFINITY).is_above(x.abs());
         }
-        field.guards_at(t1, &self.y1, &mut self.end);
-        for (i, end) in self.end.as_ref().iter().enumerate() {
-            self.plain &= self.guards.is_clear(i, h, FIRST_LOOK, *end);
+        let highest = self.guards.n_low() - 1;
+        for (i, end) in self.guards.end.as_ref().iter().enumerate() {
+            self.plain &= self.guards.is_clear(i, h, highest, *end);
         }
     }
 }
@@ -206,7 +202,7 @@ impl<P: Alike, R: Record<P>> SeriesLane<'_, '_, P, R> {
         let mut judged = match part {
             Part::Joins => self.judge_by(pair),
             Part::Leaves => {
-                self.solver.method.take_series(&pair.y, self.index);
+                self.solver.method.take_all(pair, self.index);
                 self.attempt()
             }
             Part::Fails(error) => Err(error),
@@ -240,7 +236,7 @@ impl<P: Alike, R: Record<P>> SeriesLane<'_, '_, P, R> {
                 Ok(solver.accept(&mut scene(run, *record), course, None))
             }
             _ => {
-                solver.method.take_series(&pair.y, lane);
+                solver.method.take_all(pair, lane);
                 pick(&pair.error, lane, &mut solver.method.error);
                 solver.follow(&mut scene(run, *record), course, *h, verdict)
             }
@@ -263,6 +259,11 @@ impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
             pick(all, lane, y);
         }
         self.is_expanded = true;
-        self.guards.forget();
+    }
+
+    /// Takes over its series, with those of its guards.
+    fn take_all<P: Alike>(&mut self, pair: &SeriesPair<P>, lane: usize) {
+        self.take_series(&pair.y, lane);
+        self.guards.take(&pair.guards, |all, own| pick(all, lane, own));
     }
 }

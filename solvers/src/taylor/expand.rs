@@ -27,6 +27,15 @@ pub(crate) trait SeriesField<P: System, B: Base> {
         y: &P::State<Series<'s, B>>,
         g: &mut P::Guards<Series<'s, B>>,
     );
+
+    /// Writes both, by operations that begin with those of the slope.
+    fn slope_with_guards<'s>(
+        &self,
+        t: Series<'s, B>,
+        y: &P::State<Series<'s, B>>,
+        dydt: &mut P::State<Series<'s, B>>,
+        g: &mut P::Guards<Series<'s, B>>,
+    );
 }
 
 impl<P: System, B: Base> SeriesField<P, B> for InMode<'_, P> {
@@ -49,6 +58,17 @@ impl<P: System, B: Base> SeriesField<P, B> for InMode<'_, P> {
     ) {
         self.problem.guards(self.mode.clone(), t, y, g);
     }
+
+    #[inline(always)]
+    fn slope_with_guards<'s>(
+        &self,
+        t: Series<'s, B>,
+        y: &P::State<Series<'s, B>>,
+        dydt: &mut P::State<Series<'s, B>>,
+        g: &mut P::Guards<Series<'s, B>>,
+    ) {
+        self.problem.rhs_with_guards(self.mode.clone(), t, y, dydt, g);
+    }
 }
 
 /// The expansion of a solution about the start of a step.
@@ -70,18 +90,20 @@ impl<B: Base> Default for Expansion<B> {
 }
 
 impl<B: Base> Expansion<B> {
-    /// Begins an expansion about `(t0, y0)`, whose slope there goes to `slope`: the value of the
-    /// right-hand side to the bit.
+    /// Begins an expansion about `(t0, y0)`, whose slope and guards there go to `slope` and `guards`: those of the
+    /// system to the bit.
     pub(crate) fn begin<P: System>(
         &mut self,
         field: &impl SeriesField<P, B>,
         t0: B,
         y0: &P::State<B>,
         slope: &mut P::State<B>,
+        guards: &mut P::Guards<B::Rounded>,
     ) {
         loop {
             let run = Run { rows: &self.rows, t0, field };
-            self.n_rows = RhsRun::<P, B, _> { run, y: y0, next: slope }.unrolled(0);
+            self.n_rows =
+                RhsWithGuardsRun::<P, B, _> { run, y: y0, next: slope, g: guards }.unrolled(0);
             if !self.rows.grow(self.n_rows) {
                 return;
             }
@@ -89,24 +111,64 @@ impl<B: Base> Expansion<B> {
     }
 
     /// Completes the expansion that was last begun, about the state `y[0]` at `t0` with the slope
-    /// `y[1]`: writes the coefficients from `y[2]` on.
+    /// `y[1]`: writes the coefficients from `y[2]` on, and those of the guards from `g[1]` on as far as `g` goes.
     ///
     /// # Panics
-    /// Where the right-hand side makes other operations at another order: it may branch on its mode
-    /// and on the [`value`](crate::Real::value) of its arguments only.
+    /// Where the right-hand side or the guards make other operations at another order, or the two together fewer
+    /// than the right-hand side alone: they may branch on their mode and on the [`value`](crate::Real::value) of
+    /// their arguments only.
     pub(crate) fn complete<P: System>(
         &mut self,
         field: &impl SeriesField<P, B>,
         t0: B,
         y: &mut [P::State<B>],
+        g: &mut [P::Guards<B::Rounded>],
     ) {
+        let mut n_beyond = None;
         for k in 1..y.len() - 1 {
             let (below, above) = y.split_at_mut(k + 1);
-            let run = Run { rows: &self.rows, t0, field };
-            let n = RhsRun::<P, B, _> { run, y: &below[k], next: &mut above[0] }.unrolled(k);
-            assert!(n == self.n_rows, "operations of order {k} differ from those of order 0");
+            let (run, y, next) = (Run { rows: &self.rows, t0, field }, &below[k], &mut above[0]);
+            let (n, known) = match g.get_mut(k) {
+                Some(g) => {
+                    (RhsWithGuardsRun::<P, B, _> { run, y, next, g }.unrolled(k), self.n_rows)
+                }
+                None => {
+                    let n = RhsRun::<P, B, _> { run, y, next }.unrolled(k);
+                    (n, *n_beyond.get_or_insert(n))
+                }
+            };
+            assert!(
+                n == known && n <= self.n_rows,
+                "operations of order {k} differ from those of lower orders"
+            );
         }
     }
+}
+
+/// Whether [`System::rhs_with_guards`] does at `(t, y)` in `mode` what it has to: writes what `rhs` and `guards`
+/// write, to the bit, by operations that begin with those of `rhs`. For the tests of a model that has its own.
+pub fn begins_with_rhs<P: System>(problem: &P, mode: &P::Mode, t: f64, y: &P::State<f64>) -> bool {
+    let field = InMode { problem, mode };
+    let [mut slope, mut slope_alone] = [(); 2].map(|()| y.clone());
+    let [mut g, mut g_alone] =
+        [(); 2].map(|()| P::Guards::<f64>::from_fn(problem.n_guards(), |_| 0.0));
+    problem.guards(mode.clone(), t, y, &mut g_alone);
+    let [mut both, mut alone] = [Rows::new(), Rows::new()];
+    let (n, n_alone_is_least) = loop {
+        let run = |rows| Run { rows, t0: t, field: &field };
+        let look =
+            RhsWithGuardsRun::<P, f64, _> { run: run(&both), y, next: &mut slope, g: &mut g };
+        let rhs = RhsRun::<P, f64, _> { run: run(&alone), y, next: &mut slope_alone };
+        let (n_both, n_alone) = (look.unrolled(0), rhs.unrolled(0));
+        if !(both.grow(n_both) | alone.grow(n_both.max(n_alone))) {
+            break (n_alone.min(n_both), n_alone <= n_both);
+        }
+    };
+    let bits = |x: &[f64]| -> Vec<u64> { x.iter().map(|x| x.to_bits()).collect() };
+    n_alone_is_least
+        && bits(slope.as_ref()) == bits(slope_alone.as_ref())
+        && bits(g.as_ref()) == bits(g_alone.as_ref())
+        && bits(&both.values(n)) == bits(&alone.values(n))
 }
 
 /// One run of a system over series.
@@ -157,15 +219,60 @@ impl<P: System, B: Base, F: SeriesField<P, B>> OfOrder for RhsRun<'_, P, B, F> {
     fn of_order(self, k: usize) -> usize {
         let Run { rows, t0, field } = self.run;
         let n = Cell::new(0);
-        let (t, y): (_, P::State<Series<'_, B>>) = start(rows.table(&n, k), t0, self.y.as_ref());
-        let next = self.next.as_mut();
-        let zero = |_| Series::constant(B::cst(0.0));
-        let mut f = P::State::<Series<'_, B>>::from_fn(next.len(), zero);
+        let (t, y) = start(rows.table(&n, k), t0, self.y.as_ref());
+        let mut f = zeros::<B, P::State<_>>(self.next.as_ref().len());
         field.slope(t, &y, &mut f);
-        let (f, share) = (f.as_ref(), B::cst(1.0) / (k + 1) as f64);
-        each(next.len().min(f.len()), |i| next[i] = f[i].coefficient(k) * share);
+        write_next(k, f.as_ref(), self.next.as_mut());
         n.get()
     }
+}
+
+/// The same, and the coefficients of the guards to `g`, rounded.
+struct RhsWithGuardsRun<'a, P: System, B: Base, F> {
+    run: Run<'a, F, B>,
+    y: &'a P::State<B>,
+    next: &'a mut P::State<B>,
+    g: &'a mut P::Guards<B::Rounded>,
+}
+
+impl<P: System, B: Base, F: SeriesField<P, B>> OfOrder for RhsWithGuardsRun<'_, P, B, F> {
+    type Output = usize;
+
+    const HIGHEST: usize = highest_look::<P, B>();
+
+    #[inline(always)]
+    fn of_order(self, k: usize) -> usize {
+        let Run { rows, t0, field } = self.run;
+        let n = Cell::new(0);
+        let (t, y) = start(rows.table(&n, k), t0, self.y.as_ref());
+        let mut f = zeros::<B, P::State<_>>(self.next.as_ref().len());
+        let mut g = zeros::<B, P::Guards<_>>(self.g.as_ref().len());
+        field.slope_with_guards(t, &y, &mut f, &mut g);
+        write_next(k, f.as_ref(), self.next.as_mut());
+        write_rounded(k, g.as_ref(), self.g.as_mut());
+        n.get()
+    }
+}
+
+const fn highest_look<P: System, B: Base>() -> usize {
+    let highest = highest_unrolled::<P, B>();
+    if highest < FIRST_LOOK { highest } else { FIRST_LOOK }
+}
+
+#[inline(always)]
+fn zeros<'s, B: Base + 's, Y: Vector<Series<'s, B>>>(n: usize) -> Y {
+    Y::from_fn(n, |_| Series::constant(B::cst(0.0)))
+}
+
+#[inline(always)]
+fn write_next<B: Base>(k: usize, f: &[Series<'_, B>], next: &mut [B]) {
+    let share = B::cst(1.0) / (k + 1) as f64;
+    each(next.len().min(f.len()), |i| next[i] = f[i].coefficient(k) * share);
+}
+
+#[inline(always)]
+fn write_rounded<B: Base>(k: usize, series: &[Series<'_, B>], g: &mut [B::Rounded]) {
+    each(g.len().min(series.len()), |i| g[i] = series[i].coefficient(k).rounded());
 }
 
 /// The coefficients of the guards to `g`, rounded; the same.
@@ -178,23 +285,16 @@ pub(super) struct GuardsRun<'a, P: System, B: Base, F> {
 impl<P: System, B: Base, F: SeriesField<P, B>> OfOrder for GuardsRun<'_, P, B, F> {
     type Output = usize;
 
-    const HIGHEST: usize = if highest_unrolled::<P, B>() < FIRST_LOOK {
-        highest_unrolled::<P, B>()
-    } else {
-        FIRST_LOOK
-    };
+    const HIGHEST: usize = highest_look::<P, B>();
 
     #[inline(always)]
     fn of_order(self, k: usize) -> usize {
         let Run { rows, t0, field } = self.run;
         let n = Cell::new(0);
-        let (t, y): (_, P::State<Series<'_, B>>) = start(rows.table(&n, k), t0, self.y.as_ref());
-        let g = self.g.as_mut();
-        let zero = |_| Series::constant(B::cst(0.0));
-        let mut series = P::Guards::<Series<'_, B>>::from_fn(g.len(), zero);
-        field.guards(t, &y, &mut series);
-        let series = series.as_ref();
-        each(g.len().min(series.len()), |i| g[i] = series[i].coefficient(k).rounded());
+        let (t, y) = start(rows.table(&n, k), t0, self.y.as_ref());
+        let mut g = zeros::<B, P::Guards<_>>(self.g.as_ref().len());
+        field.guards(t, &y, &mut g);
+        write_rounded(k, g.as_ref(), self.g.as_mut());
         n.get()
     }
 }
@@ -218,5 +318,73 @@ fn each(n: usize, mut of: impl FnMut(usize)) {
     at(7);
     for i in 8..n {
         of(i);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problems::BouncingBall;
+    use crate::real::Real;
+    use crate::system::Next;
+
+    /// A pendulum whose guard and rate have the sine in common.
+    struct Pendulum {
+        guards_first: bool,
+    }
+
+    impl System for Pendulum {
+        type Mode = ();
+        type State<S: Real> = [S; 2];
+        type Guards<S: Real> = [S; 1];
+
+        fn dim(&self) -> usize {
+            2
+        }
+
+        fn n_guards(&self) -> usize {
+            1
+        }
+
+        fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
+
+        fn rhs<S: Real>(&self, (): (), _t: S, y: &[S; 2], dydt: &mut [S; 2]) {
+            *dydt = [y[1], -y[0].sin_cos().0];
+        }
+
+        fn guards<S: Real>(&self, (): (), _t: S, y: &[S; 2], g: &mut [S; 1]) {
+            *g = [y[0].sin_cos().0 + y[1] * y[1]];
+        }
+
+        fn rhs_with_guards<S: Real>(
+            &self,
+            (): (),
+            _t: S,
+            y: &[S; 2],
+            dydt: &mut [S; 2],
+            g: &mut [S; 1],
+        ) {
+            let of_guard = if self.guards_first { Some(y[1] * y[1]) } else { None };
+            let sin = y[0].sin_cos().0;
+            *dydt = [y[1], -sin];
+            *g = [sin + of_guard.unwrap_or_else(|| y[1] * y[1])];
+        }
+
+        fn guard_bounds(&self, (): (), _t: f64, _y: &[f64; 2], bounds: &mut [f64; 1]) {
+            *bounds = [1e-15];
+        }
+
+        fn transition<S: Real>(&self, (): (), _guard: usize, _t: S, _y: &mut [S; 2]) -> Next<()> {
+            Next::Stop
+        }
+    }
+
+    #[test]
+    fn guards_among_the_first_operations_are_found() {
+        let y = [0.3, -0.2];
+        assert!(begins_with_rhs(&Pendulum { guards_first: false }, &(), 0.0, &y));
+        assert!(!begins_with_rhs(&Pendulum { guards_first: true }, &(), 0.0, &y));
+        let ball = BouncingBall { restitution: 0.75, gravity: 9.81, height: 1.3 };
+        assert!(begins_with_rhs(&ball, &ball.initial_mode(0.0, &ball.start()), 0.0, &ball.start()));
     }
 }

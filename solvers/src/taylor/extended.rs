@@ -125,7 +125,8 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     fn phase(&mut self, t_end: f64, record: &mut dyn Record<P>) -> Result<PhaseEnd, Error> {
         let (problem, mode) = (self.problem, self.mode.clone());
         let (start, rest) = self.y.split_at_mut(1);
-        self.expansion.begin(&InMode { problem, mode: &mode }, self.t, &start[0], &mut rest[0]);
+        let field = InMode { problem, mode: &mode };
+        self.expansion.begin(&field, self.t, &start[0], &mut rest[0], self.guards.start());
         let point = self.point();
         self.watch.begin(problem, mode.clone(), point.t, &point.y, &rounded::<P, _>(&self.y[1]));
         while self.t.value() != t_end {
@@ -138,6 +139,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
             self.t = self.t1;
             std::mem::swap(&mut self.y[0], &mut self.y1);
             std::mem::swap(&mut self.y[1], &mut self.slope1);
+            self.guards.advance();
             match landed_on {
                 _ if go_on.is_break() => return Ok(PhaseEnd::Interrupted),
                 Some(guard) => return Ok(PhaseEnd::Guard(guard)),
@@ -151,9 +153,8 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     /// end allow.
     fn take_step(&mut self, t_end: f64) -> Result<(), Error> {
         let field = InMode { problem: self.problem, mode: &self.mode };
-        self.expansion.complete(&field, self.t, &mut self.y);
+        self.expansion.complete(&field, self.t, &mut self.y, self.guards.low());
         self.stats.work.n_rhs += 1;
-        self.guards.forget();
         (self.step.t0, self.step.t0_low) = (self.t.hi(), self.t.lo());
         for (rounded_y, y) in self.step.y.iter_mut().zip(&self.y) {
             *rounded_y = rounded::<P, _>(y);
@@ -192,7 +193,8 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         let mut slopes = self.y1.clone();
         sum_with_slope(&self.y[..=degree], size, &mut self.y1, &mut slopes);
         let field = InMode { problem: self.problem, mode: &self.mode };
-        self.expansion.begin(&field, self.t1, &self.y1, &mut self.slope1);
+        let (slope1, end) = (&mut self.slope1, &mut self.guards.end);
+        self.expansion.begin(&field, self.t1, &self.y1, slope1, end);
         self.step.t1 = self.t1.value();
         self.step.y1 = rounded::<P, _>(&self.y1);
         self.step.slope1 = rounded::<P, _>(&self.slope1);

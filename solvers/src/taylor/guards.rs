@@ -14,45 +14,82 @@ use crate::step::Step;
 use crate::system::{System, Vector};
 
 /// Order to which guards are expanded at first: enough, in most steps, to see that they are far from zero.
-pub(crate) const FIRST_LOOK: usize = 6;
+pub(crate) const FIRST_LOOK: usize = 5;
 /// How exactly roots of the polynomials are found, as a fraction of the step.
 const PRECISION: f64 = 1e-14;
 
 /// The Taylor coefficients of the guards about the start of a step.
+///
+/// Those of low orders are written with the series of the solution, in the same run; where they are not
+/// enough to see that the guards stay away from zero, the guards are expanded to the full degree alone.
 #[derive(Debug)]
 pub struct GuardSeries<G, B: Copy> {
-    rows: Rows<B>,
     g: Vec<G>,
-    /// Orders known.
-    n_known: usize,
+    /// Values at the end of the step.
+    pub(crate) end: G,
+    /// Of an expansion of the guards alone.
+    rows: Rows<B>,
+    /// Orders known from it.
+    n_alone: usize,
 }
 
 impl<G: Vector<B::Rounded>, B: Base> GuardSeries<G, B> {
-    /// Memory for `n` guards to `order`.
+    /// Memory for `n` guards to `order`, one at least.
     pub fn new(n: usize, order: usize) -> Self {
-        let g = (0..=order).map(|_| G::from_fn(n, |_| B::Rounded::cst(0.0))).collect();
-        Self { rows: Rows::new(), g, n_known: 0 }
+        let zeros = || G::from_fn(n, |_| B::Rounded::cst(0.0));
+        let g = (0..=order).map(|_| zeros()).collect();
+        Self { g, end: zeros(), rows: Rows::new(), n_alone: 0 }
     }
 
-    /// Forgets the coefficients: another step begins.
-    pub fn forget(&mut self) {
-        self.n_known = 0;
+    /// The values at the start, to be written there.
+    pub(crate) fn start(&mut self) -> &mut G {
+        &mut self.g[0]
     }
 
-    /// Makes the coefficients up to `order` known, those of the solution being `y`.
-    pub(crate) fn expand<P: System<Guards<B::Rounded> = G>>(
+    /// Another step begins where the last one ended.
+    #[inline(always)]
+    pub(crate) fn advance(&mut self) {
+        std::mem::swap(&mut self.g[0], &mut self.end);
+    }
+
+    /// The coefficients of low orders, to be written beyond that of order zero.
+    #[inline(always)]
+    pub(crate) fn low(&mut self) -> &mut [G] {
+        self.n_alone = 0;
+        let n = self.n_low();
+        &mut self.g[..n]
+    }
+
+    /// How many orders are low: the series of a solution to some order tells its guards to one below.
+    #[inline(always)]
+    pub(crate) fn n_low(&self) -> usize {
+        (self.g.len() - 1).min(FIRST_LOOK + 1)
+    }
+
+    /// Takes over low orders and the end from those of several runs, as `pick` does it.
+    pub(crate) fn take<L: Vector<C::Rounded>, C: Base>(
+        &mut self,
+        all: &GuardSeries<L, C>,
+        pick: impl Fn(&L, &mut G),
+    ) {
+        all.g.iter().zip(self.low()).for_each(|(all, own)| pick(all, own));
+        pick(&all.end, &mut self.end);
+    }
+
+    /// Makes all coefficients up to `order` known, those of the solution being `y`.
+    fn expand<P: System<Guards<B::Rounded> = G>>(
         &mut self,
         field: &impl SeriesField<P, B>,
         t0: B,
         y: &[P::State<B>],
         order: usize,
     ) {
-        while self.n_known <= order {
-            let k = self.n_known;
+        while self.n_alone <= order {
+            let k = self.n_alone;
             let run = Run { rows: &self.rows, t0, field };
             let n = GuardsRun::<P, B, _> { run, y: &y[k], g: &mut self.g[k] }.unrolled(k);
             let is_short = self.rows.grow(n);
-            self.n_known = if is_short { 0 } else { k + 1 };
+            self.n_alone = if is_short { 0 } else { k + 1 };
         }
     }
 
@@ -104,8 +141,8 @@ impl<G: Vector<f64>, B: Base<Rounded = f64>> GuardSeries<G, B> {
     /// g_0 + Σ min(0, g_k hᵏ) > |g_N hᴺ| + |g_(N−1) hᴺ⁻¹| + 2 |Σ g_k hᵏ − g(t_1, y_1)|
     /// ```
     ///
-    /// for N = 6 or the degree, and else its [first fall](Polynomial::first_fall) below `−bound/2` counts, if it is
-    /// followed by a violation. None is missed of the polynomial, but for a dip of terms beyond the sixth alone that
+    /// for N the least of 5, the degree, and the order less one, and else its [first fall](Polynomial::first_fall) below `−bound/2` counts, if it is
+    /// followed by a violation. None is missed of the polynomial, but for a dip of terms beyond the fifth alone that
     /// cancel at the end; where the guard is less smooth than the solution it may differ from the polynomial by more
     /// than the last terms. Where a coefficient is not finite, all guards
     /// are [looked for](GuardWatch) instead.
@@ -121,16 +158,15 @@ impl<G: Vector<f64>, B: Base<Rounded = f64>> GuardSeries<G, B> {
         watch: &mut GuardWatch<P>,
     ) -> Result<Option<Fall>, Error> {
         let (start, t1) = (step.t0(), step.t1());
-        let (h, low) = (t1 - start, FIRST_LOOK.min(degree));
-        let field = InMode { problem, mode: &mode };
-        self.expand(&field, t0, y, low);
-        let ends = watch.values(problem, mode.clone(), t1, step.y1()).as_ref().iter().enumerate();
+        let (h, low) = (t1 - start, degree.min(self.n_low() - 1));
+        let ends = self.end.as_ref().iter().enumerate();
         // Without a branch between the guards. Where all are clear none is violated at the end.
         if ends.fold(true, |all, (guard, end)| all & self.is_clear(guard, h, low, *end)) {
             watch.keep();
             return Ok(None);
         }
-        watch.violated_there(problem, mode.clone(), t1, step.y1())?;
+        watch.violated(problem, mode.clone(), t1, step.y1())?;
+        let field = InMode { problem, mode: &mode };
         let mut first: Option<Fall> = None;
         for guard in 0..self.g[0].as_ref().len() {
             let at_end = watch.is_violated(guard);

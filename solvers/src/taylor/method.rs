@@ -46,10 +46,10 @@ pub struct TaylorStep<Y> {
 }
 
 impl<Y: Vector<f64>> TaylorStep<Y> {
-    /// Memory for a step of `order`, one at least, for systems of `n` states.
+    /// Memory for a step of `order` for systems of `n` states.
     pub(super) fn new(n: usize, order: usize) -> Self {
         let zero = || Y::from_fn(n, |_| 0.0);
-        let y = (0..=order.clamp(1, MAX_ORDER)).map(|_| zero()).collect();
+        let y = (0..=order).map(|_| zero()).collect();
         Self {
             t0: 0.0,
             t0_low: 0.0,
@@ -71,6 +71,7 @@ impl<Y: Vector<f64>> TaylorStep<Y> {
 impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
     /// The method of `order` for systems of `n` states and `n_guards` guards.
     pub fn new(n: usize, n_guards: usize, order: usize) -> Self {
+        let order = order.clamp(1, MAX_ORDER);
         Self {
             step: TaylorStep::new(n, order),
             expansion: Expansion::default(),
@@ -84,12 +85,12 @@ impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
     /// Expands about the start of the step, once.
     fn expand<P>(&mut self, problem: &P, mode: P::Mode, stats: &mut Stats)
     where
-        P: System<State<f64> = Y>,
+        P: System<State<f64> = Y, Guards<f64> = G>,
     {
         if !std::mem::replace(&mut self.is_expanded, true) {
             let TaylorStep { t0, y, .. } = &mut self.step;
-            self.expansion.complete(&InMode { problem, mode: &mode }, *t0, y);
-            self.guards.forget();
+            let field = InMode { problem, mode: &mode };
+            self.expansion.complete(&field, *t0, y, self.guards.low());
             stats.work.n_rhs += 1;
         }
     }
@@ -125,7 +126,8 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
         (step.t0, step.t1) = (t, t);
         step.y[0].clone_from(y);
         step.y1.clone_from(y);
-        self.expansion.begin(&InMode { problem, mode: &mode }, t, y, &mut step.y[1]);
+        let field = InMode { problem, mode: &mode };
+        self.expansion.begin(&field, t, y, &mut step.y[1], self.guards.start());
         self.is_expanded = false;
         self.degree = None;
     }
@@ -158,7 +160,7 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
         step.degree = self.degree.unwrap_or_else(|| order::convergent_degree(&step.y, h));
         sum_with_slope(&step.y[..=step.degree], h, &mut step.y1, &mut self.error);
         let field = InMode { problem, mode: &mode };
-        self.expansion.begin(&field, t1, &step.y1, &mut step.slope1);
+        self.expansion.begin(&field, t1, &step.y1, &mut step.slope1, &mut self.guards.end);
         to_defect(h, step.degree, &step.slope1, &mut self.error);
     }
 
@@ -181,6 +183,7 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
         step.t0 = step.t1;
         std::mem::swap(&mut step.y[0], &mut step.y1);
         std::mem::swap(&mut step.y[1], &mut step.slope1);
+        self.guards.advance();
         self.is_expanded = false;
         self.degree = None;
     }

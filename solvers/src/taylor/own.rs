@@ -64,9 +64,9 @@ mod tests {
     use super::*;
 
     /// Operations with constants of each run, and each of a [`Real`].
-    fn with_constants<S: Over<C>, C: Copy>(x: S, [c, d]: [C; 2]) -> [S; 10] {
-        let [a, b, e, f, g, h, i, j] = operations(x);
-        [a, b, e, f, g, h, i, j, (x * c + d) * x - c, <S as Over<C>>::of(d) / x]
+    fn with_constants<S: Over<C>, C: Copy>(x: S, [c, d]: [C; 2]) -> [S; 11] {
+        let [a, b, e, f, g, h, i, j, k] = operations(x);
+        [a, b, e, f, g, h, i, j, k, (x * c + d) * x - c, <S as Over<C>>::of(d) / x]
     }
 
     #[test]

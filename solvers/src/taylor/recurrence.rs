@@ -15,7 +15,7 @@ const SHORT: usize = 5;
 
 /// `1/k`, a constant where the order is one.
 #[inline(always)]
-fn reciprocal<B: Base>(k: usize) -> B {
+pub(super) fn reciprocal<B: Base>(k: usize) -> B {
     B::cst(1.0) / k as f64
 }
 

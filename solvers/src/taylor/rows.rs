@@ -13,7 +13,8 @@ pub(super) const N_ROWS: usize = 64;
 /// The Taylor coefficients of one intermediate result, as far as they are kept.
 #[derive(Debug)]
 pub struct Row<B: Copy> {
-    coefficients: [Cell<B>; MAX_ORDER + 1],
+    /// To the highest order, and one that is known before it is asked for.
+    coefficients: [Cell<B>; MAX_ORDER + 2],
     /// What an operation keeps for the orders to come, such as the reciprocal of a divisor.
     pub(super) kept: Cell<B>,
 }
@@ -55,6 +56,11 @@ impl<B: Base> Rows<B> {
     /// A table that is enough for most, and grows with its use.
     pub fn new() -> Self {
         Self { rows: (0..N_ROWS).map(|_| Row::new()).collect() }
+    }
+
+    /// The coefficients of order zero in the first `n` rows.
+    pub(super) fn values(&self, n: usize) -> Vec<B> {
+        self.rows[..n].iter().map(|row| row.at(0)).collect()
     }
 
     /// Makes room for a run that took `n` rows; whether it had too little, and is worth nothing.

@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::base::Base;
 use super::recurrence;
 use super::rows::{Row, Table};
-use crate::real::{Function, Functions, Real};
+use crate::real::{Function, Functions, Length, Real, length_of_values};
 
 /// The largest integer power that is taken by products.
 const LARGEST_PRODUCT: f64 = 64.0;
@@ -391,6 +391,37 @@ impl<B: Base> Real for Series<'_, B> {
     }
 
     #[inline(always)]
+    fn length([x, y]: [Self; 2], [v_x, v_y]: [Self; 2]) -> Length<Self> {
+        let (Some(at_x), Some(at_y), Some(at_v_x), Some(at_v_y)) =
+            (x.kept().place, y.kept().place, v_x.kept().place, v_y.kept().place)
+        else {
+            return length_of_values([x, y], [v_x, v_y]);
+        };
+        let table = at_x.table;
+        let (k, rho, rate) = (table.k, table.next(), table.next());
+        // ρ ρ̇ = d·v, and ρ_(k+1) = ρ̇_k/(k + 1): neither squares nor a root beyond order zero.
+        let (rho_k, rate_k) = if k == 0 {
+            let d = [x.coefficient, y.coefficient];
+            let length = length_of_values(d, [v_x.coefficient, v_y.coefficient]);
+            rate.kept.set(length.reciprocal);
+            rho.set(0, length.value);
+            (length.value, length.rate)
+        } else {
+            let product = |a: Place<'_, B>, a_k, b: Place<'_, B>, b_k| {
+                recurrence::product(k, (a.row, a_k), (b.row, b_k))
+            };
+            let along_x = product(at_x, x.coefficient, at_v_x, v_x.coefficient);
+            let along_y = product(at_y, y.coefficient, at_v_y, v_y.coefficient);
+            let rho_k = rho.at(k);
+            (rho_k, recurrence::quotient(k, along_x + along_y, (rho, rho_k), rate))
+        };
+        rho.set(k + 1, rate_k * recurrence::reciprocal::<B>(k + 1));
+        let value = Self { place: Some(Place { table, row: rho }), coefficient: rho_k };
+        let reciprocal = Self::constant(B::cst(1.0)) / value;
+        Length { value, reciprocal, rate: Self::at(table, rate, rate_k) }
+    }
+
+    #[inline(always)]
     fn apart<F: Function>(self, f: &F) -> Self {
         let Some(Place { table, row }) = self.kept().place else {
             return Self::constant(self.coefficient.apart(f));
@@ -426,10 +457,13 @@ pub(super) mod tests {
     use super::super::rows::{MAX_ORDER, N_ROWS, Rows};
     use super::*;
 
-    /// Every operation of a [`Real`] once, of an argument near 0.7.
-    pub(crate) fn operations<S: Real>(x: S) -> [S; 8] {
+    /// Every operation of a [`Real`] once, of an argument near 0.7 that changes at one.
+    pub(crate) fn operations<S: Real>(x: S) -> [S; 9] {
         let (sin, cos) = x.sin_cos();
+        let length = S::length([x * x, sin], [x * 2.0, cos]);
+        let beside = S::length([x, S::cst(0.4)], [S::cst(1.0), S::cst(0.0)]);
         [
+            length.value * length.rate + length.reciprocal + beside.value * beside.rate,
             x * x / (x + 1.0) - S::cst(2.0) / x,
             (x * x + 1.0).sqrt() * -x,
             sin * cos * 2.0 - cos,
@@ -442,7 +476,7 @@ pub(super) mod tests {
     }
 
     /// Coefficients of order `k` of the operations about `x`, those below being in `rows`.
-    fn coefficients(rows: &Rows<f64>, x: f64, k: usize) -> [f64; 8] {
+    fn coefficients(rows: &Rows<f64>, x: f64, k: usize) -> [f64; 9] {
         let n = Cell::new(0);
         let x = Series::new(rows.table(&n, k), [x, 1.0, 0.0][k.min(2)]);
         operations(x).map(|series| series.coefficient(k))
@@ -453,7 +487,7 @@ pub(super) mod tests {
         let (rows, n) = (Rows::new(), Cell::new(0));
         for _ in 0..N_ROWS {
             let row = rows.table(&n, 0).next();
-            (0..=MAX_ORDER).for_each(|k| row.set(k, f64::NAN));
+            (0..=MAX_ORDER + 1).for_each(|k| row.set(k, f64::NAN));
         }
         rows
     }
@@ -462,7 +496,7 @@ pub(super) mod tests {
     fn series_sum_to_what_they_expand() {
         let (x, s) = (0.7, 0.07);
         let rows = poisoned();
-        let mut sums = [0.0; 8];
+        let mut sums = [0.0; 9];
         for k in 0..18 {
             let terms = coefficients(&rows, x, k);
             if k == 0 {
