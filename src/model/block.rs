@@ -235,7 +235,8 @@ impl Block {
             Mode::SlipPlus(_) | Mode::SlipMinus(_)
                 if let Some(stiffness) = self.plain_stiffness =>
             {
-                let a = PlainSlip::new(self, inertia, stiffness, mode).accelerations(y);
+                let slip = PlainSlip::new(self, inertia, stiffness, mode);
+                let a = slip.accelerations(y, &slip.pose(y));
                 [y[3], y[4], y[5], a[0], a[1], a[2]]
             }
             Mode::SlipPlus(_) | Mode::SlipMinus(_) | Mode::Stick(_) => {
@@ -435,6 +436,25 @@ impl System for Block {
             Body::SliderCrank(crank) => {
                 *g = S::all_apart(*y, &OfSliderCrank { block: self, crank, mode });
             }
+        }
+    }
+
+    #[inline(always)]
+    fn rhs_with_guards<S: Real>(
+        &self,
+        mode: Mode,
+        t: S,
+        y: &State<S>,
+        dydt: &mut State<S>,
+        g: &mut [S; 4],
+    ) {
+        if let Some(slip) = self.plain_slip(mode) {
+            let pose = slip.pose(y);
+            slip.rates(y, &pose, dydt);
+            *g = slip.guards(y, &pose);
+        } else {
+            self.rhs(mode, t, y, dydt);
+            self.guards(mode, t, y, g);
         }
     }
 

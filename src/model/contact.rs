@@ -1,7 +1,7 @@
 //! Penetration and normal force of a pin in its bush.
 
 use deltazero_solvers::Real;
-use deltazero_solvers::real::Over;
+use deltazero_solvers::real::{Length, Over};
 
 use super::elastic::{Conformal, Elastic, Logarithmic};
 use super::restitution::hysteresis_factor;
@@ -141,17 +141,16 @@ pub struct PinPose<S> {
 }
 
 impl<S: Real> PinPose<S> {
-    /// Of a pin at `d` [m] moving at `v` [m/s] in a bush of clearance `c` [m]; not a number where
+    /// Of a pin at `d` [m] moving at `v = ḋ` [m/s] in a bush of clearance `c` [m]; not a number where
     /// `d` is zero, the one place without a direction.
     #[inline(always)]
     pub fn new<C>(d: [S; 2], v: [S; 2], c: C) -> Self
     where
         S: Over<C>,
     {
-        let rho = (d[0] * d[0] + d[1] * d[1]).sqrt();
-        let per_rho = S::cst(1.0) / rho;
-        let n = [d[0] * per_rho, d[1] * per_rho];
-        Self { n, rho, delta: rho - c, delta_dot: (d[0] * v[0] + d[1] * v[1]) * per_rho }
+        let Length { value: rho, reciprocal, rate: delta_dot } = S::length(d, v);
+        let n = [d[0] * reciprocal, d[1] * reciprocal];
+        Self { n, rho, delta: rho - c, delta_dot }
     }
 
     /// `t·v`, `t = (n_Y, −n_X)`: tangential velocity [m/s] of the pin's centre, which moves at `v`.

@@ -7,7 +7,7 @@ use deltazero_solvers::real::Over;
 use deltazero_solvers::{Next, Real};
 
 use super::block::{Block, Body, Held, State};
-use super::contact::Touch;
+use super::contact::{PinPose, Touch};
 use super::friction::Extra;
 use super::sliding::Shape;
 
@@ -133,10 +133,11 @@ impl Block {
                 let rho_sq = y[0] * y[0] + y[1] * y[1];
                 g[GUARD_CONTACT] = -(rho_sq - self.clearance * self.clearance);
             }
-            Mode::SlipPlus(_) | Mode::SlipMinus(_) if self.has_products(held) => {
-                let [rho_sq, rho_v_t] = products(y, self.pin_radius);
-                g[GUARD_CONTACT] = rho_sq - self.clearance * self.clearance;
-                g[GUARD_UPPER] = if matches!(mode, Mode::SlipPlus(_)) { rho_v_t } else { -rho_v_t };
+            Mode::SlipPlus(_) | Mode::SlipMinus(_) if self.has_product(held) => {
+                let pose = self.pose(y);
+                let along = rho_v_t(y, &pose, self.pin_radius);
+                g[GUARD_CONTACT] = pose.delta;
+                g[GUARD_UPPER] = if matches!(mode, Mode::SlipPlus(_)) { along } else { -along };
             }
             Mode::Relaxing(touch) => {
                 let pose = self.pose(y);
@@ -171,9 +172,9 @@ impl Block {
         g
     }
 
-    /// Whether the guards of slipping are `(ρ + c) δ` and `ρ v_T`.
+    /// Whether the guards of slipping are `δ` and `ρ v_T`, without a piece of friction that ends.
     #[inline(always)]
-    pub(super) fn has_products(&self, held: Held<'_>) -> bool {
+    pub(super) fn has_product(&self, held: Held<'_>) -> bool {
         self.normal.adhesion && matches!((self.sliding, held), (Shape::Constant, Held::Struts(_)))
     }
 
@@ -219,7 +220,7 @@ impl Block {
         let area = 2.0 * self.clearance * delta;
         let mut bounds = [END_BOUND, area, delta, delta];
         if let Some(touch) = mode.touch() {
-            let (pose, has_products) = (self.pose(y), self.has_products(self.body.held()));
+            let (pose, has_product) = (self.pose(y), self.has_product(self.body.held()));
             // The slope of a law may be zero at the surface, not so beside it.
             let beside = pose.delta.abs() + delta;
             let [slope, damping] = self.normal.gradient(beside, pose.delta_dot, touch);
@@ -227,13 +228,10 @@ impl Block {
             let force =
                 slope.abs() * delta + eps * (elastic + damping.abs() * speed).max(least.force);
             let is_stick = matches!(mode, Mode::Stick(_));
-            if !mode.is_contact() || !self.normal.adhesion {
-                bounds[GUARD_CONTACT] = force;
-            } else if is_stick || !has_products {
-                bounds[GUARD_CONTACT] = delta;
-            }
+            let is_by_delta = mode.is_contact() && self.normal.adhesion;
+            bounds[GUARD_CONTACT] = if is_by_delta { delta } else { force };
             if mode.sigma().is_some() {
-                let arm = if has_products { pose.rho } else { 1.0 };
+                let arm = if has_product { pose.rho } else { 1.0 };
                 bounds[GUARD_UPPER] = arm * eps * speed;
                 bounds[GUARD_LOWER] = eps * speed;
             } else if is_stick {
@@ -344,11 +342,10 @@ impl Block {
     }
 }
 
-/// ρ² and ρ v_T: guards are evaluated at every step, and quotients are dear.
+/// `ρ v_T`: guards are evaluated at every step, and quotients are dear.
 #[inline(always)]
-pub(super) fn products<S: Over<C>, C>(y: &State<S>, pin_radius: C) -> [S; 2] {
-    let rho_sq = y[0] * y[0] + y[1] * y[1];
-    [rho_sq, y[1] * y[3] - y[0] * y[4] + rho_sq.sqrt() * y[5] * pin_radius]
+pub(super) fn rho_v_t<S: Over<C>, C>(y: &State<S>, pose: &PinPose<S>, pin_radius: C) -> S {
+    y[1] * y[3] - y[0] * y[4] + pose.rho * y[5] * pin_radius
 }
 
 /// `touch` in the next piece down or up.

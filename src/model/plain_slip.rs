@@ -9,15 +9,15 @@ use deltazero_solvers::real::Over;
 use super::block::{Block, Body, Held, State};
 use super::contact::PinPose;
 use super::inertia::BlockInertia;
-use super::mode::{GUARD_CONTACT, GUARD_END, GUARD_UPPER, Mode, products};
+use super::mode::{GUARD_CONTACT, GUARD_END, GUARD_UPPER, Mode, rho_v_t};
 
 /// A slip of struts under `F_N = K δ + D δ̇` with Coulomb's friction, all of it at the pin but for a torque of
 /// friction. `C` are the constants of one joint, or of several at once.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlainSlip<C = f64> {
     inertia: BlockInertia<C>,
-    /// `c` [m], and its square.
-    clearance: [C; 2],
+    /// `c` [m].
+    clearance: C,
     /// `K` [N/m].
     stiffness: C,
     /// `D` [N s/m].
@@ -36,7 +36,7 @@ pub(super) struct PlainSlip<C = f64> {
 
 impl PlainSlip {
     /// How many numbers it is.
-    pub(super) const N: usize = 18;
+    pub(super) const N: usize = 17;
 
     /// The slip `mode` of `block`.
     #[inline(always)]
@@ -45,7 +45,7 @@ impl PlainSlip {
         let ends = f64::from(u8::from(block.stop_at_90));
         Self {
             inertia: *inertia,
-            clearance: [block.clearance, block.clearance * block.clearance],
+            clearance: block.clearance,
             stiffness,
             damping: block.normal.damping,
             friction_arm: sigma * block.mu * block.pin_radius,
@@ -59,8 +59,9 @@ impl PlainSlip {
     /// Its numbers, in the order of its fields.
     pub(super) fn numbers(&self) -> [f64; Self::N] {
         let BlockInertia { m_x, m_y, per_mass: [per_x, per_y], p, q, j_0, j_c } = self.inertia;
-        let ([c, c_sq], [ends, goes_on]) = (self.clearance, self.ends);
-        let Self { stiffness, damping, friction_arm, torque, pin_radius, sigma, .. } = *self;
+        let [ends, goes_on] = self.ends;
+        let Self { clearance, stiffness, damping, friction_arm, torque, pin_radius, sigma, .. } =
+            *self;
         [
             m_x,
             m_y,
@@ -70,8 +71,7 @@ impl PlainSlip {
             q,
             j_0,
             j_c,
-            c,
-            c_sq,
+            clearance,
             stiffness,
             damping,
             friction_arm,
@@ -97,8 +97,7 @@ impl<C: Copy> PlainSlip<C> {
             q,
             j_0,
             j_c,
-            c,
-            c_sq,
+            clearance,
             stiffness,
             damping,
             friction_arm,
@@ -110,7 +109,7 @@ impl<C: Copy> PlainSlip<C> {
         ] = *numbers;
         Self {
             inertia: BlockInertia { m_x, m_y, per_mass: [per_x, per_y], p, q, j_0, j_c },
-            clearance: [c, c_sq],
+            clearance,
             stiffness,
             damping,
             friction_arm,
@@ -121,11 +120,16 @@ impl<C: Copy> PlainSlip<C> {
         }
     }
 
+    /// How the pin stands.
+    #[inline(always)]
+    pub(super) fn pose<S: Over<C>>(&self, y: &State<S>) -> PinPose<S> {
+        PinPose::new([y[0], y[1]], [y[3], y[4]], self.clearance)
+    }
+
     /// (Ẍ, Ÿ, θ̈): those of the general law without its terms of zero, and without a branch among its operations,
     /// past which series are slower.
     #[inline(always)]
-    pub(super) fn accelerations<S: Over<C>>(&self, y: &State<S>) -> [S; 3] {
-        let pose = PinPose::new([y[0], y[1]], [y[3], y[4]], self.clearance[0]);
+    pub(super) fn accelerations<S: Over<C>>(&self, y: &State<S>, pose: &PinPose<S>) -> [S; 3] {
         let arrow = self.inertia.at(y[2]);
         let pull = -(pose.delta * self.stiffness + pose.delta_dot * self.damping);
         let torque = pull * self.friction_arm + self.torque;
@@ -133,15 +137,38 @@ impl<C: Copy> PlainSlip<C> {
         self.inertia.accelerations(&arrow, y[5] * y[5], loads)
     }
 
-    /// The guards: `π/2 − θ`, `(ρ + c) δ` and `σ ρ v_T`.
+    /// Writes the rates of `y`.
     #[inline(always)]
-    pub(super) fn guards<S: Over<C>>(&self, y: &State<S>) -> [S; 4] {
+    pub(super) fn rates<S: Over<C>>(&self, y: &State<S>, pose: &PinPose<S>, dydt: &mut State<S>) {
+        let a = self.accelerations(y, pose);
+        // One by one: as an array they are copied through memory, and the next stage waits for that.
+        (dydt[0], dydt[1], dydt[2]) = (y[3], y[4], y[5]);
+        (dydt[3], dydt[4], dydt[5]) = (a[0], a[1], a[2]);
+    }
+
+    /// The guards: `π/2 − θ`, `δ` and `σ ρ v_T`.
+    #[inline(always)]
+    pub(super) fn guards<S: Over<C>>(&self, y: &State<S>, pose: &PinPose<S>) -> [S; 4] {
         let mut g = [S::cst(1.0); 4];
-        let [rho_sq, rho_v_t] = products(y, self.pin_radius);
         g[GUARD_END] = -(y[2] - FRAC_PI_2) * self.ends[0] + self.ends[1];
-        g[GUARD_CONTACT] = rho_sq - self.clearance[1];
-        g[GUARD_UPPER] = rho_v_t * self.sigma;
+        g[GUARD_CONTACT] = pose.delta;
+        g[GUARD_UPPER] = rho_v_t(y, pose, self.pin_radius) * self.sigma;
         g
+    }
+}
+
+impl Block {
+    /// The plain slip that `mode` is, guards and all, if it is one.
+    #[inline(always)]
+    pub(super) fn plain_slip(&self, mode: Mode) -> Option<PlainSlip> {
+        match (&self.body, self.plain_stiffness) {
+            (Body::Struts(inertia), Some(stiffness))
+                if mode.sigma().is_some() && self.has_product(Held::Struts(inertia)) =>
+            {
+                Some(PlainSlip::new(self, inertia, stiffness, mode))
+            }
+            _ => None,
+        }
     }
 }
 
@@ -149,11 +176,7 @@ impl Alike for Block {
     type Numbers<C: Copy + Debug> = [C; PlainSlip::N];
 
     fn numbers(&self, mode: &Mode) -> Option<[f64; PlainSlip::N]> {
-        let (Body::Struts(inertia), Some(stiffness)) = (&self.body, self.plain_stiffness) else {
-            return None;
-        };
-        let is_slip = mode.sigma().is_some() && self.has_products(Held::Struts(inertia));
-        is_slip.then(|| PlainSlip::new(self, inertia, stiffness, *mode).numbers())
+        self.plain_slip(*mode).map(|slip| slip.numbers())
     }
 
     #[inline(always)]
@@ -163,10 +186,8 @@ impl Alike for Block {
         y: &State<S>,
         dydt: &mut State<S>,
     ) {
-        let a = PlainSlip::of(numbers).accelerations(y);
-        // One by one: as an array they are copied through memory, and the next stage waits for that.
-        (dydt[0], dydt[1], dydt[2]) = (y[3], y[4], y[5]);
-        (dydt[3], dydt[4], dydt[5]) = (a[0], a[1], a[2]);
+        let slip = PlainSlip::of(numbers);
+        slip.rates(y, &slip.pose(y), dydt);
     }
 
     #[inline(always)]
@@ -176,13 +197,29 @@ impl Alike for Block {
         y: &State<S>,
         g: &mut [S; 4],
     ) {
-        *g = PlainSlip::of(numbers).guards(y);
+        let slip = PlainSlip::of(numbers);
+        *g = slip.guards(y, &slip.pose(y));
+    }
+
+    #[inline(always)]
+    fn rhs_with_guards_of<S: Over<C>, C: Copy + Debug>(
+        numbers: &[C; PlainSlip::N],
+        _t: S,
+        y: &State<S>,
+        dydt: &mut State<S>,
+        g: &mut [S; 4],
+    ) {
+        let slip = PlainSlip::of(numbers);
+        let pose = slip.pose(y);
+        slip.rates(y, &pose, dydt);
+        *g = slip.guards(y, &pose);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use deltazero_solvers::System;
+    use deltazero_solvers::taylor::expand::begins_with_rhs;
     use num_dual::Dual64;
 
     use super::*;
@@ -205,6 +242,21 @@ mod tests {
                 for (plain, general) in dydt[3..].iter().zip(general) {
                     // Measured: equal to the bit.
                     assert!((plain / general - 1.0).abs() < 1e-15, "{plain}, {general}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rates_with_guards_are_both_and_begin_with_the_rates() {
+        let mut config = Config::table1().unwrap();
+        for adhesion in [true, false] {
+            config.joints.iter_mut().for_each(|joint| joint.contact.adhesion = adhesion);
+            for block in Mechanism::new(&config).blocks() {
+                let y = [3e-5, -9.9e-5, 0.02, 2e-3, -1e-3, 0.3];
+                let slips = [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)];
+                for mode in slips.into_iter().chain([Mode::Apart, Mode::Stick(Touch::PLAIN)]) {
+                    assert!(begins_with_rhs(block, &mode, 0.0, &y), "{mode}");
                 }
             }
         }
@@ -235,10 +287,23 @@ mod tests {
                         block.rhs(mode, Dual64::from_re(0.0), &y, &mut own);
                         Block::rhs_of(&numbers, Dual64::from_re(0.0), &y, &mut of);
                         assert_eq!(bits(&own), bits(&of), "{mode}");
+                        let rates = of;
                         let (mut own, mut of) =
                             ([Dual64::from_re(0.0); 4], [Dual64::from_re(0.0); 4]);
                         block.guards(mode, Dual64::from_re(0.0), &y, &mut own);
                         Block::guards_of(&numbers, Dual64::from_re(0.0), &y, &mut of);
+                        let mut rates_with = [Dual64::from_re(0.0); 6];
+                        let mut with_rates = [Dual64::from_re(0.0); 4];
+                        let t = Dual64::from_re(0.0);
+                        Block::rhs_with_guards_of(
+                            &numbers,
+                            t,
+                            &y,
+                            &mut rates_with,
+                            &mut with_rates,
+                        );
+                        assert_eq!(bits(&rates), bits(&rates_with), "{mode}");
+                        assert_eq!(bits(&of), bits(&with_rates), "{mode}");
                         // A rate of zero may have the other sign.
                         let both =
                             own.map(|g| [g.re, g.eps]).into_iter().zip(of.map(|g| [g.re, g.eps]));
