@@ -449,9 +449,7 @@ impl System for Block {
         g: &mut [S; 4],
     ) {
         if let Some(slip) = self.plain_slip(mode) {
-            let pose = slip.pose(y);
-            slip.rates(y, &pose, dydt);
-            *g = slip.guards(y, &pose);
+            slip.rates_with_guards(y, dydt, g);
         } else {
             self.rhs(mode, t, y, dydt);
             self.guards(mode, t, y, g);

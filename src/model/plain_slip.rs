@@ -155,6 +155,19 @@ impl<C: Copy> PlainSlip<C> {
         g[GUARD_UPPER] = rho_v_t(y, pose, self.pin_radius) * self.sigma;
         g
     }
+
+    /// Writes both, at one pose.
+    #[inline(always)]
+    pub(super) fn rates_with_guards<S: Over<C>>(
+        &self,
+        y: &State<S>,
+        dydt: &mut State<S>,
+        g: &mut [S; 4],
+    ) {
+        let pose = self.pose(y);
+        self.rates(y, &pose, dydt);
+        *g = self.guards(y, &pose);
+    }
 }
 
 impl Block {
@@ -209,10 +222,7 @@ impl Alike for Block {
         dydt: &mut State<S>,
         g: &mut [S; 4],
     ) {
-        let slip = PlainSlip::of(numbers);
-        let pose = slip.pose(y);
-        slip.rates(y, &pose, dydt);
-        *g = slip.guards(y, &pose);
+        PlainSlip::of(numbers).rates_with_guards(y, dydt, g);
     }
 }
 

@@ -136,7 +136,7 @@ impl<P: Alike> SeriesPair<P> {
         for x in y1.iter().chain(self.slope1.as_ref()) {
             self.plain &= Two::cst(f64::INFINITY).is_above(x.abs());
         }
-        let highest = self.guards.n_low() - 1;
+        let highest = self.guards.highest_low();
         for (i, end) in self.guards.end.as_ref().iter().enumerate() {
             self.plain &= self.guards.is_clear(i, h, highest, *end);
         }

@@ -56,14 +56,14 @@ impl<G: Vector<B::Rounded>, B: Base> GuardSeries<G, B> {
     #[inline(always)]
     pub(crate) fn low(&mut self) -> &mut [G] {
         self.n_alone = 0;
-        let n = self.n_low();
-        &mut self.g[..n]
+        let highest = self.highest_low();
+        &mut self.g[..=highest]
     }
 
-    /// How many orders are low: the series of a solution to some order tells its guards to one below.
+    /// The highest low order: the series of a solution to some order tells its guards to one below.
     #[inline(always)]
-    pub(crate) fn n_low(&self) -> usize {
-        (self.g.len() - 1).min(FIRST_LOOK + 1)
+    pub(crate) fn highest_low(&self) -> usize {
+        (self.g.len() - 2).min(FIRST_LOOK)
     }
 
     /// Takes over low orders and the end from those of several runs, as `pick` does it.
@@ -158,7 +158,7 @@ impl<G: Vector<f64>, B: Base<Rounded = f64>> GuardSeries<G, B> {
         watch: &mut GuardWatch<P>,
     ) -> Result<Option<Fall>, Error> {
         let (start, t1) = (step.t0(), step.t1());
-        let (h, low) = (t1 - start, degree.min(self.n_low() - 1));
+        let (h, low) = (t1 - start, degree.min(self.highest_low()));
         let ends = self.end.as_ref().iter().enumerate();
         // Without a branch between the guards. Where all are clear none is violated at the end.
         if ends.fold(true, |all, (guard, end)| all & self.is_clear(guard, h, low, *end)) {
