@@ -47,12 +47,53 @@ pub trait Real:
     /// `selfᵃ` for a base of at least zero.
     fn powf(self, a: f64) -> Self;
 
+    /// This number as one that others are [divided by](Self::over).
+    #[inline(always)]
+    fn divisor(self) -> Divisor<Self> {
+        Divisor { value: self, reciprocal: Self::cst(1.0) / self }
+    }
+
+    /// `self/by`, as a product with the reciprocal, which does not wait for `self`: rounded twice, and not finite
+    /// where the reciprocal is not. What expands divides, and makes no series of the reciprocal.
+    #[inline(always)]
+    fn over(self, by: &Divisor<Self>) -> Self {
+        self * by.reciprocal
+    }
+
     /// The length `ρ = √(d·d)` of the plane vector `d`, of which `v` is the rate along every solution: what
     /// expands makes the coefficients of ρ from those of ρ̇, and another `v` would make them wrong. Where `d` is
-    /// zero, `1/ρ` and ρ̇ are not finite.
+    /// zero, quotients by ρ, and ρ̇, are not finite.
     #[inline(always)]
     fn length(d: [Self; 2], v: [Self; 2]) -> Length<Self> {
         length_of_values(d, v)
+    }
+
+    /// The curve `r = (p sin θ, q cos θ)` at `turn = (θ, θ̇)`, for its second derivative by
+    /// [`less_turning`](Self::less_turning); `arms = (p, q)` are constants.
+    ///
+    /// Along every solution θ̇ has to be the rate of θ. An evaluation that begins a curve has to end it, so guards
+    /// cannot have one: what expands keeps coefficients from there to the next order, and else those from order
+    /// one on are wrong.
+    ///
+    /// # Panics
+    /// In a build with debug assertions, where a series finds that it was not ended.
+    #[inline(always)]
+    fn turning(arms: [Self; 2], turn: [Self; 2]) -> Turning<Self> {
+        turning_of_values(arms, turn)
+    }
+
+    /// `a − r̈`, of a curve whose θ̈ is `theta_dd`:
+    ///
+    /// ```text
+    /// r̈ = (∂r/∂θ) θ̈ − r θ̇²,   ∂r/∂θ = (p cos θ, −q sin θ)
+    /// ```
+    ///
+    /// Along every solution θ̈ has to be the rate of θ̇: what expands makes the coefficients of r̈ from those of ṙ
+    /// one order ahead.
+    #[inline(always)]
+    fn less_turning(a: [Self; 2], turning: Turning<Self>, theta_dd: Self) -> [Self; 2] {
+        let Turning { along, rates, arms, omega, .. } = turning;
+        less_turning_of_values(a, [along, rates, arms], omega, theta_dd)
     }
 
     /// Iterations of Newton's by which a root known to the digits of an `f64` has all of this number: each
@@ -73,23 +114,69 @@ pub trait Real:
     }
 }
 
+/// A number that others are divided by, with its reciprocal.
+#[derive(Clone, Copy, Debug)]
+pub struct Divisor<S> {
+    /// The number.
+    pub value: S,
+    /// Its reciprocal; of a series good for order zero alone.
+    pub(crate) reciprocal: S,
+}
+
 /// A length `ρ` of a vector `d` that moves at `v`.
 #[derive(Clone, Copy, Debug)]
 pub struct Length<S> {
     /// `ρ`.
-    pub value: S,
-    /// `1/ρ`.
-    pub reciprocal: S,
+    pub rho: Divisor<S>,
     /// `ρ̇ = d·v/ρ`.
     pub rate: S,
+}
+
+/// A [curve](Real::turning) `r = (p sin θ, q cos θ)` where it is.
+#[derive(Debug)]
+#[must_use]
+pub struct Turning<S> {
+    /// `sin θ`.
+    pub sin: S,
+    /// `cos θ`.
+    pub cos: S,
+    /// `∂r/∂θ = (p cos θ, −q sin θ)`.
+    pub along: [S; 2],
+    /// Rates of sine and cosine, `(cos θ θ̇, −sin θ θ̇)`.
+    pub rates: [S; 2],
+    /// `(p, q)`.
+    pub(crate) arms: [S; 2],
+    /// `θ̇`.
+    pub(crate) omega: S,
 }
 
 /// [`Real::length`] by its definition.
 #[inline(always)]
 pub(crate) fn length_of_values<S: Real>(d: [S; 2], v: [S; 2]) -> Length<S> {
-    let value = (d[0] * d[0] + d[1] * d[1]).sqrt();
-    let reciprocal = S::cst(1.0) / value;
-    Length { value, reciprocal, rate: (d[0] * v[0] + d[1] * v[1]) * reciprocal }
+    let rho = (d[0] * d[0] + d[1] * d[1]).sqrt().divisor();
+    Length { rho, rate: (d[0] * v[0] + d[1] * v[1]).over(&rho) }
+}
+
+/// [`Real::turning`] by its definition.
+#[inline(always)]
+pub(crate) fn turning_of_values<S: Real>(arms: [S; 2], [theta, omega]: [S; 2]) -> Turning<S> {
+    let (sin, cos) = theta.sin_cos();
+    let rates = [cos * omega, -(sin * omega)];
+    Turning { sin, cos, along: [cos * arms[0], -(sin * arms[1])], rates, arms, omega }
+}
+
+/// [`Real::less_turning`] by its definition, of `[∂r/∂θ, rates of sine and cosine, arms]`: all that does not wait for
+/// θ̈ first.
+#[inline(always)]
+pub(crate) fn less_turning_of_values<S: Real>(
+    a: [S; 2],
+    [along, rates, arms]: [[S; 2]; 3],
+    omega: S,
+    theta_dd: S,
+) -> [S; 2] {
+    let x = a[0] - rates[1] * omega * arms[0];
+    let y = a[1] + rates[0] * omega * arms[1];
+    [x - along[0] * theta_dd, y - along[1] * theta_dd]
 }
 
 /// A number that constants of the kind `C` are added to and multiplied with: `f64` of any, and of the number of

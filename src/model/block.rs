@@ -202,12 +202,13 @@ impl Block {
         y: &State<S>,
         arrow: &Arrow<S>,
     ) -> [S; 3] {
-        let omega_sq = y[5] * y[5];
-        if self.reading.centrifugal == 1.0 {
-            return inertia.free_accelerations(arrow, omega_sq, self.torque);
-        }
-        let misprint = self.centrifugal_misprint(inertia, y, arrow);
-        inertia.accelerations(arrow, omega_sq, [misprint, S::cst(0.0), S::cst(self.torque)])
+        let zero = S::cst(0.0);
+        let along_x = if self.reading.centrifugal == 1.0 {
+            zero
+        } else {
+            self.centrifugal_misprint(inertia, y, arrow)
+        };
+        inertia.accelerations(arrow, y[5] * y[5], [along_x, zero, S::cst(self.torque)])
     }
 
     /// Writes the rates of `y` where struts hang on the joint.
@@ -228,6 +229,12 @@ impl Block {
                 let about_pin = inertia.about_pin(sin, cos);
                 [zero, zero, y[5], zero, zero, moment / about_pin]
             }
+            Mode::Apart | Mode::Relaxing(_) if self.reading.centrifugal == 1.0 => {
+                let turning = inertia.turning([y[2], y[5]]);
+                let moment = inertia.turning_moment(&turning) + self.torque;
+                let a = inertia.motion(turning, [zero; 2], moment);
+                [y[3], y[4], y[5], a[0], a[1], a[2]]
+            }
             Mode::Apart | Mode::Relaxing(_) => {
                 let a = self.free_accelerations(inertia, y, &inertia.at(y[2]));
                 [y[3], y[4], y[5], a[0], a[1], a[2]]
@@ -236,8 +243,7 @@ impl Block {
                 if let Some(stiffness) = self.plain_stiffness =>
             {
                 let slip = PlainSlip::new(self, inertia, stiffness, mode);
-                let a = slip.accelerations(y, &slip.pose(y));
-                [y[3], y[4], y[5], a[0], a[1], a[2]]
+                return slip.rates(y, &slip.distance(y), dydt);
             }
             Mode::SlipPlus(_) | Mode::SlipMinus(_) | Mode::Stick(_) => {
                 let posture = Posture::Struts(inertia, inertia.at(y[2]));

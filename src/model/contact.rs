@@ -148,9 +148,9 @@ impl<S: Real> PinPose<S> {
     where
         S: Over<C>,
     {
-        let Length { value: rho, reciprocal, rate: delta_dot } = S::length(d, v);
-        let n = [d[0] * reciprocal, d[1] * reciprocal];
-        Self { n, rho, delta: rho - c, delta_dot }
+        let Length { rho, rate: delta_dot } = S::length(d, v);
+        let n = [d[0].over(&rho), d[1].over(&rho)];
+        Self { n, rho: rho.value, delta: rho.value - c, delta_dot }
     }
 
     /// `t·v`, `t = (n_Y, −n_X)`: tangential velocity [m/s] of the pin's centre, which moves at `v`.

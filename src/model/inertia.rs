@@ -1,7 +1,7 @@
 //! Mass sums of a block, and its arrow-shaped mass matrix solved in closed form.
 
 use deltazero_solvers::Real;
-use deltazero_solvers::real::Over;
+use deltazero_solvers::real::{Divisor, Over, Turning};
 
 use crate::config::{Inertia, Strut};
 
@@ -137,7 +137,7 @@ impl<C: Copy> BlockInertia<C> {
             cos,
             p_cos: cos * self.p,
             q_sin: sin * self.q,
-            per_schur: S::cst(1.0) / self.schur(cos),
+            schur: self.schur(cos).divisor(),
         }
     }
 
@@ -153,22 +153,37 @@ impl<C: Copy> BlockInertia<C> {
         let swing = [arrow.sin * omega_sq, arrow.cos * omega_sq];
         let by_forces = arrow.p_cos * q[0] - arrow.q_sin * q[1];
         let moment = swing[0] * arrow.cos * self.j_c + q[2] - by_forces;
-        let [x, y, theta] = self.turned(arrow, swing, moment);
-        [x + q[0] * self.per_mass[0], y + q[1] * self.per_mass[1], theta]
+        let theta = moment.over(&arrow.schur);
+        let x = swing[0] * self.p - arrow.p_cos * theta + q[0] * self.per_mass[0];
+        let y = swing[1] * self.q + arrow.q_sin * theta + q[1] * self.per_mass[1];
+        [x, y, theta]
     }
 
-    /// The same under a moment `Q_θ` alone.
+    /// How `r = (p̄ sin θ, q̄ cos θ)`, from the pin to the mean of the struts along X and Y each, turns at
+    /// `turn = (θ, θ̇)` [rad, rad/s]; for [`motion`](Self::motion).
     #[inline(always)]
-    pub fn free_accelerations<S: Over<C>>(&self, arrow: &Arrow<S>, omega_sq: S, q: C) -> [S; 3] {
-        let swing = [arrow.sin * omega_sq, arrow.cos * omega_sq];
-        self.turned(arrow, swing, swing[0] * arrow.cos * self.j_c + q)
+    pub fn turning<S: Over<C>>(&self, turn: [S; 2]) -> Turning<S> {
+        S::turning([S::of(self.p), S::of(self.q)], turn)
     }
 
-    /// The same without what forces add to Ẍ and Ÿ, of `(sin θ, cos θ) θ̇²` and the numerator of θ̈.
+    /// `j_c sin θ cos θ θ̇²` [N m]: what turning adds to the moment that θ̈ is made of.
     #[inline(always)]
-    fn turned<S: Over<C>>(&self, arrow: &Arrow<S>, swing: [S; 2], moment: S) -> [S; 3] {
-        let theta = moment * arrow.per_schur;
-        [swing[0] * self.p - arrow.p_cos * theta, swing[1] * self.q + arrow.q_sin * theta, theta]
+    pub fn turning_moment<S: Over<C>>(&self, turning: &Turning<S>) -> S {
+        turning.rates[0] * -turning.rates[1] * self.j_c
+    }
+
+    /// [`accelerations`](Self::accelerations) (Ẍ, Ÿ, θ̈) of a motion, the rates of what `turning` was made of, under
+    /// `q = (Q_X, Q_Y)` [N] and the moment [N m]
+    ///
+    /// ```text
+    /// Q_θ + j_c sin θ cos θ θ̇² − (∂r/∂θ)·q
+    /// ```
+    #[inline(always)]
+    pub fn motion<S: Over<C>>(&self, turning: Turning<S>, q: [S; 2], moment: S) -> [S; 3] {
+        let theta = moment.over(&self.schur(turning.cos).divisor());
+        let a = [q[0] * self.per_mass[0], q[1] * self.per_mass[1]];
+        let [x, y] = S::less_turning(a, turning, theta);
+        [x, y, theta]
     }
 }
 
@@ -183,8 +198,8 @@ pub struct Arrow<S> {
     p_cos: S,
     /// `q̄ sin θ` [m].
     q_sin: S,
-    /// `1/(j_0 + j_c cos²θ)` [1/(kg m²)].
-    per_schur: S,
+    /// `j_0 + j_c cos²θ` [kg m²].
+    schur: Divisor<S>,
 }
 
 #[cfg(test)]
@@ -225,7 +240,11 @@ mod tests {
             for theta in [0.0, 0.4, 1.2] {
                 let (omega, q): (f64, _) = (0.7, [0.3, -0.8, 0.5]);
                 let arrow = inertia.at(theta);
-                let a = inertia.accelerations(&arrow, omega * omega, q);
+                let turning = inertia.turning([theta, omega]);
+                let lever = turning.along[0] * q[0] + turning.along[1] * q[1];
+                let moment = inertia.turning_moment(&turning) + q[2] - lever;
+                let moving = inertia.motion(turning, [q[0], q[1]], moment);
+                let any = inertia.accelerations(&arrow, omega * omega, q);
                 let Arrow { sin, cos, .. } = arrow;
                 let i_c = inertia.about_pin(0.0, 1.0) - inertia.about_pin(1.0, 0.0);
                 let forces = [
@@ -233,8 +252,12 @@ mod tests {
                     inertia.m_y * inertia.q * cos * omega * omega + q[1],
                     i_c * sin * cos * omega * omega + q[2],
                 ];
-                for (row, force) in mass_matrix(&inertia, theta).iter().zip(forces) {
-                    let product: f64 = row.iter().zip(&a).map(|(m, a)| m * a).sum();
+                let rows = mass_matrix(&inertia, theta);
+                for (a, (row, force)) in [any, moving]
+                    .iter()
+                    .flat_map(|a| rows.iter().zip(forces).map(move |row| (a, row)))
+                {
+                    let product: f64 = row.iter().zip(a).map(|(m, a)| m * a).sum();
                     assert!((product - force).abs() < 1e-12, "{product} against {force}");
                 }
             }

@@ -7,7 +7,7 @@ use deltazero_solvers::real::Over;
 use deltazero_solvers::{Next, Real};
 
 use super::block::{Block, Body, Held, State};
-use super::contact::{PinPose, Touch};
+use super::contact::Touch;
 use super::friction::Extra;
 use super::sliding::Shape;
 
@@ -134,9 +134,9 @@ impl Block {
                 g[GUARD_CONTACT] = -(rho_sq - self.clearance * self.clearance);
             }
             Mode::SlipPlus(_) | Mode::SlipMinus(_) if self.has_product(held) => {
-                let pose = self.pose(y);
-                let along = rho_v_t(y, &pose, self.pin_radius);
-                g[GUARD_CONTACT] = pose.delta;
+                let rho = S::length([y[0], y[1]], [y[3], y[4]]).rho.value;
+                let along = rho_v_t(y, rho, self.pin_radius);
+                g[GUARD_CONTACT] = rho - self.clearance;
                 g[GUARD_UPPER] = if matches!(mode, Mode::SlipPlus(_)) { along } else { -along };
             }
             Mode::Relaxing(touch) => {
@@ -344,8 +344,8 @@ impl Block {
 
 /// `ρ v_T`: guards are evaluated at every step, and quotients are dear.
 #[inline(always)]
-pub(super) fn rho_v_t<S: Over<C>, C>(y: &State<S>, pose: &PinPose<S>, pin_radius: C) -> S {
-    y[1] * y[3] - y[0] * y[4] + pose.rho * y[5] * pin_radius
+pub(super) fn rho_v_t<S: Over<C>, C>(y: &State<S>, rho: S, pin_radius: C) -> S {
+    y[1] * y[3] - y[0] * y[4] + rho * y[5] * pin_radius
 }
 
 /// `touch` in the next piece down or up.

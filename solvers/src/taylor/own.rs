@@ -59,20 +59,20 @@ mod tests {
 
     use wide::f64x2;
 
-    use super::super::rows::{MAX_ORDER, Rows};
-    use super::super::series::tests::operations;
+    use super::super::rows::MAX_ORDER;
+    use super::super::series::tests::{enough_rows, operations};
     use super::*;
 
     /// Operations with constants of each run, and each of a [`Real`].
-    fn with_constants<S: Over<C>, C: Copy>(x: S, [c, d]: [C; 2]) -> [S; 11] {
-        let [a, b, e, f, g, h, i, j, k] = operations(x);
-        [a, b, e, f, g, h, i, j, k, (x * c + d) * x - c, <S as Over<C>>::of(d) / x]
+    fn with_constants<S: Over<C>, C: Copy>(x: S, [c, d]: [C; 2]) -> [S; 13] {
+        let [a, b, e, f, g, h, i, j, k, l, m] = operations(x);
+        [a, b, e, f, g, h, i, j, k, l, m, (x * c + d) * x - c, <S as Over<C>>::of(d) / x]
     }
 
     #[test]
     fn series_of_two_runs_have_the_bits_of_each() {
         let (x, c, d) = ([0.7, 0.8], [1.5, -0.3], [0.1, 7.0]);
-        let (both, each) = (Rows::new(), [Rows::new(), Rows::new()]);
+        let (both, each) = (enough_rows(), [enough_rows(), enough_rows()]);
         for k in 0..=MAX_ORDER {
             let start = |x: f64| [x, 1.0, 0.0][k.min(2)];
             let n = Cell::new(0);

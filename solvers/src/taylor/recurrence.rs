@@ -1,8 +1,9 @@
 //! The recurrences of Taylor coefficients, one a function.
 //!
 //! With `a(s) = Σ a_k sᵏ` and so on, each gives coefficient `k ≥ 1` of a result from those of its
-//! arguments up to order `k` and its own below. An argument's coefficient of order `k` is passed by
-//! value: it is new, and short sums run from the middle outwards so that the newest terms come last.
+//! arguments up to order `k` and its own below, but for the product one order ahead. An argument's coefficient of
+//! order `k` is passed by value: it is new, and short sums run from the middle outwards so that the newest terms come
+//! last.
 //!
 //! A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd ed., SIAM (2008), table 13.1 and 13.2;
 //! E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, I.8.
@@ -10,8 +11,8 @@
 use super::base::Base;
 use super::rows::Row;
 
-/// The highest order whose sums are taken from the middle outwards, as straight code does best.
-const SHORT: usize = 5;
+/// The highest order of a run whose sums are taken from the middle outwards, as straight code does best.
+pub(super) const SHORT: usize = 5;
 
 /// `1/k`, a constant where the order is one.
 #[inline(always)]
@@ -22,9 +23,12 @@ pub(super) fn reciprocal<B: Base>(k: usize) -> B {
 /// `Σ a_j b_(k−j)` over `j = 1 … k − 1`, `k ≥ 1`; none where there is none to sum.
 #[inline(always)]
 fn inner<B: Base>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
-    if k > SHORT {
-        return Some(B::long_inner(k, a, b));
-    }
+    if k > SHORT { Some(B::long_inner(k, a, b.tail(0))) } else { short_inner(k, a, b) }
+}
+
+/// The same, from the middle outwards.
+#[inline(always)]
+fn short_inner<B: Base>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
     let mut sum = if k.is_multiple_of(2) { Some(a.at(k / 2) * b.at(k / 2)) } else { None };
     for j in (1..k.div_ceil(2)).rev() {
         let of_j = match sum {
@@ -40,7 +44,7 @@ fn inner<B: Base>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
 #[inline(always)]
 fn inner_square<B: Base>(k: usize, a: &Row<B>) -> Option<B> {
     if k > SHORT {
-        return Some(B::long_inner(k, a, a));
+        return Some(B::long_inner(k, a, a.tail(0)));
     }
     let mut pairs = None;
     for j in (1..k.div_ceil(2)).rev() {
@@ -80,6 +84,22 @@ fn less<B: Base>(a: B, sum: Option<B>) -> B {
 #[inline(always)]
 pub(super) fn product<B: Base>(k: usize, (a, a_k): (&Row<B>, B), (b, b_k): (&Row<B>, B)) -> B {
     B::fma(b_k, a.at(0), onto(inner(k, a, b), a_k, b.at(0)))
+}
+
+/// `c_(k+1) = Σ a_j b_(k+1−j)` of `c = a b`, `k ≥ 0`, in a run of order `k` that knows the factors to order `k + 1`.
+#[inline(always)]
+pub(super) fn product_ahead<B: Base>(
+    k: usize,
+    (a, a_next): (&Row<B>, B),
+    (b, b_next): (&Row<B>, B),
+) -> B {
+    let sum = if k > SHORT {
+        // As many terms as sums of order k have.
+        Some(B::fma(a.at(k), b.at(1), B::long_inner(k, a, b.tail(1))))
+    } else {
+        short_inner(k + 1, a, b)
+    };
+    B::fma(b_next, a.at(0), onto(sum, a_next, b.at(0)))
 }
 
 /// `c = a²`.

@@ -31,9 +31,30 @@ impl<B: Base> Row<B> {
         self.coefficients[k].get()
     }
 
+    /// The coefficients from order `first` on.
+    #[inline(always)]
+    pub(super) fn tail(&self, first: usize) -> Tail<'_, B> {
+        Tail { row: self, first }
+    }
+
     #[inline(always)]
     pub(super) fn set(&self, k: usize, coefficient: B) {
         self.coefficients[k].set(coefficient);
+    }
+}
+
+/// The coefficients of a row from some order on, counted from there.
+#[derive(Clone, Copy, Debug)]
+pub struct Tail<'a, B: Copy> {
+    row: &'a Row<B>,
+    first: usize,
+}
+
+impl<B: Base> Tail<'_, B> {
+    /// That of order `first + k`.
+    #[inline(always)]
+    pub fn at(self, k: usize) -> B {
+        self.row.at(self.first + k)
     }
 }
 

@@ -6,7 +6,10 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use super::base::Base;
 use super::recurrence;
 use super::rows::{Row, Table};
-use crate::real::{Function, Functions, Length, Real, length_of_values};
+use crate::real::{
+    Divisor, Function, Functions, Length, Real, Turning, length_of_values, less_turning_of_values,
+    turning_of_values,
+};
 
 /// The largest integer power that is taken by products.
 const LARGEST_PRODUCT: f64 = 64.0;
@@ -78,6 +81,12 @@ impl<'a, B: Base> Series<'a, B> {
         if self.place.is_some() || k == 0 { self.coefficient } else { B::cst(0.0) }
     }
 
+    /// What `row` holds of the present order already.
+    #[inline(always)]
+    fn known(table: Table<'a, B>, row: &'a Row<B>) -> Self {
+        Self { place: Some(Place { table, row }), coefficient: row.at(table.k) }
+    }
+
     /// A linear function of this series, with this coefficient; of a constant, its value.
     #[inline(always)]
     pub(super) fn linear(self, coefficient: B) -> Self {
@@ -96,7 +105,7 @@ impl<'a, B: Base> Series<'a, B> {
 
     /// The series over the constant `x`.
     #[inline(always)]
-    fn over(self, x: B) -> Self {
+    fn over_constant(self, x: B) -> Self {
         let is_value = self.place.is_none_or(|place| place.table.k == 0);
         // Higher orders need not be those of an f64 to the bit, and a division is slow.
         self.linear(if is_value {
@@ -257,7 +266,7 @@ impl<B: Base> Div for Series<'_, B> {
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         let Some(Place { table, row: b }) = other.kept().place else {
-            return self.over(other.coefficient);
+            return self.over_constant(other.coefficient);
         };
         let (k, b_k) = (table.k, other.coefficient);
         let a_k = self.coefficient(k);
@@ -302,7 +311,7 @@ impl<B: Base> Div<f64> for Series<'_, B> {
 
     #[inline(always)]
     fn div(self, x: f64) -> Self {
-        self.over(B::cst(x))
+        self.over_constant(B::cst(x))
     }
 }
 
@@ -391,6 +400,28 @@ impl<B: Base> Real for Series<'_, B> {
     }
 
     #[inline(always)]
+    fn divisor(self) -> Divisor<Self> {
+        let reciprocal = match self.place {
+            Some(place) if place.table.k > 0 => B::cst(0.0),
+            _ => B::cst(1.0) / self.coefficient,
+        };
+        Divisor { value: self, reciprocal: Self::constant(reciprocal) }
+    }
+
+    #[inline(always)]
+    fn over(self, by: &Divisor<Self>) -> Self {
+        let Some(Place { table, row: b }) = by.value.kept().place else {
+            return self * by.reciprocal;
+        };
+        let (k, a_k, c) = (table.k, self.coefficient(table.k), table.next());
+        if k == 0 {
+            c.kept.set(by.reciprocal.coefficient);
+            return Self::at(table, c, a_k * by.reciprocal.coefficient);
+        }
+        Self::at(table, c, recurrence::quotient(k, a_k, (b, by.value.coefficient), c))
+    }
+
+    #[inline(always)]
     fn length([x, y]: [Self; 2], [v_x, v_y]: [Self; 2]) -> Length<Self> {
         let (Some(at_x), Some(at_y), Some(at_v_x), Some(at_v_y)) =
             (x.kept().place, y.kept().place, v_x.kept().place, v_y.kept().place)
@@ -400,25 +431,91 @@ impl<B: Base> Real for Series<'_, B> {
         let table = at_x.table;
         let (k, rho, rate) = (table.k, table.next(), table.next());
         // ρ ρ̇ = d·v, and ρ_(k+1) = ρ̇_k/(k + 1): neither squares nor a root beyond order zero.
-        let (rho_k, rate_k) = if k == 0 {
+        let rate_k = if k == 0 {
             let d = [x.coefficient, y.coefficient];
             let length = length_of_values(d, [v_x.coefficient, v_y.coefficient]);
-            rate.kept.set(length.reciprocal);
-            rho.set(0, length.value);
-            (length.value, length.rate)
+            rate.kept.set(length.rho.reciprocal);
+            rho.set(0, length.rho.value);
+            length.rate
         } else {
             let product = |a: Place<'_, B>, a_k, b: Place<'_, B>, b_k| {
                 recurrence::product(k, (a.row, a_k), (b.row, b_k))
             };
             let along_x = product(at_x, x.coefficient, at_v_x, v_x.coefficient);
             let along_y = product(at_y, y.coefficient, at_v_y, v_y.coefficient);
-            let rho_k = rho.at(k);
-            (rho_k, recurrence::quotient(k, along_x + along_y, (rho, rho_k), rate))
+            recurrence::quotient(k, along_x + along_y, (rho, rho.at(k)), rate)
         };
         rho.set(k + 1, rate_k * recurrence::reciprocal::<B>(k + 1));
-        let value = Self { place: Some(Place { table, row: rho }), coefficient: rho_k };
-        let reciprocal = Self::constant(B::cst(1.0)) / value;
-        Length { value, reciprocal, rate: Self::at(table, rate, rate_k) }
+        let value = Self::known(table, rho);
+        let reciprocal = Self::constant(rate.kept.get());
+        Length { rho: Divisor { value, reciprocal }, rate: Self::at(table, rate, rate_k) }
+    }
+
+    #[inline(always)]
+    fn turning(arms: [Self; 2], turn: [Self; 2]) -> Turning<Self> {
+        let ([theta, omega], [p, q]) = (turn, arms);
+        let (Some(Place { table, .. }), Some(_), None, None) =
+            (theta.place, omega.kept().place, p.place, q.place)
+        else {
+            return turning_of_values(arms, turn);
+        };
+        let (k, sin, cos) = (table.k, table.next(), table.next());
+        let (sin_rate, cos_rate) = (table.next(), table.next());
+        if k == 0 {
+            let (sin_0, cos_0) = Real::sin_cos(theta.coefficient);
+            sin.set(0, sin_0);
+            cos.set(0, cos_0);
+            sin_rate.set(0, cos_0 * omega.coefficient);
+            cos_rate.set(0, -(sin_0 * omega.coefficient));
+        }
+        debug_assert!(
+            k == 0 || sin_rate.kept.get().value() == k as f64,
+            "a curve that turns was not ended at the order before {k}"
+        );
+        // Those of the rates are known from the order before, and tell sine and cosine one order ahead.
+        let share = recurrence::reciprocal::<B>(k + 1);
+        sin.set(k + 1, sin_rate.at(k) * share);
+        cos.set(k + 1, cos_rate.at(k) * share);
+        let here = |row| Self::known(table, row);
+        let (sin, cos) = (here(sin), here(cos));
+        let rates = [here(sin_rate), here(cos_rate)];
+        Turning { sin, cos, along: [cos * p, -(sin * q)], rates, arms, omega }
+    }
+
+    #[inline(always)]
+    fn less_turning(a: [Self; 2], turning: Turning<Self>, theta_dd: Self) -> [Self; 2] {
+        let Turning { sin, cos, along, rates, arms, omega } = turning;
+        let (Some(sin), Some(cos), [Some(sin_rate), Some(cos_rate)], Some(w), [None, None]) = (
+            sin.place,
+            cos.place,
+            [rates[0].place, rates[1].place],
+            omega.place,
+            [arms[0].place, arms[1].place],
+        ) else {
+            return less_turning_of_values(a, [along, rates, arms], omega, theta_dd);
+        };
+        let (table, k, w) = (w.table, w.table.k, w.row);
+        let (a_x, a_y, alpha) = (a[0].coefficient(k), a[1].coefficient(k), theta_dd.coefficient(k));
+        let next_w = alpha * recurrence::reciprocal::<B>(k + 1);
+        w.set(k + 1, next_w);
+        let ahead = |row: &Row<B>| recurrence::product_ahead(k, (w, next_w), (row, row.at(k + 1)));
+        let (next_sin_rate, next_cos_rate) = (ahead(cos.row), -ahead(sin.row));
+        sin_rate.row.set(k + 1, next_sin_rate);
+        cos_rate.row.set(k + 1, next_cos_rate);
+        if cfg!(debug_assertions) {
+            sin_rate.row.kept.set(B::cst((k + 1) as f64));
+        }
+        let arms = [arms[0].coefficient, arms[1].coefficient];
+        let [x, y] = if k == 0 {
+            let along = [along[0].coefficient, along[1].coefficient];
+            let rates = [rates[0].coefficient, rates[1].coefficient];
+            less_turning_of_values([a_x, a_y], [along, rates, arms], omega.coefficient, alpha)
+        } else {
+            // r̈ of this order is k + 1 times ṙ of the next.
+            let n = (k + 1) as f64;
+            [a_x - next_sin_rate * (arms[0] * n), a_y - next_cos_rate * (arms[1] * n)]
+        };
+        [Self::new(table, x), Self::new(table, y)]
     }
 
     #[inline(always)]
@@ -458,12 +555,12 @@ pub(super) mod tests {
     use super::*;
 
     /// Every operation of a [`Real`] once, of an argument near 0.7 that changes at one.
-    pub(crate) fn operations<S: Real>(x: S) -> [S; 9] {
+    pub(crate) fn operations<S: Real>(x: S) -> [S; 11] {
         let (sin, cos) = x.sin_cos();
         let length = S::length([x * x, sin], [x * 2.0, cos]);
         let beside = S::length([x, S::cst(0.4)], [S::cst(1.0), S::cst(0.0)]);
         [
-            length.value * length.rate + length.reciprocal + beside.value * beside.rate,
+            length.rho.value * length.rate + x.over(&length.rho) + beside.rho.value * beside.rate,
             x * x / (x + 1.0) - S::cst(2.0) / x,
             (x * x + 1.0).sqrt() * -x,
             sin * cos * 2.0 - cos,
@@ -472,20 +569,46 @@ pub(super) mod tests {
             (x + 0.5).powf(1.5) + x.powf(-0.7),
             (x - 0.7).powf(3.0) + (x - 0.7).powf(2.0),
             S::cst(1.5) - x.powf(1.0) * S::cst(2.0).sqrt(),
+            S::cst(2.0).over(&(x + 1.0).divisor()) + (x - 0.2).over(&S::cst(3.0).divisor()),
+            curves(x),
         ]
     }
 
+    /// Second derivatives of curves that turn by sin x, by x², and evenly.
+    fn curves<S: Real>(x: S) -> S {
+        let (sin, cos) = x.sin_cos();
+        let arms = [S::cst(0.3), S::cst(-1.2)];
+        let by_sine = S::turning(arms, [sin, cos]);
+        let of_curve = by_sine.sin * by_sine.along[0] + by_sine.cos * by_sine.along[1];
+        let of_rates = by_sine.rates[0] * by_sine.rates[1];
+        let [a, b] = S::less_turning([x, cos], by_sine, -sin);
+        let by_square = S::turning(arms, [x * x, x * 2.0]);
+        let [c, d] = S::less_turning([S::cst(0.0), S::cst(0.5)], by_square, S::cst(2.0));
+        let evenly = S::turning(arms, [x * 2.0, S::cst(2.0)]);
+        let [e, f] = S::less_turning([x, S::cst(0.5)], evenly, S::cst(0.0));
+        of_curve + of_rates + a * b + c * d + e * f
+    }
+
     /// Coefficients of order `k` of the operations about `x`, those below being in `rows`.
-    fn coefficients(rows: &Rows<f64>, x: f64, k: usize) -> [f64; 9] {
+    fn coefficients(rows: &Rows<f64>, x: f64, k: usize) -> [f64; 11] {
         let n = Cell::new(0);
         let x = Series::new(rows.table(&n, k), [x, 1.0, 0.0][k.min(2)]);
-        operations(x).map(|series| series.coefficient(k))
+        let all = operations(x).map(|series| series.coefficient(k));
+        assert!(n.get() <= 2 * N_ROWS, "{} rows", n.get());
+        all
+    }
+
+    /// Rows for [`operations`] and some.
+    pub(crate) fn enough_rows<B: Base>() -> Rows<B> {
+        let mut rows = Rows::new();
+        rows.grow(2 * N_ROWS);
+        rows
     }
 
     /// Rows in which a coefficient that is read before it is written shows.
     fn poisoned() -> Rows<f64> {
-        let (rows, n) = (Rows::new(), Cell::new(0));
-        for _ in 0..N_ROWS {
+        let (rows, n) = (enough_rows(), Cell::new(0));
+        for _ in 0..2 * N_ROWS {
             let row = rows.table(&n, 0).next();
             (0..=MAX_ORDER + 1).for_each(|k| row.set(k, f64::NAN));
         }
@@ -496,7 +619,7 @@ pub(super) mod tests {
     fn series_sum_to_what_they_expand() {
         let (x, s) = (0.7, 0.07);
         let rows = poisoned();
-        let mut sums = [0.0; 9];
+        let mut sums = [0.0; 11];
         for k in 0..18 {
             let terms = coefficients(&rows, x, k);
             if k == 0 {
@@ -512,12 +635,50 @@ pub(super) mod tests {
         }
     }
 
+    #[test]
+    fn curves_one_order_ahead_are_those_of_their_definition() {
+        let rows = poisoned();
+        for k in 0..=MAX_ORDER {
+            let n = Cell::new(0);
+            let x = Series::new(rows.table(&n, k), [0.7, 1.0, 0.0][k.min(2)]);
+            let (a, arms) = ([x, x.sin_cos().1], [0.3, -1.2].map(Series::cst));
+            let omega = x * 2.0;
+            let of_values = turning_of_values(arms, [x * x, omega]);
+            let Turning { along, rates, .. } = of_values;
+            let [x_1, y_1] =
+                less_turning_of_values(a, [along, rates, arms], omega, Series::cst(2.0));
+            let [x_2, y_2] =
+                Series::less_turning(a, Series::turning(arms, [x * x, omega]), Series::cst(2.0));
+            for (own, other) in [(x_1, x_2), (y_1, y_2)] {
+                let (own, other) = (own.coefficient(k), other.coefficient(k));
+                assert!((own / other - 1.0).abs() < 1e-12, "order {k}: {own:e} for {other:e}");
+            }
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "was not ended at the order before 2")]
+    #[cfg(debug_assertions)]
+    fn a_curve_that_is_not_ended_is_refused() {
+        let rows = enough_rows::<f64>();
+        for k in 0..3 {
+            let n = Cell::new(0);
+            let x = Series::new(rows.table(&n, k), [0.7, 1.0, 0.0][k]);
+            let curve = Series::turning([0.3, -1.2].map(Series::cst), [x * x, x * 2.0]);
+            if k == 0 {
+                let _ = Series::less_turning([x, x], curve, Series::cst(2.0));
+            }
+        }
+    }
+
     /// Those of two numbers, of which one may be constant.
     struct Both;
 
     impl Functions<2, 3> for Both {
         fn of<S: Real>(&self, [x, c]: [S; 2]) -> [S; 3] {
-            [x.sin_cos().0 * c, x, c]
+            let curve = S::turning([S::cst(1.0), S::cst(1.0)], [x * x, x * 2.0]);
+            let [a, _] = S::less_turning([c, c], curve, S::cst(2.0));
+            [x.sin_cos().0 * c + a, x, c]
         }
     }
 
