@@ -215,6 +215,8 @@ impl<P: System, B: Base, F: SeriesField<P, B>> OfOrder for RhsRun<'_, P, B, F> {
 
     const HIGHEST: usize = highest_unrolled::<P, B>();
 
+    const HIGHEST_APIECE: usize = B::HIGHEST_APIECE;
+
     #[inline(always)]
     fn of_order(self, k: usize) -> usize {
         let Run { rows, t0, field } = self.run;
@@ -239,6 +241,8 @@ impl<P: System, B: Base, F: SeriesField<P, B>> OfOrder for RhsWithGuardsRun<'_, 
     type Output = usize;
 
     const HIGHEST: usize = highest_look::<P, B>();
+
+    const HIGHEST_APIECE: usize = FIRST_LOOK;
 
     #[inline(always)]
     fn of_order(self, k: usize) -> usize {
@@ -286,6 +290,8 @@ impl<P: System, B: Base, F: SeriesField<P, B>> OfOrder for GuardsRun<'_, P, B, F
     type Output = usize;
 
     const HIGHEST: usize = highest_look::<P, B>();
+
+    const HIGHEST_APIECE: usize = FIRST_LOOK;
 
     #[inline(always)]
     fn of_order(self, k: usize) -> usize {

@@ -1,7 +1,7 @@
 //! Runs of one order, or of one of four, with that known to the compiler.
 //!
-//! Loops over lower orders are then straight lines of code: up to order five the place of each
-//! coefficient in the table is a constant too, beyond it sums are of one number of vectors in four orders each.
+//! Loops over lower orders are then straight lines of code. In a run of one order the place of each coefficient in
+//! the table is a constant too; in one of four orders sums are of one number of vectors.
 
 use super::rows::MAX_ORDER;
 
@@ -13,27 +13,34 @@ pub(super) trait OfOrder: Sized {
     /// Orders above this one are not worth code of their own.
     const HIGHEST: usize;
 
+    /// Orders above this one share their code with others.
+    const HIGHEST_APIECE: usize;
+
     /// Does it for order `k`; inlined, for the sake of what is known of `k`.
     fn of_order(self, k: usize) -> Self::Output;
 
     /// [`of_order`](Self::of_order), by the code for just these orders where there is one.
     #[inline]
     fn unrolled(self, k: usize) -> Self::Output {
-        // Up to the last of the short sums, then by the number of vectors in a long one, ⌊(k + 2)/4⌋.
-        match k {
-            0 => among::<Self, 0, 1>(self, k),
-            1 => among::<Self, 1, 1>(self, k),
-            2 => among::<Self, 2, 1>(self, k),
-            3 => among::<Self, 3, 1>(self, k),
-            4 => among::<Self, 4, 1>(self, k),
-            5 => among::<Self, 5, 1>(self, k),
-            6..=9 => among::<Self, 6, 4>(self, k),
-            10..=13 => among::<Self, 10, 4>(self, k),
-            14..=17 => among::<Self, 14, 4>(self, k),
-            18..=21 => among::<Self, 18, 4>(self, k),
-            22..=MAX_ORDER => among::<Self, 22, 4>(self, k),
-            _ => rolled(self, k),
+        macro_rules! among {
+            ($($order:literal)*, $($own:literal)*) => {
+                match k {
+                    $($order => among::<Self, $order, 1>(self, k),)*
+                    $($own if const { $own <= Self::HIGHEST_APIECE } => {
+                        among::<Self, $own, 1>(self, k)
+                    })*
+                    // By the number of vectors in a sum, ⌊(k + 2)/4⌋.
+                    6..=9 => among::<Self, 6, 4>(self, k),
+                    10..=13 => among::<Self, 10, 4>(self, k),
+                    14..=17 => among::<Self, 14, 4>(self, k),
+                    18..=21 => among::<Self, 18, 4>(self, k),
+                    22..=MAX_ORDER => among::<Self, 22, 4>(self, k),
+                    _ => rolled(self, k),
+                }
+            };
         }
+        // Up to the last of the short sums, and where that is worth it beyond, each order by itself.
+        among!(0 1 2 3 4 5, 6 7 8 9 10 11 12 13)
     }
 }
 
