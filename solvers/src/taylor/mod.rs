@@ -6,7 +6,8 @@
 //!
 //! [`System::rhs`](crate::System::rhs) is run once per order over a [scalar](series) that knows the
 //! [`recurrence`] of each operation and computes one coefficient at a time; those before are
-//! in a [table](rows). No model does anything for it. Up to order five the guards are expanded in the same run, and
+//! in a [table](rows). No model does anything for it; one that writes [`length`](crate::Real::length),
+//! [`over`](crate::Real::over) and [`turning`](crate::Real::turning) where they fit spares sums. Up to order five the guards are expanded in the same run, and
 //! may [share](crate::System::rhs_with_guards) terms with it. A step [is its polynomial](method): it is as long
 //! as the [last terms](order) allow, dense output is exact, and a step is cut short without a new
 //! series. Its order follows from the tolerance; fixed steps have order 8.
