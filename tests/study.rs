@@ -3,6 +3,7 @@
 
 mod common;
 
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use common::config;
@@ -19,7 +20,7 @@ use deltazero::study::columns::{Column, Value};
 use deltazero::study::regimes::{Cell, CellStatus};
 use deltazero::study::step_tables::StepTables;
 use deltazero::study::work_precision::{
-    Status, WorkPrecision, cheapest, sample_times, work_precision,
+    Progress, Status, WorkPrecision, cheapest, sample_times, work_precision,
 };
 use deltazero::{figures, report};
 use deltazero_solvers::{Grid, METHODS, Method};
@@ -97,10 +98,35 @@ fn rows_do_not_depend_on_the_number_of_threads() {
     let strip = |mut table: WorkPrecision| {
         for row in &mut table.rows {
             (row.wall_s_min, row.wall_s_median, row.wall_s_max) = (None, None, None);
+            row.walls_s.clear();
         }
         table
     };
     assert_eq!(strip(study(&[])), strip(study(&["study.threads=2"])));
+}
+
+#[test]
+fn repeats_go_in_turns_round_all_runs_and_an_interrupted_turn_is_gone_on_with() {
+    let sets = ["run.t_end=0.02", "study.repeats=2", "study.rtol=[1e-4]", "study.steps=[1e-4]"];
+    let (config, stop) = (config(&sets), AtomicBool::new(false));
+    let done = Mutex::new(Vec::new());
+    let record = |progress| match progress {
+        Progress::Done(what) => done.lock().unwrap().push(what),
+        Progress::Runs(_) => {}
+    };
+    let mut table = work_precision(&config, &[], &stop, &record).unwrap();
+    let done = done.into_inner().unwrap();
+    assert!(table.rows.iter().all(|row| row.walls_s.len() == 2));
+    let runs: Vec<&[String]> = done.chunks(table.rows.len()).collect();
+    assert_eq!(runs, [runs[0]; 3]);
+
+    table.rows[1].walls_s = vec![1234.5];
+    let again = work_precision(&config, &table.rows, &stop, &|_| {}).unwrap();
+    for (i, (row, before)) in again.rows.iter().zip(&table.rows).enumerate() {
+        assert_eq!(row.walls_s[..before.walls_s.len()], before.walls_s);
+        assert_eq!(row.walls_s.len(), 2);
+        assert_eq!(row.wall_s_max == Some(1234.5), i == 1);
+    }
 }
 
 /// A short study by `methods` and its tables of steps.

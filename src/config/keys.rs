@@ -519,7 +519,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Integer(1, 1000),
         default: Toml("3"),
         unit: "",
-        doc: "Timed repetitions of each run; its time is their minimum, their median and their maximum",
+        doc: "Times that each run is timed, in turns round all runs; its time is their minimum, median and maximum",
         source: "choice of this study",
     },
     Key {

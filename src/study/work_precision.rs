@@ -1,12 +1,12 @@
 //! Which method, at which setting, reaches which error at what price?
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use deltazero_solvers::{Grid, Method};
 use serde::{Deserialize, Serialize};
 
 use super::measured::{Errors, Measured};
+use super::parallel::in_parallel;
 use crate::config::{Config, Digits, Events, ReadingName};
 use crate::metrics::work::WorkByPhase;
 use crate::model::Mechanism;
@@ -93,6 +93,9 @@ pub struct Row {
     pub n_rhs_location: u64,
     /// Longest time of the repeats [s].
     pub wall_s_max: Option<f64>,
+    /// Times of the repeats in their order [s]; fewer than asked for where the study was interrupted.
+    #[serde(default)]
+    pub walls_s: Vec<f64>,
     /// Further errors.
     #[serde(flatten)]
     pub errors: Errors,
@@ -113,6 +116,16 @@ impl Row {
     pub fn setting(&self) -> String {
         let accuracy = Accuracy::of_columns(self.rtol, self.step, None);
         accuracy.map_or_else(String::new, |accuracy| accuracy.to_string())
+    }
+
+    /// Takes the time of one more repeat, if there is one [s].
+    fn repeat(&mut self, wall: Option<f64>) {
+        self.walls_s.extend(wall);
+        let mut walls = self.walls_s.clone();
+        walls.sort_unstable_by(f64::total_cmp);
+        self.wall_s_min = walls.first().copied();
+        self.wall_s_median = walls.get(walls.len() / 2).copied();
+        self.wall_s_max = walls.last().copied();
     }
 
     /// Whether it is the run of this setting.
@@ -136,7 +149,7 @@ pub struct WorkPrecision {
 /// Reported while a study runs.
 #[derive(Clone, Debug)]
 pub enum Progress {
-    /// This many runs are ahead.
+    /// This many runs and repeats of runs are ahead.
     Runs(usize),
     /// One of them is done.
     Done(String),
@@ -174,8 +187,9 @@ pub fn sample_times(config: &Config) -> Vec<f64> {
     }
 }
 
-/// Runs every setting of `config` and compares it with the reference. Rows in `known` that have
-/// an end are taken as they are. Once `stop` is set, what is not done is `interrupted`.
+/// Runs every setting of `config` and compares it with the reference, then times all of them in turns. Rows in
+/// `known` that have an end are taken as they are, and timed as often as is still to do. Once `stop` is set,
+/// what is not done is `interrupted`.
 ///
 /// # Errors
 /// [`ReferenceError`] where the reference cannot be made.
@@ -214,38 +228,30 @@ pub fn against(
     let mechanism = Mechanism::new(config);
     let limits = Limits { max_rhs: config.study.max_rhs, stop };
     let settings = settings(config);
-    progress(Progress::Runs(settings.len()));
+    let repeats = config.study.repeats as usize;
+    progress(Progress::Runs(settings.len() * (1 + repeats)));
 
-    let contest = Contest {
-        config,
-        mechanism: &mechanism,
-        reference,
-        grid: Grid::Times(sample_times(config)),
-        limits,
-    };
-    let next = AtomicUsize::new(0);
-    let rows: Vec<Mutex<Option<Row>>> = settings.iter().map(|_| Mutex::new(None)).collect();
-    std::thread::scope(|scope| {
-        for _ in 0..config.study.threads.min(settings.len()) {
-            scope.spawn(|| {
-                loop {
-                    let i = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(setting) = settings.get(i) else {
-                        break;
-                    };
-                    let done = known
-                        .iter()
-                        .find(|row| row.status != Status::Interrupted && row.is_of(setting));
-                    let row = done.cloned().unwrap_or_else(|| contest.row(setting));
-                    progress(Progress::Done(format!("{} {}", row.method, row.setting())));
-                    if let Ok(mut place) = rows[i].lock() {
-                        *place = Some(row);
-                    }
-                }
-            });
-        }
+    let grid = Grid::Times(sample_times(config));
+    let contest = Contest { config, mechanism: &mechanism, reference, grid, limits };
+    let mut rows = in_parallel(&settings, config.study.threads, |setting| {
+        let done = known.iter().find(|row| row.status != Status::Interrupted && row.is_of(setting));
+        let row = done.cloned().unwrap_or_else(|| contest.row(setting));
+        progress(Progress::Done(setting.to_string()));
+        row
     });
-    let rows = rows.into_iter().filter_map(|row| row.into_inner().ok().flatten()).collect();
+    // In turns round all runs: a slow moment of the machine is then one repeat of many of them, not every
+    // repeat of one.
+    let turns: Vec<_> =
+        (0..repeats).flat_map(|turn| (0..rows.len()).map(move |i| (turn, i))).collect();
+    let walls = in_parallel(&turns, config.study.threads, |&(turn, i)| {
+        let is_due = rows[i].status == Status::Ok && rows[i].walls_s.len() <= turn;
+        let wall = is_due.then(|| contest.wall_s(&settings[i])).flatten();
+        progress(Progress::Done(settings[i].to_string()));
+        wall
+    });
+    for (&(_, i), wall) in turns.iter().zip(walls) {
+        rows[i].repeat(wall);
+    }
     WorkPrecision { reference: reference.summary.clone(), rows }
 }
 
@@ -259,7 +265,7 @@ struct Contest<'a> {
 }
 
 impl Contest<'_> {
-    /// One run measured, then repeated for its time alone.
+    /// One run measured and compared.
     fn row(&self, setting: &Setting) -> Row {
         let t_end = self.config.run.t_end;
         let measured =
@@ -277,7 +283,7 @@ impl Contest<'_> {
         };
         let compared =
             (status == Status::Ok).then(|| measured.compared(self.mechanism, self.reference));
-        let mut row = Row {
+        Row {
             reading: self.config.reading,
             method: setting.method.name.to_owned(),
             events: setting.events,
@@ -298,6 +304,7 @@ impl Contest<'_> {
             wall_s_min: None,
             wall_s_median: None,
             wall_s_max: None,
+            walls_s: Vec::new(),
             n_retaken: stats.n_retaken,
             n_factorisations: stats.work.n_factorisations,
             n_rhs_restart: stats.restart.n_rhs,
@@ -305,30 +312,14 @@ impl Contest<'_> {
             errors: compared.map(|compared| compared.errors).unwrap_or_default(),
             work_by_phase: measured.work,
             error: run.error().map(ToString::to_string),
-        };
-        if status == Status::Ok {
-            self.time(setting, &mut row);
         }
-        row
     }
 
-    /// Fills in the times of the repeats.
-    fn time(&self, setting: &Setting, row: &mut Row) {
+    /// The time that the run takes once more [s]; none where it is broken off, which is no time.
+    fn wall_s(&self, setting: &Setting) -> Option<f64> {
         let t_end = self.config.run.t_end;
-        let mut walls = Vec::new();
-        for _ in 0..self.config.study.repeats {
-            let repeat = Run::new(self.mechanism, setting, t_end, &self.grid, self.limits);
-            // A time that was broken off is no time.
-            if repeat.is_broken_off() {
-                row.status = Status::Interrupted;
-                return;
-            }
-            walls.push(repeat.wall().as_secs_f64());
-        }
-        walls.sort_unstable_by(f64::total_cmp);
-        row.wall_s_min = walls.first().copied();
-        row.wall_s_median = walls.get(walls.len() / 2).copied();
-        row.wall_s_max = walls.last().copied();
+        let repeat = Run::new(self.mechanism, setting, t_end, &self.grid, self.limits);
+        (!repeat.is_broken_off()).then(|| repeat.wall().as_secs_f64())
     }
 }
 

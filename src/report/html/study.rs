@@ -184,8 +184,8 @@ fn method(study: &StudyRecord) -> Vec<Part> {
         Part::Text(format!(
             "The error e is the worst sample's larger of pin error over clearance and angle error over \
              the largest angle, {:.4} rad. Events pair in order with those of the reference; missed and \
-             spurious are those without a partner. The time of a run is the shortest of its repeats, {} each, \
-             with {} runs at the same time.",
+             spurious are those without a partner. The time of a run is the shortest of its repeats, {} each in \
+             turns round all runs, with {} runs at the same time.",
             study.table.reference.theta_scale_rad, asked.repeats, asked.threads
         )),
         Part::Table(Table {
