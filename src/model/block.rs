@@ -5,7 +5,7 @@ use deltazero_solvers::{Error, ModeOfState, Next, Outcome, Real, System};
 
 use super::contact::{NormalLaw, PinPose};
 use super::inertia::{Arrow, BlockInertia};
-use super::mode::{END_BOUND, Mode, delta_bound};
+use super::mode::{END_BOUND, Mode, delta_bound, distance};
 use super::plain_slip::PlainSlip;
 use super::reading::Reading;
 use super::slider_crank::{Linkage, SliderCrank};
@@ -243,7 +243,7 @@ impl Block {
                 if let Some(stiffness) = self.plain_stiffness =>
             {
                 let slip = PlainSlip::new(self, inertia, stiffness, mode);
-                return slip.rates(y, &slip.distance(y), dydt);
+                return slip.rates(y, &distance(y), dydt);
             }
             Mode::SlipPlus(_) | Mode::SlipMinus(_) | Mode::Stick(_) => {
                 let posture = Posture::Struts(inertia, inertia.at(y[2]));

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
-use deltazero_solvers::real::Over;
+use deltazero_solvers::real::{Length, Over};
 use deltazero_solvers::{Next, Real};
 
 use super::block::{Block, Body, Held, State};
@@ -134,7 +134,7 @@ impl Block {
                 g[GUARD_CONTACT] = -(rho_sq - self.clearance * self.clearance);
             }
             Mode::SlipPlus(_) | Mode::SlipMinus(_) if self.has_product(held) => {
-                let rho = S::length([y[0], y[1]], [y[3], y[4]]).rho.value;
+                let rho = distance(y).rho.value;
                 let along = rho_v_t(y, rho, self.pin_radius);
                 g[GUARD_CONTACT] = rho - self.clearance;
                 g[GUARD_UPPER] = if matches!(mode, Mode::SlipPlus(_)) { along } else { -along };
@@ -340,6 +340,12 @@ impl Block {
             _ => Mode::SlipPlus(touch),
         }
     }
+}
+
+/// Distance ρ [m] of the pin from the bush's centre, and δ̇ [m/s].
+#[inline(always)]
+pub(super) fn distance<S: Real>(y: &State<S>) -> Length<S> {
+    S::length([y[0], y[1]], [y[3], y[4]])
 }
 
 /// `ρ v_T`: guards are evaluated at every step, and quotients are dear.

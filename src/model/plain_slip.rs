@@ -8,7 +8,7 @@ use deltazero_solvers::real::{Length, Over};
 
 use super::block::{Block, Body, Held, State};
 use super::inertia::BlockInertia;
-use super::mode::{GUARD_CONTACT, GUARD_END, GUARD_UPPER, Mode, rho_v_t};
+use super::mode::{GUARD_CONTACT, GUARD_END, GUARD_UPPER, Mode, distance, rho_v_t};
 
 /// A slip of struts under `F_N = K δ + D δ̇` with Coulomb's friction, all of it at the pin but for a torque of
 /// friction. `C` are the constants of one joint, or of several at once.
@@ -119,12 +119,6 @@ impl<C: Copy> PlainSlip<C> {
         }
     }
 
-    /// Distance ρ [m] of the pin from the bush's centre, and δ̇ [m/s].
-    #[inline(always)]
-    pub(super) fn distance<S: Over<C>>(&self, y: &State<S>) -> Length<S> {
-        S::length([y[0], y[1]], [y[3], y[4]])
-    }
-
     /// Writes the rates of `y`: those of the general law without its terms of zero, and without a branch among its
     /// operations, past which series are slower. The force on the pin is `−(F_N/ρ) d`, whose lever does not wait
     /// for it.
@@ -161,7 +155,7 @@ impl<C: Copy> PlainSlip<C> {
         dydt: &mut State<S>,
         g: &mut [S; 4],
     ) {
-        let at = self.distance(y);
+        let at = distance(y);
         self.rates(y, &at, dydt);
         *g = self.guards(y, &at);
     }
@@ -197,7 +191,7 @@ impl Alike for Block {
         dydt: &mut State<S>,
     ) {
         let slip = PlainSlip::of(numbers);
-        slip.rates(y, &slip.distance(y), dydt);
+        slip.rates(y, &distance(y), dydt);
     }
 
     #[inline(always)]
@@ -208,7 +202,7 @@ impl Alike for Block {
         g: &mut [S; 4],
     ) {
         let slip = PlainSlip::of(numbers);
-        *g = slip.guards(y, &slip.distance(y));
+        *g = slip.guards(y, &distance(y));
     }
 
     #[inline(always)]
