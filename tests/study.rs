@@ -4,7 +4,7 @@
 mod common;
 
 use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use common::config;
 use deltazero::config::{Config, Events, ReadingName};
@@ -20,7 +20,7 @@ use deltazero::study::columns::{Column, Value};
 use deltazero::study::regimes::{Cell, CellStatus};
 use deltazero::study::step_tables::StepTables;
 use deltazero::study::work_precision::{
-    Progress, Status, WorkPrecision, cheapest, sample_times, work_precision,
+    Progress, Row, Status, WorkPrecision, cheapest, sample_times, work_precision,
 };
 use deltazero::{figures, report};
 use deltazero_solvers::{Grid, METHODS, Method};
@@ -108,24 +108,40 @@ fn rows_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn repeats_go_in_turns_round_all_runs_and_an_interrupted_turn_is_gone_on_with() {
     let sets = ["run.t_end=0.02", "study.repeats=2", "study.rtol=[1e-4]", "study.steps=[1e-4]"];
-    let (config, stop) = (config(&sets), AtomicBool::new(false));
-    let done = Mutex::new(Vec::new());
-    let record = |progress| match progress {
-        Progress::Done(what) => done.lock().unwrap().push(what),
-        Progress::Runs(_) => {}
+    let config = config(&sets);
+    // Of all runs and repeats, those that were announced and done until `stop_after`.
+    let study = |known: &[Row], stop_after: usize| {
+        let (stop, done) = (AtomicBool::new(false), Mutex::new((0, Vec::new())));
+        let table = work_precision(&config, known, &stop, &|progress| {
+            let mut done = done.lock().unwrap();
+            match progress {
+                Progress::Runs(n) => done.0 = n,
+                Progress::Done(what) => done.1.push(what),
+            }
+            stop.store(done.1.len() >= stop_after, Ordering::Relaxed);
+        });
+        (table.unwrap(), done.into_inner().unwrap())
     };
-    let mut table = work_precision(&config, &[], &stop, &record).unwrap();
-    let done = done.into_inner().unwrap();
-    assert!(table.rows.iter().all(|row| row.walls_s.len() == 2));
-    let runs: Vec<&[String]> = done.chunks(table.rows.len()).collect();
-    assert_eq!(runs, [runs[0]; 3]);
+    let (whole, (n_ahead, done)) = study(&[], usize::MAX);
+    let n = whole.rows.len();
+    assert!(whole.rows.iter().all(|row| row.walls_s.len() == 2));
+    assert_eq!((n_ahead, done.len()), (3 * n, 3 * n));
+    let turns: Vec<&[String]> = done.chunks(n).collect();
+    assert_eq!(turns, [turns[0]; 3]);
 
-    table.rows[1].walls_s = vec![1234.5];
-    let again = work_precision(&config, &table.rows, &stop, &|_| {}).unwrap();
-    for (i, (row, before)) in again.rows.iter().zip(&table.rows).enumerate() {
+    let (stopped, _) = study(&[], n + 2);
+    assert!(stopped.rows.iter().all(|row| row.status == Status::Ok));
+    let n_walls = |table: &WorkPrecision| -> Vec<usize> {
+        table.rows.iter().map(|row| row.walls_s.len()).collect()
+    };
+    assert_eq!(n_walls(&stopped), [&[1, 1][..], &vec![0; n - 2]].concat());
+    assert_eq!(stopped.rows[2].wall_s_min, None);
+    let (resumed, (n_ahead, done)) = study(&stopped.rows, usize::MAX);
+    assert_eq!((n_ahead, done.len()), (3 * n, 3 * n));
+    assert_eq!(n_walls(&resumed), vec![2; n]);
+    for (row, before) in resumed.rows.iter().zip(&stopped.rows) {
         assert_eq!(row.walls_s[..before.walls_s.len()], before.walls_s);
-        assert_eq!(row.walls_s.len(), 2);
-        assert_eq!(row.wall_s_max == Some(1234.5), i == 1);
+        assert_eq!(row.wall_s_min, row.walls_s.iter().copied().reduce(f64::min));
     }
 }
 

@@ -519,7 +519,7 @@ pub const KEYS: &[Key] = &[
         kind: Kind::Integer(1, 1000),
         default: Toml("3"),
         unit: "",
-        doc: "Times that each run is timed, in turns round all runs; its time is their minimum, median and maximum",
+        doc: "Timed repetitions of each run, in turns round all runs; its time is their minimum, median and maximum",
         source: "choice of this study",
     },
     Key {

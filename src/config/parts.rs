@@ -212,7 +212,7 @@ pub struct Study {
     pub x: String,
     /// Column up that figure.
     pub y: String,
-    /// Repetitions of each run, whose minimum and median are its time.
+    /// Timed repetitions of each run, in turns round all runs; its time is their minimum, median and maximum.
     pub repeats: u32,
     /// Runs at the same time; more than one disturbs the timings.
     pub threads: usize,

@@ -79,7 +79,7 @@ pub struct Row {
     pub n_jac: u64,
     /// Linear systems solved.
     pub n_lin_solves: u64,
-    /// Shortest time of the repeats [s].
+    /// Shortest time of the repeats [s]; none where there was none yet.
     pub wall_s_min: Option<f64>,
     /// Median time of the repeats [s].
     pub wall_s_median: Option<f64>,
@@ -93,7 +93,8 @@ pub struct Row {
     pub n_rhs_location: u64,
     /// Longest time of the repeats [s].
     pub wall_s_max: Option<f64>,
-    /// Times of the repeats in their order [s]; fewer than asked for where the study was interrupted.
+    /// Times of the repeats in their order [s]: those of a run that reached its end, as many as were made before
+    /// an interruption; none where an earlier version did not keep them.
     #[serde(default)]
     pub walls_s: Vec<f64>,
     /// Further errors.
@@ -118,9 +119,10 @@ impl Row {
         accuracy.map_or_else(String::new, |accuracy| accuracy.to_string())
     }
 
-    /// Takes the time of one more repeat, if there is one [s].
-    fn repeat(&mut self, wall: Option<f64>) {
-        self.walls_s.extend(wall);
+    /// Takes the time of one more repeat [s], if there is one.
+    fn take_wall(&mut self, wall: Option<f64>) {
+        let Some(wall) = wall else { return };
+        self.walls_s.push(wall);
         let mut walls = self.walls_s.clone();
         walls.sort_unstable_by(f64::total_cmp);
         self.wall_s_min = walls.first().copied();
@@ -188,8 +190,8 @@ pub fn sample_times(config: &Config) -> Vec<f64> {
 }
 
 /// Runs every setting of `config` and compares it with the reference, then times all of them in turns. Rows in
-/// `known` that have an end are taken as they are, and timed as often as is still to do. Once `stop` is set,
-/// what is not done is `interrupted`.
+/// `known` that have an end are not run for that again, and timed as often as is still to do. Once `stop` is set,
+/// what is not compared is `interrupted`, and what is has the times that were made.
 ///
 /// # Errors
 /// [`ReferenceError`] where the reference cannot be made.
@@ -241,16 +243,17 @@ pub fn against(
     });
     // In turns round all runs: a slow moment of the machine is then one repeat of many of them, not every
     // repeat of one.
-    let turns: Vec<_> =
-        (0..repeats).flat_map(|turn| (0..rows.len()).map(move |i| (turn, i))).collect();
-    let walls = in_parallel(&turns, config.study.threads, |&(turn, i)| {
-        let is_due = rows[i].status == Status::Ok && rows[i].walls_s.len() <= turn;
-        let wall = is_due.then(|| contest.wall_s(&settings[i])).flatten();
-        progress(Progress::Done(settings[i].to_string()));
-        wall
-    });
-    for (&(_, i), wall) in turns.iter().zip(walls) {
-        rows[i].repeat(wall);
+    for turn in 0..repeats {
+        let jobs: Vec<(&Setting, &Row)> = settings.iter().zip(&rows).collect();
+        let walls = in_parallel(&jobs, config.study.threads, |(setting, row)| {
+            let is_due = row.status == Status::Ok && row.walls_s.len() <= turn;
+            let wall = is_due.then(|| contest.wall_s(setting)).flatten();
+            progress(Progress::Done(setting.to_string()));
+            wall
+        });
+        for (row, wall) in rows.iter_mut().zip(walls) {
+            row.take_wall(wall);
+        }
     }
     WorkPrecision { reference: reference.summary.clone(), rows }
 }
