@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::measured::{Errors, Measured};
 use super::parallel::in_parallel;
+use super::step_size::quantile;
 use crate::config::{Config, Digits, Events, ReadingName};
 use crate::metrics::work::WorkByPhase;
 use crate::model::Mechanism;
@@ -124,10 +125,8 @@ impl Row {
         let Some(wall) = wall else { return };
         self.walls_s.push(wall);
         let mut walls = self.walls_s.clone();
-        walls.sort_unstable_by(f64::total_cmp);
-        self.wall_s_min = walls.first().copied();
-        self.wall_s_median = walls.get(walls.len() / 2).copied();
-        self.wall_s_max = walls.last().copied();
+        let [min, median, max] = [0.0, 0.5, 1.0].map(|fraction| quantile(&mut walls, fraction));
+        (self.wall_s_min, self.wall_s_median, self.wall_s_max) = (min, median, max);
     }
 
     /// Whether it is the run of this setting.
