@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use deltazero_solvers::{
-    Accepted, Control, Error, Event, Grid, Method, Next, Outcome, Record, Stats, Switch, System,
-    Tolerance, Trajectory,
+    Accepted, Control, Error, Event, Grid, Method, Needs, Next, Outcome, Record, Stats, Switch,
+    System, Tolerance, Trajectory,
 };
 use serde::{Deserialize, Serialize};
 
@@ -141,8 +141,8 @@ impl<P: System> Record<P> for Limits<'_> {
         ControlFlow::Continue(())
     }
 
-    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
-        false
+    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+        Needs::Ends
     }
 }
 

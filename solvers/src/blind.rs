@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 use crate::real::Real;
-use crate::record::{Accepted, Event, Record};
+use crate::record::{Accepted, Event, Needs, Record};
 use crate::system::{ModeOfState, Next, System};
 
 /// A system whose right-hand side looks up its mode in the state, as a model written with `if`
@@ -119,7 +119,7 @@ impl<'a, P: ModeOfState, R: Record<P>> Record<Blind<'a, P>> for Unblind<'a, P, R
         self.record.event(&Event { t, guard, before: self.mode.clone(), after: Next::Stop, y })
     }
 
-    fn interpolates(&self, t0: f64, t1: f64) -> bool {
-        self.record.interpolates(t0, t1)
+    fn needs(&self, t0: f64, t1: f64) -> Needs {
+        self.record.needs(t0, t1).max(Needs::Ends)
     }
 }

@@ -113,7 +113,7 @@ pub use integrate::Integration;
 pub use methods::{METHODS, Method};
 pub use phase::{PhaseSolver, Point};
 pub use real::{Over, Real};
-pub use record::{Accepted, Event, Record};
+pub use record::{Accepted, Event, Needs, Record};
 pub use stats::{Stats, Work, WorkByKind};
 pub use step::Step;
 pub use system::{Alike, ModeOfState, Next, System, Vector};

@@ -6,7 +6,7 @@ use crate::control::{Control, StepController, Verdict};
 use crate::error::Error;
 use crate::event::{Fall, GuardWatch};
 use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
-use crate::record::{Accepted, Record};
+use crate::record::{Accepted, Needs, Record};
 use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{System, Vector};
@@ -349,11 +349,12 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
                 return Ok(None);
             }
         }
-        if record.interpolates(point.t, self.method.step().t1()) {
+        let needs = record.needs(point.t, self.method.step().t1());
+        if needs == Needs::DenseOutput {
             // What sampling costs is no part of the work.
             self.method.densify(problem, mode, &mut Stats::default());
         }
-        Ok(self.accept(scene, course, landed_on))
+        Ok(self.accept(scene, course, landed_on, needs))
     }
 
     /// Makes the last attempt, complete and found to hold or to land on a guard, a step of the run.
@@ -363,22 +364,31 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         scene: &mut Scene<'_, P>,
         course: &mut Course,
         landed_on: Option<usize>,
+        needs: Needs,
     ) -> Option<PhaseEnd> {
         let Scene { point, stats, record, .. } = scene;
-        let mode = point.mode.clone();
-        stats.n_accepted += 1;
-        point.t = self.method.step().t1();
-        point.y.clone_from(self.method.step().y1());
         let step = self.method.step();
-        let go_on = record.step(&Accepted { mode, step, landed_on, stats });
-        self.h = Some(course.h);
-        match landed_on {
-            _ if go_on.is_break() => return Some(PhaseEnd::Interrupted),
-            Some(guard) => return Some(PhaseEnd::Guard(guard)),
-            None => self.method.advance(),
+        point.y.clone_from(step.y1());
+        self.arrive(step.t1(), &mut point.t, course, stats);
+        if needs != Needs::Nothing {
+            let (mode, step) = (point.mode.clone(), self.method.step());
+            if record.step(&Accepted { mode, step, landed_on, stats }).is_break() {
+                return Some(PhaseEnd::Interrupted);
+            }
         }
+        if landed_on.is_none() {
+            self.method.advance();
+        }
+        landed_on.map(PhaseEnd::Guard)
+    }
+
+    /// Counts a step to `t1` that is accepted, after which the next is due.
+    #[inline(always)]
+    pub(crate) fn arrive(&mut self, t1: f64, t: &mut f64, course: &mut Course, stats: &mut Stats) {
+        stats.n_accepted += 1;
+        *t = t1;
+        self.h = Some(course.h);
         course.due = M::PROPOSES.then_some(Due::Next);
-        None
     }
 }
 

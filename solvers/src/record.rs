@@ -32,8 +32,33 @@ pub struct Event<'a, P: System> {
     pub y: &'a P::State<f64>,
 }
 
-/// Sees every accepted step and every event once, in order. [`ControlFlow::Break`] ends the run
-/// as [`Interrupted`](crate::Outcome::Interrupted).
+/// What a recorder needs of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Needs {
+    /// Nothing: it may not be shown the step.
+    Nothing,
+    /// Both ends; the dense output between them may be invalid, without the stages of its own.
+    Ends,
+    /// The dense output too.
+    DenseOutput,
+}
+
+impl Needs {
+    /// What is needed of the step from `t0` to `t1` to sample it at `t`, which is not before it.
+    pub fn to_sample(t: f64, t0: f64, t1: f64) -> Self {
+        let beyond = if t1 >= t0 { t - t1 } else { t1 - t };
+        if beyond > 0.0 {
+            Self::Nothing
+        } else if beyond == 0.0 {
+            Self::Ends
+        } else {
+            Self::DenseOutput
+        }
+    }
+}
+
+/// Sees every accepted step that it [needs](Record::needs) and every event once, in order.
+/// [`ControlFlow::Break`] ends the run as [`Interrupted`](crate::Outcome::Interrupted).
 pub trait Record<P: System> {
     /// A step was accepted.
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()>;
@@ -41,10 +66,9 @@ pub trait Record<P: System> {
     /// An event was located and its transition made. Events at one time come in their order.
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()>;
 
-    /// Whether it will interpolate within the step from `t0` to `t1` that it is shown next; one that
-    /// does not saves some methods the stages of their dense output, and finds it invalid.
-    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
-        true
+    /// What it needs of the accepted step from `t0` to `t1` that is next. The less it is, the less a step costs.
+    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+        Needs::DenseOutput
     }
 }
 
@@ -58,8 +82,8 @@ impl<P: System> Record<P> for () {
         ControlFlow::Continue(())
     }
 
-    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
-        false
+    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+        Needs::Nothing
     }
 }
 
@@ -77,8 +101,8 @@ impl<P: System, A: Record<P>, B: Record<P>> Record<P> for (A, B) {
         if first.is_break() { first } else { second }
     }
 
-    fn interpolates(&self, t0: f64, t1: f64) -> bool {
-        self.0.interpolates(t0, t1) || self.1.interpolates(t0, t1)
+    fn needs(&self, t0: f64, t1: f64) -> Needs {
+        self.0.needs(t0, t1).max(self.1.needs(t0, t1))
     }
 }
 
@@ -91,7 +115,7 @@ impl<P: System, R: Record<P> + ?Sized> Record<P> for &mut R {
         (**self).event(event)
     }
 
-    fn interpolates(&self, t0: f64, t1: f64) -> bool {
-        (**self).interpolates(t0, t1)
+    fn needs(&self, t0: f64, t1: f64) -> Needs {
+        (**self).needs(t0, t1)
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, AddAssign, ControlFlow, Sub};
 
-use crate::record::{Accepted, Event, Record};
+use crate::record::{Accepted, Event, Needs, Record};
 use crate::system::System;
 
 /// Evaluations and linear algebra, counted.
@@ -155,7 +155,7 @@ impl<P: System, K: PartialEq, F: Fn(P::Mode) -> K> Record<P> for WorkByKind<K, F
         ControlFlow::Continue(())
     }
 
-    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
-        false
+    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+        Needs::Ends
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::record::{Accepted, Event, Record};
+use crate::record::{Accepted, Event, Needs, Record};
 use crate::system::{Next, System, Vector};
 
 /// At which times a trajectory is kept.
@@ -108,12 +108,13 @@ impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
         ControlFlow::Continue(())
     }
 
-    fn interpolates(&self, t0: f64, t1: f64) -> bool {
+    fn needs(&self, t0: f64, t1: f64) -> Needs {
         match &self.grid {
-            Grid::Steps => false,
-            Grid::Times(times) => {
-                times.get(self.next).is_some_and(|t| if t1 >= t0 { *t < t1 } else { *t > t1 })
-            }
+            Grid::Steps => Needs::Ends,
+            Grid::Times(times) => match times.get(self.next) {
+                Some(&t) => Needs::to_sample(t, t0, t1),
+                None => Needs::Nothing,
+            },
         }
     }
 }

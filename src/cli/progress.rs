@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use deltazero::study::work_precision::Progress;
-use deltazero_solvers::{Accepted, Event, Record, System};
+use deltazero_solvers::{Accepted, Event, Needs, Record, System};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Work that is done before this shows no bar.
@@ -121,7 +121,7 @@ impl<P: System> Record<P> for TimeOf<'_> {
         ControlFlow::Continue(())
     }
 
-    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
-        false
+    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+        Needs::Ends
     }
 }

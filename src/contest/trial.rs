@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use deltazero_solvers::{
-    Accepted, Error, Event, Grid, Method, Outcome, Record, Stats, System, Trajectory, Work,
+    Accepted, Error, Event, Grid, Method, Needs, Outcome, Record, Stats, System, Trajectory, Work,
 };
 
 use super::arena::Arena;
@@ -200,7 +200,7 @@ impl<P: System> Record<P> for WorkLimit<'_> {
         ControlFlow::Continue(())
     }
 
-    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
-        false
+    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+        Needs::Ends
     }
 }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use deltazero_solvers::{Accepted, Event, Record};
+use deltazero_solvers::{Accepted, Event, Needs, Record};
 use serde::{Deserialize, Serialize};
 
 use super::{ErrorScale, sample_error, worse};
@@ -158,8 +158,10 @@ impl<P: Jointed> Record<P> for Distance<'_, P> {
         ControlFlow::Continue(())
     }
 
-    fn interpolates(&self, _t0: f64, t1: f64) -> bool {
-        self.joints.iter().any(|own| own.ahead.first().is_some_and(|node| node.t < t1))
+    fn needs(&self, t0: f64, t1: f64) -> Needs {
+        let nodes = self.joints.iter().filter_map(|own| own.ahead.first());
+        let first = nodes.map(|node| node.t).reduce(f64::min);
+        first.map_or(Needs::Nothing, |t| Needs::to_sample(t, t0, t1))
     }
 }
 

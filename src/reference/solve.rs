@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use deltazero_solvers::taylor::MAX_ORDER;
 use deltazero_solvers::{
-    Accepted, Event, Grid, Method, Next, Outcome, Record, Trajectory, Vector as _,
+    Accepted, Event, Grid, Method, Needs, Next, Outcome, Record, Trajectory, Vector as _,
 };
 use num_dual::Dual64;
 
@@ -363,7 +363,7 @@ impl<P: Jointed> Record<P> for Roots<'_, P> {
         ControlFlow::Continue(())
     }
 
-    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
-        false
+    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+        Needs::Ends
     }
 }

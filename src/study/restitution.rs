@@ -5,7 +5,7 @@
 
 use std::ops::ControlFlow;
 
-use deltazero_solvers::{Accepted, Event, Method, Next, Record};
+use deltazero_solvers::{Accepted, Event, Method, Needs, Next, Record};
 use serde::Serialize;
 
 use crate::config::{Config, ConfigError, ContactLaw, Events};
@@ -100,8 +100,8 @@ impl Record<Block> for Leaves {
         ControlFlow::Continue(())
     }
 
-    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
-        false
+    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+        Needs::Nothing
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use deltazero_solvers::{Accepted, Event, Method, Record};
+use deltazero_solvers::{Accepted, Event, Method, Needs, Record};
 use serde::{Deserialize, Serialize};
 
 use crate::config::{Config, Events};
@@ -220,8 +220,8 @@ impl<P: Jointed> Record<P> for Steps {
         ControlFlow::Continue(())
     }
 
-    fn interpolates(&self, _t0: f64, _t1: f64) -> bool {
-        false
+    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+        Needs::Ends
     }
 }
 

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use super::spectrum::Spectrum;
 use crate::phase::Point;
-use crate::record::{Accepted, Event, Record};
+use crate::record::{Accepted, Event, Needs, Record};
 use crate::stats::Stats;
 use crate::system::System;
 
@@ -281,8 +281,8 @@ impl<P: System> Record<P> for Leg<'_, P> {
         self.record.event(event)
     }
 
-    fn interpolates(&self, t0: f64, t1: f64) -> bool {
-        self.record.interpolates(t0, t1)
+    fn needs(&self, t0: f64, t1: f64) -> Needs {
+        self.record.needs(t0, t1).max(Needs::Ends)
     }
 }
 

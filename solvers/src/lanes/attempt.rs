@@ -84,9 +84,9 @@ impl<P: System, V: Simd, const S: usize> Attempt<P, V, S> {
         self.start.clone_from(&self.end);
     }
 
-    /// Whether this run's step, of which `aim` is the next, was taken as it is.
-    pub(super) fn is_before(&self, lane: usize, aim: &Aim<'_, P::State<f64>, S>) -> bool {
-        self.method.step.t1.lane(lane) == aim.from.t0
+    /// Whether this run's step was taken as it is, to the time `t`.
+    pub(super) fn is_before(&self, lane: usize, t: f64) -> bool {
+        self.method.step.t1.lane(lane) == t
     }
 
     /// Takes the steps `aims` along `field`, with the slopes at their ends.
@@ -152,7 +152,18 @@ fn along_flow<P: System, V: Simd>(
 }
 
 impl<Y: Vector<f64>, const S: usize> ExplicitRk<Y, S> {
-    /// Takes over the attempt of one run from that of several, without its stages and errors.
+    /// Takes over the start, at `t0`, of the attempt of one run from that of several.
+    pub(super) fn take_start<V: Simd, L: Vector<Lanes<V>>>(
+        &mut self,
+        t0: f64,
+        (all, lane): (&ExplicitRk<L, S, Lanes<V>>, usize),
+    ) {
+        self.step.t0 = t0;
+        pick(&all.step.y0, lane, &mut self.step.y0);
+        pick(&all.step.k[0], lane, &mut self.step.k[0]);
+    }
+
+    /// Takes over its end, without stages and errors.
     #[inline(always)]
     pub(super) fn take_end<V: Simd, L: Vector<Lanes<V>>>(
         &mut self,

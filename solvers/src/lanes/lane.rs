@@ -8,7 +8,7 @@ use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
 use crate::one_step::{Course, OneStep, OneStepSolver, Scene};
 use crate::phase::PhaseEnd;
-use crate::record::Record;
+use crate::record::{Needs, Record};
 use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{Alike, System};
@@ -22,6 +22,8 @@ pub(super) struct Lane<'r, 'a, P: System, R, M> {
     pub(super) course: Course,
     pub(super) t1: f64,
     pub(super) h: f64,
+    /// Whether state and step are those of an earlier time than its own: what they are by now is in the vectors alone.
+    pub(super) is_stale: bool,
 }
 
 /// A run by an explicit tableau method of `S` stages.
@@ -49,7 +51,9 @@ impl<'r, 'a, P: System, R: Record<P>, M: OneStep<P>> Lane<'r, 'a, P, R, M> {
             return Err(Ok(outcome));
         }
         match enter(run, &mut solver, t_end).map_err(Err)? {
-            Some((course, t1, h)) => Ok(Self { index, run, record, solver, course, t1, h }),
+            Some((course, t1, h)) => {
+                Ok(Self { index, run, record, solver, course, t1, h, is_stale: false })
+            }
             None => Err(Ok(Outcome::Finished)),
         }
     }
@@ -64,6 +68,22 @@ impl<'r, 'a, P: System, R: Record<P>, M: OneStep<P>> Lane<'r, 'a, P, R, M> {
 
     pub(super) fn mode(&self) -> &P::Mode {
         &self.run.point.mode
+    }
+
+    /// What its recorder needs of the step that it attempts.
+    #[inline(always)]
+    pub(super) fn needs(&self) -> Needs {
+        self.record.needs(self.run.point.t, self.t1)
+    }
+
+    /// Takes the step that it attempts, a plain one that nobody needs, without its end; one of size `next` is to
+    /// follow.
+    #[inline(always)]
+    pub(super) fn step_unseen(&mut self, next: f64) {
+        let Integration { point, stats, .. } = &mut *self.run;
+        self.course.h = next;
+        self.solver.arrive(self.t1, &mut point.t, &mut self.course, stats);
+        self.is_stale = true;
     }
 
     /// Goes on from how an attempt ended the phase, if it did.
@@ -128,6 +148,15 @@ impl<P: System, R: Record<P>, const S: usize> TableauLane<'_, '_, P, R, S> {
         Aim { t1: self.t1, h: self.h, from: &self.solver.method.step }
     }
 
+    /// Takes over the start of the attempt in this lane, where it is [stale](Lane::is_stale).
+    pub(super) fn refresh<V: Simd>(&mut self, attempt: &Attempt<P, V, S>, lane: usize) {
+        if std::mem::take(&mut self.is_stale) {
+            let point = &mut self.run.point;
+            self.solver.method.take_start(point.t, (&attempt.method, lane));
+            point.y.clone_from(self.solver.method.step.y0());
+        }
+    }
+
     /// Takes over the end of the attempt from this lane: some time before it [settles](Self::settle), which
     /// else waits for what was stored piece by piece.
     #[inline(always)]
@@ -138,8 +167,40 @@ impl<P: System, R: Record<P>, const S: usize> TableauLane<'_, '_, P, R, S> {
     /// Goes on by what the attempt came to in this lane, which it has [received](Self::receive).
     #[inline]
     pub(super) fn settle<V: Simd>(&mut self, attempt: &Attempt<P, V, S>, lane: usize) -> Fate {
-        let judged = self.judge(attempt, lane);
+        let verdict = self.verdict(attempt, lane);
+        let judged = self.judge(attempt, lane, verdict);
         self.go_on(judged)
+    }
+
+    /// The same where it has not received the attempt, and does not if nobody needs it: it is then
+    /// [stale](Lane::is_stale).
+    #[inline]
+    pub(super) fn settle_lazily<V: Simd>(
+        &mut self,
+        attempt: &Attempt<P, V, S>,
+        lane: usize,
+    ) -> Fate {
+        let verdict = self.verdict(attempt, lane);
+        let judged = match verdict {
+            Verdict::Accept(next) if attempt.is_plain(lane) && self.needs() == Needs::Nothing => {
+                self.run.stats.work.n_rhs += self.solver.method.n_rhs_of_end();
+                self.step_unseen(next);
+                Ok(None)
+            }
+            _ => {
+                self.refresh(attempt, lane);
+                self.receive(attempt, lane);
+                self.judge(attempt, lane, verdict)
+            }
+        };
+        self.go_on(judged)
+    }
+
+    /// What its controller makes of the attempt.
+    #[inline(always)]
+    fn verdict<V: Simd>(&mut self, attempt: &Attempt<P, V, S>, lane: usize) -> Verdict {
+        self.run.stats.work.n_rhs += ExplicitRk::<P::State<f64>, S>::N_RHS;
+        attempt.verdict(lane, self.h, &mut self.solver.controller)
     }
 
     /// How the phase ended, if it did: by a look at the attempt where that is enough, else as it would alone.
@@ -147,21 +208,21 @@ impl<P: System, R: Record<P>, const S: usize> TableauLane<'_, '_, P, R, S> {
         &mut self,
         attempt: &Attempt<P, V, S>,
         lane: usize,
+        verdict: Verdict,
     ) -> Result<Option<PhaseEnd>, Error> {
-        let Self { run, record, solver, course, t1, h, .. } = self;
+        let needs = self.needs();
+        let Self { run, record, solver, course, h, .. } = self;
         let of = (&attempt.method, lane);
-        run.stats.work.n_rhs += ExplicitRk::<P::State<f64>, S>::N_RHS;
-        let verdict = attempt.verdict(lane, *h, &mut solver.controller);
         match verdict {
             Verdict::Accept(next) if attempt.is_plain(lane) => {
-                if record.interpolates(run.point.t, *t1) {
+                if needs == Needs::DenseOutput {
                     solver.method.take_stages(of);
                     let mode = run.point.mode.clone();
                     solver.method.densify(run.problem, mode, &mut Stats::default());
                 }
                 run.stats.work.n_rhs += solver.method.n_rhs_of_end();
                 course.h = next;
-                Ok(solver.accept(&mut scene(run, *record), course, None))
+                Ok(solver.accept(&mut scene(run, *record), course, None, needs))
             }
             _ => {
                 solver.method.take_stages(of);

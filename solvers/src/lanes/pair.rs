@@ -107,20 +107,22 @@ impl<P: Alike, const S: usize> Together<P, ExplicitRk<P::State<f64>, S>> for Att
         self.start(field, &[first.aim(), second.aim()]);
         loop {
             self.take(field, &[first.aim(), second.aim()]);
-            first.receive(self, 0);
-            second.receive(self, 1);
             self.weigh();
             self.look(field);
-            let fates = [first.settle(self, 0), second.settle(self, 1)];
-            if !matches!(fates, [Fate::Attempts, Fate::Attempts]) {
+            let fates = [first.settle_lazily(self, 0), second.settle_lazily(self, 1)];
+            let both_go_on = matches!(fates, [Fate::Attempts, Fate::Attempts]);
+            let both_took_it =
+                self.is_before(0, first.run.point.t) && self.is_before(1, second.run.point.t);
+            self.go_on();
+            if both_go_on && both_took_it {
+                continue;
+            }
+            first.refresh(self, 0);
+            second.refresh(self, 1);
+            if !both_go_on {
                 return fates;
             }
-            let aims = [first.aim(), second.aim()];
-            if self.is_before(0, &aims[0]) && self.is_before(1, &aims[1]) {
-                self.go_on();
-            } else {
-                self.start(field, &aims);
-            }
+            self.start(field, &[first.aim(), second.aim()]);
         }
     }
 }

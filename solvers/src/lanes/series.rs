@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::integrate::Integration;
 use crate::phase::PhaseEnd;
 use crate::real::{Ordered, Real};
-use crate::record::Record;
+use crate::record::{Needs, Record};
 use crate::system::{Alike, System, Vector};
 use crate::taylor::TaylorMethod;
 use crate::taylor::expand::Expansion;
@@ -165,15 +165,22 @@ impl<P: Alike> Together<P, TaylorMethod<P::State<f64>, P::Guards<f64>>> for Seri
                 (Some(lane), Some(part)) => lane.settle_by(self, part),
                 _ => Fate::Attempts,
             };
-            if !matches!((&fate_1, &fate_2), (Fate::Attempts, Fate::Attempts)) {
+            let both_go_on = matches!((&fate_1, &fate_2), (Fate::Attempts, Fate::Attempts));
+            let runs = [first, second.as_deref().unwrap_or(first)];
+            let took_it = |run: usize| self.t1.lane(run) == runs[run].run.point.t;
+            let both_took_it = both_join && took_it(0) && took_it(1);
+            self.go_on();
+            if both_go_on && both_took_it {
+                continue;
+            }
+            first.refresh(self);
+            if let Some(lane) = second.as_deref_mut() {
+                lane.refresh(self);
+            }
+            if !both_go_on {
                 return [fate_1, fate_2];
             }
-            let runs = [first, second.as_deref().unwrap_or(first)];
-            if both_join && (0..2).all(|run| self.t1.lane(run) == runs[run].run.point.t) {
-                self.go_on();
-            } else {
-                self.start(field, runs);
-            }
+            self.start(field, [first, second.as_deref().unwrap_or(first)]);
         }
     }
 }
@@ -199,6 +206,9 @@ impl<P: Alike, R: Record<P>> SeriesLane<'_, '_, P, R> {
     /// Goes on by what the step of both came to for it, to the start of another step.
     #[inline(always)]
     fn settle_by(&mut self, pair: &SeriesPair<P>, part: Part) -> Fate {
+        if !matches!(part, Part::Joins) {
+            self.refresh(pair);
+        }
         let mut judged = match part {
             Part::Joins => self.judge_by(pair),
             Part::Leaves => {
@@ -219,21 +229,40 @@ impl<P: Alike, R: Record<P>> SeriesLane<'_, '_, P, R> {
         }
     }
 
+    /// Takes over the start of the step of both, where it is [stale](Lane::is_stale).
+    fn refresh(&mut self, pair: &SeriesPair<P>) {
+        if std::mem::take(&mut self.is_stale) {
+            let (point, step) = (&mut self.run.point, &mut self.solver.method.step);
+            step.t0 = point.t;
+            for (all, y) in pair.y.iter().zip(&mut step.y).take(2) {
+                pick(all, self.index, y);
+            }
+            point.y.clone_from(&step.y[0]);
+        }
+    }
+
     /// How the phase ended, if it did: by a look at the step of both where that is enough, else as it would alone.
     #[inline(always)]
     fn judge_by(&mut self, pair: &SeriesPair<P>) -> Result<Option<PhaseEnd>, Error> {
-        let Self { index, run, record, solver, course, t1, h } = self;
-        let lane = *index;
-        solver.method.take_end(*t1, pair, lane);
+        let (lane, needs) = (self.index, self.needs());
         let error_sq = |_: &_| pair.error_sq.lane(lane);
-        let verdict = solver.controller.verdict(solver.is_proposed, *h, error_sq);
+        let solver = &mut self.solver;
+        let verdict = solver.controller.verdict(solver.is_proposed, self.h, error_sq);
+        let is_plain = pair.plain & (1 << lane) != 0;
+        if let (Verdict::Accept(next), true, Needs::Nothing) = (verdict, is_plain, needs) {
+            self.step_unseen(next);
+            return Ok(None);
+        }
+        self.refresh(pair);
+        let Self { run, record, solver, course, t1, h, .. } = self;
+        solver.method.take_end(*t1, pair, lane);
         match verdict {
-            Verdict::Accept(next) if pair.plain & (1 << lane) != 0 => {
-                if record.interpolates(run.point.t, *t1) {
+            Verdict::Accept(next) if is_plain => {
+                if needs == Needs::DenseOutput {
                     solver.method.take_series(&pair.y, lane);
                 }
                 course.h = next;
-                Ok(solver.accept(&mut scene(run, *record), course, None))
+                Ok(solver.accept(&mut scene(run, *record), course, None, needs))
             }
             _ => {
                 solver.method.take_all(pair, lane);

@@ -31,7 +31,7 @@ pub struct TaylorMethod<Y, G> {
 /// A step of the Taylor method: a polynomial.
 #[derive(Debug)]
 pub struct TaylorStep<Y> {
-    pub(super) t0: f64,
+    pub(crate) t0: f64,
     /// What the start has beyond `t0`, where it has more digits.
     pub(super) t0_low: f64,
     pub(crate) t1: f64,

@@ -5,8 +5,8 @@ use deltazero_solvers::problems::BouncingBall;
 use std::fmt::Debug;
 
 use deltazero_solvers::{
-    Alike, Control, Error, Grid, Integration, METHODS, Method, Next, Outcome, Over, Real, System,
-    Trajectory,
+    Alike, Control, Error, Grid, Integration, METHODS, Method, Needs, Next, Outcome, Over, Real,
+    System, Trajectory,
 };
 
 use crate::log::{Log, Setting, settings};
@@ -21,7 +21,9 @@ fn recorders<P: System>(n: usize) -> Vec<Recorder<P>> {
         let never = usize::MAX;
         // One run in seven is broken off, at its fifth step or its second event.
         let break_at = if i % 7 == 3 { [(5, never), (never, 2)][i % 2] } else { (never, never) };
-        (Log { break_at, ..Log::default() }, Trajectory::on(grid.clone()))
+        // Of each three the second is shown all steps, the others those that samples are on.
+        let needs = if i % 3 == 1 { Needs::DenseOutput } else { Needs::Nothing };
+        (Log { break_at, needs, ..Log::default() }, Trajectory::on(grid.clone()))
     };
     (0..n).map(recorder).collect()
 }

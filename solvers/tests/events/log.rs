@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use deltazero_solvers::{
-    Accepted, Control, Error, Event, Integration, METHODS, Method, Next, Outcome, Record, System,
-    Tolerance,
+    Accepted, Control, Error, Event, Integration, METHODS, Method, Needs, Next, Outcome, Record,
+    System, Tolerance,
 };
 
 use crate::script::chain;
@@ -43,11 +43,14 @@ pub(crate) struct Log<M> {
     pub(crate) events: Vec<(f64, usize, M, Next<M>, usize)>,
     /// Breaks at the step and at the event of this number.
     pub(crate) break_at: (usize, usize),
+    /// What it says to need of steps.
+    pub(crate) needs: Needs,
 }
 
 impl<M> Default for Log<M> {
     fn default() -> Self {
-        Self { steps: Vec::new(), events: Vec::new(), break_at: (usize::MAX, usize::MAX) }
+        let break_at = (usize::MAX, usize::MAX);
+        Self { steps: Vec::new(), events: Vec::new(), break_at, needs: Needs::DenseOutput }
     }
 }
 
@@ -77,6 +80,10 @@ impl<P: System> Record<P> for Log<P::Mode> {
         let n = self.steps.len();
         self.events.push((event.t, guard, before, event.after.clone(), n));
         flow(self.events.len() != self.break_at.1)
+    }
+
+    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+        self.needs
     }
 }
 

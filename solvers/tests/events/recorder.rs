@@ -3,10 +3,10 @@
 use std::ops::ControlFlow;
 
 use deltazero_solvers::problems::BouncingBall;
-use deltazero_solvers::{Accepted, Event, Grid, Integration, Outcome, Record, Trajectory};
+use deltazero_solvers::{Accepted, Event, Grid, Integration, Needs, Outcome, Record, Trajectory};
 
 use crate::common::{at_most, steps_itself};
-use crate::log::{Log, settings};
+use crate::log::{Log, Setting, settings};
 use crate::script::chain;
 
 #[test]
@@ -75,6 +75,41 @@ fn a_sample_on_an_event_shows_what_follows_it() {
         }
         assert_eq!(second.samples[0].y, ball.start());
         assert_eq!(second.samples[3], *first.samples.last().unwrap());
+    }
+}
+
+#[test]
+fn what_a_recorder_needs_of_steps_changes_neither_the_run_nor_what_it_sees() {
+    let ball = BouncingBall { restitution: 0.8, gravity: 9.8, height: 1.0 };
+    // The last time is that of the end of a step.
+    let grid = || Grid::Times(vec![0.1, 0.55, 0.56, 1.3, 2.0]);
+    let run = |(method, control): &Setting, record: &mut dyn Record<BouncingBall>| {
+        let mut integration = Integration::new(&ball, 0.0, ball.start());
+        let mut solver = method.solver(&ball, control.clone()).unwrap();
+        integration.run(2.0, &mut *solver, record).unwrap();
+        format!("{:?} {:?}", integration.point, integration.stats)
+    };
+    for setting in settings() {
+        let mut alone = Trajectory::on(grid());
+        let end = run(&setting, &mut alone);
+        for needs in [Needs::Nothing, Needs::Ends, Needs::DenseOutput] {
+            let name = format!("{}, {needs:?}", setting.0.name);
+            let mut both = (Trajectory::on(grid()), Log { needs, ..Log::default() });
+            assert_eq!(run(&setting, &mut both), end, "{name}");
+            assert_eq!(
+                (&both.0.samples, &both.0.events),
+                (&alone.samples, &alone.events),
+                "{name}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_sample_needs_what_its_place_on_the_step_asks_for() {
+    let needs = |t, [t0, t1]: [f64; 2]| Needs::to_sample(t, t0, t1);
+    for (t, expected) in [(1.9, Needs::DenseOutput), (2.0, Needs::Ends), (2.1, Needs::Nothing)] {
+        assert_eq!([needs(t, [1.0, 2.0]), needs(-t, [-1.0, -2.0])], [expected; 2], "{t}");
     }
 }
 
