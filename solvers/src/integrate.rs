@@ -44,8 +44,8 @@ impl<'a, P: System> Integration<'a, P> {
         }
     }
 
-    /// Integrates to `t_end` (before the present time: backward) with `solver`, and shows every
-    /// accepted step and every event to `record`.
+    /// Integrates to `t_end` (before the present time: backward) with `solver`, and shows `record`
+    /// the accepted steps that it needs and every event.
     ///
     /// # Errors
     /// [`Error::BadArgument`] for a `t_end` that is not finite, [`Error::NonFinite`] for such a

@@ -71,7 +71,7 @@
 //! - The run: [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in
 //!   an outcome or an [`error`]. Many runs of one model, or two of a kind: [`lanes`], by
 //!   [`Method::run_many`] and [`Method::run_pair`].
-//! - What is kept: [`record`] sees each step and event once, [`trajectory`] keeps them.
+//! - What is kept: [`record`] sees each step that it needs and each event once, [`trajectory`] keeps them.
 //!
 //! What is promised of events, case by case, and what is not: [`rules`].
 

@@ -30,7 +30,7 @@ pub enum PhaseEnd {
 /// A method at work on one system.
 pub trait PhaseSolver<P: System> {
     /// Advances `point` in its mode to `t_end`, or to just past the first violated guard, and
-    /// shows every accepted step to `record`.
+    /// shows `record` the accepted steps that it needs.
     ///
     /// # Errors
     /// Any [`Error`] of a step; `point` is then the end of the last accepted one.

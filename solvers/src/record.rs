@@ -10,7 +10,7 @@ use crate::system::{Next, System};
 pub struct Accepted<'a, P: System> {
     /// The mode it was taken in.
     pub mode: P::Mode,
-    /// Both ends and dense output.
+    /// Both ends, and dense output where it was [needed](Record::needs).
     pub step: &'a dyn Step<P::State<f64>>,
     /// The guard it landed on, if any.
     pub landed_on: Option<usize>,
@@ -35,9 +35,9 @@ pub struct Event<'a, P: System> {
 /// What a recorder needs of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Needs {
-    /// Nothing: it may not be shown the step.
+    /// Nothing: it need not be shown the step. Where it is, the dense output may be invalid.
     Nothing,
-    /// Both ends; the dense output between them may be invalid, without the stages of its own.
+    /// Both ends with the slopes there; the dense output between them may be invalid, without the stages of its own.
     Ends,
     /// The dense output too.
     DenseOutput,
@@ -66,7 +66,10 @@ pub trait Record<P: System> {
     /// An event was located and its transition made. Events at one time come in their order.
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()>;
 
-    /// What it needs of the accepted step from `t0` to `t1` that is next. The less it is, the less a step costs.
+    /// What it needs of a step from `t0` to `t1`: the less it is, the less the step costs. One that counts steps or
+    /// limits their work needs the ends of each.
+    ///
+    /// Asked before the step is shown, more than once perhaps, and of steps that are then not accepted.
     fn needs(&self, _t0: f64, _t1: f64) -> Needs {
         Needs::DenseOutput
     }

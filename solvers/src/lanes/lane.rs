@@ -22,7 +22,7 @@ pub(super) struct Lane<'r, 'a, P: System, R, M> {
     pub(super) course: Course,
     pub(super) t1: f64,
     pub(super) h: f64,
-    /// Whether state and step are those of an earlier time than its own: what they are by now is in the vectors alone.
+    /// Whether its state and the step of its method are older than its time: the present ones are in the vectors alone.
     pub(super) is_stale: bool,
 }
 
@@ -157,79 +157,86 @@ impl<P: System, R: Record<P>, const S: usize> TableauLane<'_, '_, P, R, S> {
         }
     }
 
-    /// Takes over the end of the attempt from this lane: some time before it [settles](Self::settle), which
-    /// else waits for what was stored piece by piece.
+    /// Takes over the end of the attempt in this lane: some time before it [settles](Self::settle), which else waits
+    /// for what was stored piece by piece.
     #[inline(always)]
     pub(super) fn receive<V: Simd>(&mut self, attempt: &Attempt<P, V, S>, lane: usize) {
+        self.refresh(attempt, lane);
         self.solver.method.take_end((self.t1, self.h), (&attempt.method, lane));
     }
 
-    /// Goes on by what the attempt came to in this lane, which it has [received](Self::receive).
-    #[inline]
-    pub(super) fn settle<V: Simd>(&mut self, attempt: &Attempt<P, V, S>, lane: usize) -> Fate {
-        let verdict = self.verdict(attempt, lane);
-        let judged = self.judge(attempt, lane, verdict);
-        self.go_on(judged)
-    }
-
-    /// The same where it has not received the attempt, and does not if nobody needs it: it is then
-    /// [stale](Lane::is_stale).
-    #[inline]
-    pub(super) fn settle_lazily<V: Simd>(
+    /// The same where its recorder needs the step; whether it does.
+    #[inline(always)]
+    pub(super) fn receive_needed<V: Simd>(
         &mut self,
         attempt: &Attempt<P, V, S>,
         lane: usize,
+    ) -> bool {
+        let is_needed = self.needs() != Needs::Nothing;
+        if is_needed {
+            self.receive(attempt, lane);
+        }
+        is_needed
+    }
+
+    /// Goes on by what the attempt came to in this lane; [stale](Lane::is_stale) after a plain step that it has not
+    /// [received](Self::receive).
+    #[inline]
+    pub(super) fn settle<V: Simd>(
+        &mut self,
+        (attempt, lane): (&Attempt<P, V, S>, usize),
+        is_received: bool,
     ) -> Fate {
-        let verdict = self.verdict(attempt, lane);
+        self.run.stats.work.n_rhs += ExplicitRk::<P::State<f64>, S>::N_RHS;
+        let verdict = attempt.verdict(lane, self.h, &mut self.solver.controller);
         let judged = match verdict {
-            Verdict::Accept(next) if attempt.is_plain(lane) && self.needs() == Needs::Nothing => {
+            Verdict::Accept(next) if attempt.is_plain(lane) => {
                 self.run.stats.work.n_rhs += self.solver.method.n_rhs_of_end();
-                self.step_unseen(next);
-                Ok(None)
+                if is_received {
+                    Ok(self.show((attempt, lane), next))
+                } else {
+                    self.step_unseen(next);
+                    Ok(None)
+                }
             }
             _ => {
-                self.refresh(attempt, lane);
-                self.receive(attempt, lane);
-                self.judge(attempt, lane, verdict)
+                if !is_received {
+                    self.receive(attempt, lane);
+                }
+                self.judge((attempt, lane), verdict)
             }
         };
         self.go_on(judged)
     }
 
-    /// What its controller makes of the attempt.
-    #[inline(always)]
-    fn verdict<V: Simd>(&mut self, attempt: &Attempt<P, V, S>, lane: usize) -> Verdict {
-        self.run.stats.work.n_rhs += ExplicitRk::<P::State<f64>, S>::N_RHS;
-        attempt.verdict(lane, self.h, &mut self.solver.controller)
+    /// Takes the attempt, a plain one, for a step, after which one of size `next` is to follow; how the phase ended,
+    /// if it did.
+    fn show<V: Simd>(
+        &mut self,
+        (attempt, lane): (&Attempt<P, V, S>, usize),
+        next: f64,
+    ) -> Option<PhaseEnd> {
+        let needs = self.needs();
+        let Self { run, record, solver, course, .. } = self;
+        if needs == Needs::DenseOutput {
+            solver.method.take_stages((&attempt.method, lane));
+            let mode = run.point.mode.clone();
+            solver.method.densify(run.problem, mode, &mut Stats::default());
+        }
+        course.h = next;
+        solver.accept(&mut scene(run, *record), course, None, needs)
     }
 
-    /// How the phase ended, if it did: by a look at the attempt where that is enough, else as it would alone.
+    /// How the phase ended, if it did, by the attempt as it would be judged alone.
     fn judge<V: Simd>(
         &mut self,
-        attempt: &Attempt<P, V, S>,
-        lane: usize,
+        (attempt, lane): (&Attempt<P, V, S>, usize),
         verdict: Verdict,
     ) -> Result<Option<PhaseEnd>, Error> {
-        let needs = self.needs();
         let Self { run, record, solver, course, h, .. } = self;
-        let of = (&attempt.method, lane);
-        match verdict {
-            Verdict::Accept(next) if attempt.is_plain(lane) => {
-                if needs == Needs::DenseOutput {
-                    solver.method.take_stages(of);
-                    let mode = run.point.mode.clone();
-                    solver.method.densify(run.problem, mode, &mut Stats::default());
-                }
-                run.stats.work.n_rhs += solver.method.n_rhs_of_end();
-                course.h = next;
-                Ok(solver.accept(&mut scene(run, *record), course, None, needs))
-            }
-            _ => {
-                solver.method.take_stages(of);
-                watch_from_start(run, solver);
-                solver.follow(&mut scene(run, *record), course, *h, verdict)
-            }
-        }
+        solver.method.take_stages((&attempt.method, lane));
+        watch_from_start(run, solver);
+        solver.follow(&mut scene(run, *record), course, *h, verdict)
     }
 }
 

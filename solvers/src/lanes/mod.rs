@@ -28,7 +28,8 @@
 //! [`Method::run_pair`](crate::Method::run_pair) is the way in for two runs of models that are
 //! [alike](crate::Alike): constants of model and mode are then [numbers of each run](scalar::Own), so that two joints,
 //! or slips to either side, share a vector of two. A run whose mode is of another form goes on alone meanwhile.
-//! Its steps leave the vectors where an event is near or a recorder [needs](crate::Needs) them; else time alone goes on.
+//! A step leaves the vectors only where an event is near or a recorder [needs](crate::Needs) it; of others, time, size and
+//! counts alone go on.
 //! Two [series](crate::taylor) of one order, to tolerances, are expanded at once too, and those of the guards with
 //! them; a run whose series is to be cut takes that step alone.
 

@@ -19,7 +19,7 @@ use crate::tolerance::Tolerance;
 
 /// Steps of two runs by the methods `M`.
 pub(super) trait Together<P: Alike, M> {
-    /// Takes steps of both, or of one that is left, along `field` until one begins another phase or ends.
+    /// Takes steps of both, or of one that is left, along `field` until one is rejected, begins another phase or ends.
     fn go<'r, 'a, R: Record<P>>(
         &mut self,
         field: &OfEach<P, f64x2>,
@@ -107,22 +107,20 @@ impl<P: Alike, const S: usize> Together<P, ExplicitRk<P::State<f64>, S>> for Att
         self.start(field, &[first.aim(), second.aim()]);
         loop {
             self.take(field, &[first.aim(), second.aim()]);
+            let received = [first.receive_needed(self, 0), second.receive_needed(self, 1)];
             self.weigh();
             self.look(field);
-            let fates = [first.settle_lazily(self, 0), second.settle_lazily(self, 1)];
-            let both_go_on = matches!(fates, [Fate::Attempts, Fate::Attempts]);
-            let both_took_it =
-                self.is_before(0, first.run.point.t) && self.is_before(1, second.run.point.t);
+            let fates =
+                [first.settle((self, 0), received[0]), second.settle((self, 1), received[1])];
+            let both_go_on = matches!(fates, [Fate::Attempts, Fate::Attempts])
+                && self.is_before(0, first.run.point.t)
+                && self.is_before(1, second.run.point.t);
             self.go_on();
-            if both_go_on && both_took_it {
-                continue;
-            }
-            first.refresh(self, 0);
-            second.refresh(self, 1);
             if !both_go_on {
+                first.refresh(self, 0);
+                second.refresh(self, 1);
                 return fates;
             }
-            self.start(field, &[first.aim(), second.aim()]);
         }
     }
 }

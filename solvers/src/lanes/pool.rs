@@ -52,6 +52,7 @@ pub(crate) fn run<P: System, R: Record<P>, const S: usize>(
             let field = InMode { problem, mode: &mode };
             attempt.start(&field, &aims);
             attempt.take(&field, &aims);
+            // The next attempt is gathered from the runs.
             for (lane, run) in group.iter_mut().enumerate().take(n) {
                 run.receive(&attempt, lane);
             }
@@ -59,7 +60,7 @@ pub(crate) fn run<P: System, R: Record<P>, const S: usize>(
             attempt.look(&field);
             // From the last one, so that what takes the place of one that leaves is settled.
             for lane in (0..n).rev() {
-                match group[lane].settle(&attempt, lane) {
+                match group[lane].settle((&attempt, lane), true) {
                     Fate::Ends(end) => ended.push((group.swap_remove(lane).index, end)),
                     Fate::Begins if *group[lane].mode() != mode => {
                         pool.put(group.swap_remove(lane));

@@ -165,22 +165,20 @@ impl<P: Alike> Together<P, TaylorMethod<P::State<f64>, P::Guards<f64>>> for Seri
                 (Some(lane), Some(part)) => lane.settle_by(self, part),
                 _ => Fate::Attempts,
             };
-            let both_go_on = matches!((&fate_1, &fate_2), (Fate::Attempts, Fate::Attempts));
             let runs = [first, second.as_deref().unwrap_or(first)];
             let took_it = |run: usize| self.t1.lane(run) == runs[run].run.point.t;
-            let both_took_it = both_join && took_it(0) && took_it(1);
+            let both_go_on = matches!((&fate_1, &fate_2), (Fate::Attempts, Fate::Attempts))
+                && both_join
+                && took_it(0)
+                && took_it(1);
             self.go_on();
-            if both_go_on && both_took_it {
-                continue;
-            }
-            first.refresh(self);
-            if let Some(lane) = second.as_deref_mut() {
-                lane.refresh(self);
-            }
             if !both_go_on {
+                first.refresh(self);
+                if let Some(lane) = second {
+                    lane.refresh(self);
+                }
                 return [fate_1, fate_2];
             }
-            self.start(field, [first, second.as_deref().unwrap_or(first)]);
         }
     }
 }
@@ -229,7 +227,8 @@ impl<P: Alike, R: Record<P>> SeriesLane<'_, '_, P, R> {
         }
     }
 
-    /// Takes over the start of the step of both, where it is [stale](Lane::is_stale).
+    /// Takes over the start of the step of both, where it is [stale](Lane::is_stale); what else there is of it comes
+    /// by [`take_all`](TaylorMethod::take_all).
     fn refresh(&mut self, pair: &SeriesPair<P>) {
         if std::mem::take(&mut self.is_stale) {
             let (point, step) = (&mut self.run.point, &mut self.solver.method.step);

@@ -15,14 +15,25 @@ use crate::script::{Script, floor, guard, unused};
 type Recorder<P> =
     (Log<<P as System>::Mode>, Trajectory<<P as System>::State<f64>, <P as System>::Mode>);
 
+/// What recorders need of the step from a time, beside samples.
+const NEEDS: [fn(f64) -> Needs; 5] = [
+    |_| Needs::Nothing,
+    |t| {
+        let any = [Needs::Nothing, Needs::Nothing, Needs::Ends, Needs::DenseOutput];
+        any[(t.to_bits() % 61 % 4) as usize]
+    },
+    |_| Needs::DenseOutput,
+    |_| Needs::Nothing,
+    |_| Needs::Nothing,
+];
+
 fn recorders<P: System>(n: usize) -> Vec<Recorder<P>> {
     let grid = Grid::uniform(0.3, 3.0);
     let recorder = |i: usize| {
         let never = usize::MAX;
         // One run in seven is broken off, at its fifth step or its second event.
         let break_at = if i % 7 == 3 { [(5, never), (never, 2)][i % 2] } else { (never, never) };
-        // Of each three the second is shown all steps, the others those that samples are on.
-        let needs = if i % 3 == 1 { Needs::DenseOutput } else { Needs::Nothing };
+        let needs = NEEDS[i % NEEDS.len()];
         (Log { break_at, needs, ..Log::default() }, Trajectory::on(grid.clone()))
     };
     (0..n).map(recorder).collect()
@@ -35,7 +46,8 @@ fn shown<P: System>(
     (log, samples): &Recorder<P>,
 ) -> String {
     let point = (run.point.t, &run.point.y, &run.point.mode);
-    format!("{end:?} {point:?} {:?} {:?} {:?} {samples:?}", run.stats, log.steps, log.events)
+    let Log { steps, states, events, .. } = log;
+    format!("{end:?} {point:?} {:?} {steps:?} {states:?} {events:?} {samples:?}", run.stats)
 }
 
 /// Runs from `starts` together and one by one; how those together ended.
@@ -140,7 +152,8 @@ fn pair_has_same_bits<P: Alike<State<f64> = [f64; 2]>>(
     };
     let recorders = |n| recorders::<P>(n).split_off(n - 2);
     let (mut all, mut n_rejected) = (Vec::new(), 0);
-    for n in [2, 4, 5, 12] {
+    // The last two see nothing and any, nothing and any broken off, all and nothing, nothing.
+    for n in [2, 4, 5, 10, 12] {
         let (mut together, mut seen) = (begun(), recorders(n));
         let ([a, b], [shown_a, shown_b]) = (&mut together, &mut seen[..]) else { unreachable!() };
         let ends = method.run_pair([a, b], t_end, controls.each_ref(), [shown_a, shown_b]).unwrap();

@@ -41,16 +41,19 @@ pub(crate) struct Log<M> {
     pub(crate) steps: Vec<(f64, f64, Option<usize>)>,
     /// Time, guard, mode before, what follows, and the number of steps seen by then.
     pub(crate) events: Vec<(f64, usize, M, Next<M>, usize)>,
+    /// States and slopes at the ends of each, and the state amid it where that was needed.
+    pub(crate) states: Vec<Vec<f64>>,
     /// Breaks at the step and at the event of this number.
     pub(crate) break_at: (usize, usize),
-    /// What it says to need of steps.
-    pub(crate) needs: Needs,
+    /// What it needs of a step from this time.
+    pub(crate) needs: fn(f64) -> Needs,
 }
 
 impl<M> Default for Log<M> {
     fn default() -> Self {
         let break_at = (usize::MAX, usize::MAX);
-        Self { steps: Vec::new(), events: Vec::new(), break_at, needs: Needs::DenseOutput }
+        let (steps, states, events) = (Vec::new(), Vec::new(), Vec::new());
+        Self { steps, states, events, break_at, needs: |_| Needs::DenseOutput }
     }
 }
 
@@ -72,6 +75,13 @@ impl<P: System> Record<P> for Log<P::Mode> {
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let step = accepted.step;
         self.steps.push((step.t0(), step.t1(), accepted.landed_on));
+        let mut amid = step.y1().clone();
+        if (self.needs)(step.t0()) == Needs::DenseOutput {
+            step.interpolate(0.5 * (step.t0() + step.t1()), &mut amid);
+        }
+        let ends = [step.y0(), step.y1(), step.slope0(), step.slope1()];
+        self.states
+            .push(ends.into_iter().chain([&amid]).flat_map(|y| y.as_ref()).copied().collect());
         flow(self.steps.len() != self.break_at.0)
     }
 
@@ -82,8 +92,8 @@ impl<P: System> Record<P> for Log<P::Mode> {
         flow(self.events.len() != self.break_at.1)
     }
 
-    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
-        self.needs
+    fn needs(&self, t0: f64, _t1: f64) -> Needs {
+        (self.needs)(t0)
     }
 }
 

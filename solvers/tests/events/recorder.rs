@@ -92,8 +92,10 @@ fn what_a_recorder_needs_of_steps_changes_neither_the_run_nor_what_it_sees() {
     for setting in settings() {
         let mut alone = Trajectory::on(grid());
         let end = run(&setting, &mut alone);
-        for needs in [Needs::Nothing, Needs::Ends, Needs::DenseOutput] {
-            let name = format!("{}, {needs:?}", setting.0.name);
+        let all: [fn(f64) -> Needs; 3] =
+            [|_| Needs::Nothing, |_| Needs::Ends, |_| Needs::DenseOutput];
+        for needs in all {
+            let name = format!("{}, {:?}", setting.0.name, needs(0.0));
             let mut both = (Trajectory::on(grid()), Log { needs, ..Log::default() });
             assert_eq!(run(&setting, &mut both), end, "{name}");
             assert_eq!(
@@ -106,11 +108,28 @@ fn what_a_recorder_needs_of_steps_changes_neither_the_run_nor_what_it_sees() {
 }
 
 #[test]
+fn a_step_that_nobody_needs_is_shown_to_nobody() {
+    let ball = BouncingBall { restitution: 0.8, gravity: 9.8, height: 1.0 };
+    for (method, control) in settings().iter().filter(|(method, _)| !steps_itself(method, &ball)) {
+        let mut log = Log { needs: |_| Needs::Nothing, ..Log::default() };
+        let mut solver = method.solver(&ball, control.clone()).unwrap();
+        let mut integration = Integration::new(&ball, 0.0, ball.start());
+        integration.run(2.0, &mut *solver, &mut log).unwrap();
+        let shown_all = method.name == "auto";
+        assert_eq!(log.steps.is_empty(), !shown_all, "{}", method.name);
+        assert_eq!(log.events.len() as u64, integration.stats.n_events, "{}", method.name);
+    }
+}
+
+#[test]
 fn a_sample_needs_what_its_place_on_the_step_asks_for() {
     let needs = |t, [t0, t1]: [f64; 2]| Needs::to_sample(t, t0, t1);
     for (t, expected) in [(1.9, Needs::DenseOutput), (2.0, Needs::Ends), (2.1, Needs::Nothing)] {
         assert_eq!([needs(t, [1.0, 2.0]), needs(-t, [-1.0, -2.0])], [expected; 2], "{t}");
     }
+    assert_eq!(needs(f64::INFINITY, [1.0, 2.0]), Needs::Nothing);
+    assert_eq!(needs(f64::NEG_INFINITY, [1.0, 2.0]), Needs::DenseOutput);
+    assert_eq!(needs(1.0, [1.0, 1.0]), Needs::Ends);
 }
 
 /// Greatest difference between a step's slope of the height and the velocity it landed with.
