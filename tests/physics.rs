@@ -215,7 +215,7 @@ fn the_energy_of_the_slider_crank_balances() {
         let balance = balance(&config, &located(method, 1e-10));
         (balance.residual / balance.work).abs()
     };
-    // Of the work done. Measured by rk45: 5.3e-9, 1.3e-8, 1.7e-9, 5.3e-9; by taylor at most 1.2e-9.
+    // Of the work done. Measured by rk45: 5.3e-9, 1.3e-8, 1.7e-9, 5.3e-9; by taylor at most 7.9e-10.
     for set in [
         "run.t_end=0.024",
         "friction.coefficient=0",
@@ -227,7 +227,7 @@ fn the_energy_of_the_slider_crank_balances() {
             assert!(relative < bound, "{set} {method}: {relative:e}");
         }
     }
-    // The stiff Kelvin-Voigt law, of which rk45 leaves 1.6e-8; measured: 2.0e-10.
+    // The stiff Kelvin-Voigt law, of which rk45 leaves 1.6e-8; measured: 8.3e-11.
     assert!(relative("contact.law=power", "vern98") < 2e-9);
 }
 

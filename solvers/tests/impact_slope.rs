@@ -152,13 +152,15 @@ fn adaptive_runs_follow_their_tolerance_through_impacts() {
         let ball = ball(exit);
         let exact = ball.solution(T_END).0;
         for method in METHODS.iter().filter(|method| !method.is_fixed_step()) {
-            let rtols = [1e-5, 3.2e-6, 1e-6, 3.2e-7, 1e-7, 3.2e-8, 1e-8];
-            let points = rtols.map(|rtol| {
-                let start = (0.0, ball.start);
-                let y = end_state(&ball, method, tolerance(rtol), start, T_END, &mut ());
-                (rtol, distance(&y, &exact))
-            });
-            // Measured: 1.00 and 0.95 for rk45, 0.80 and 0.71 for bdf.
+            let rtols = (0..=12).map(|j| f64::powf(10.0, -4.0 - 0.5 * f64::from(j)));
+            let points: Vec<_> = rtols
+                .map(|rtol| {
+                    let start = (0.0, ball.start);
+                    let y = end_state(&ball, method, tolerance(rtol), start, T_END, &mut ());
+                    (rtol, distance(&y, &exact))
+                })
+                .collect();
+            // Measured: 1.00 and 0.97 for rk45, 0.85 and 0.84 for bdf, 1.20 and 1.22 for taylor.
             near(method.name, log_slope(&points), 0.9, if method.order > 5 { 0.5 } else { 0.3 });
         }
     }

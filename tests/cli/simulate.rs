@@ -163,7 +163,7 @@ fn a_series_counts_once_and_tells_its_order() {
     let scratch = Scratch::new();
     scratch.simulate("out", &[SHORT, "solver.method=taylor"]);
     let run = scratch.json("out/run.json");
-    assert_eq!(counts(&run, "series_order"), 14);
+    assert_eq!(counts(&run, "series_order"), 13);
     assert!(counts(&run, "n_rhs") < 2 * counts(&run, "n_accepted"));
     scratch.simulate("rk45", &[SHORT]);
     assert!(scratch.json("rk45/run.json")["counts"]["series_order"].is_null());
