@@ -152,7 +152,7 @@ fn pair_has_same_bits<P: Alike<State<f64> = [f64; 2]>>(
     };
     let recorders = |n| recorders::<P>(n).split_off(n - 2);
     let (mut all, mut n_rejected) = (Vec::new(), 0);
-    // The last two see nothing and any, nothing and any broken off, all and nothing, nothing.
+    // The last two need nothing and any, all and nothing, nothing (twice), nothing and any.
     for n in [2, 4, 5, 10, 12] {
         let (mut together, mut seen) = (begun(), recorders(n));
         let ([a, b], [shown_a, shown_b]) = (&mut together, &mut seen[..]) else { unreachable!() };
