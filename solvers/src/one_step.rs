@@ -190,15 +190,25 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         h1.min(100.0 * h0.abs()).copysign(span)
     }
 
-    /// Counts a step of size `h` that has no end; the smaller one to try next, unless the size is fixed
-    /// or time does not resolve it.
+    /// Counts a step of size `h` whose equations were not solved; the smaller one to try next, unless the size is
+    /// fixed or time does not resolve it.
     fn unconverged(&mut self, point: &Point<P>, h: f64, stats: &mut Stats) -> Result<f64, Error> {
+        let mode = || format!("{:?}", point.mode);
+        self.shortened(point, h, stats, || Error::NoConvergence { t: point.t, h, mode: mode() })
+    }
+
+    /// Counts a step of size `h` that has no end; the smaller one to try next, or `error` where the size is fixed
+    /// or time does not resolve it.
+    fn shortened(
+        &mut self,
+        point: &Point<P>,
+        h: f64,
+        stats: &mut Stats,
+        error: impl FnOnce() -> Error,
+    ) -> Result<f64, Error> {
         stats.n_rejected += 1;
         let smaller = self.controller.halved(h);
-        smaller.filter(|smaller| point.t + 0.1 * smaller != point.t).ok_or_else(|| {
-            let mode = format!("{:?}", point.mode);
-            Error::NoConvergence { t: point.t, h, mode }
-        })
+        smaller.filter(|smaller| point.t + 0.1 * smaller != point.t).ok_or_else(error)
     }
 
     /// Counts a rejected step; the `smaller` one to try next, unless time does not resolve it.
@@ -307,6 +317,29 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         self.follow(scene, course, h, verdict)
     }
 
+    /// Completes the accepted attempt, and lands on the guard that falls first on it.
+    ///
+    /// # Errors
+    /// [`Error::NonFinite`], [`Error::NonFiniteGuard`] or [`Error::NoConvergence`] of a step that is too long.
+    #[inline(always)]
+    fn completed(
+        &mut self,
+        problem: &P,
+        point: &Point<P>,
+        stats: &mut Stats,
+    ) -> Result<Option<usize>, Error> {
+        let mode = point.mode.clone();
+        check_finite(point, self.method.step().y1())?;
+        self.method.complete(problem, mode.clone(), stats);
+        check_finite(point, self.method.step().slope1())?;
+        let before = stats.work;
+        let landed_on = self.locate(problem, mode, stats);
+        if stats.work != before {
+            stats.location += stats.work - before;
+        }
+        landed_on
+    }
+
     /// What follows the `verdict` on the last attempt, of size `h`: another size to try, an event to land
     /// on, an accepted step.
     #[inline(always)]
@@ -326,20 +359,19 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             }
             Verdict::Accept(next) => course.h = next.abs().min(self.longest).copysign(next),
         }
-        check_finite(point, self.method.step().y1())?;
-        self.method.complete(problem, mode.clone(), stats);
-        check_finite(point, self.method.step().slope1())?;
-        let before = stats.work;
-        let landed_on = self.locate(problem, mode.clone(), stats);
-        if stats.work != before {
-            stats.location += stats.work - before;
-        }
-        if let Err(Error::NoConvergence { .. }) = landed_on {
-            // Iterated further, it diverges: the attempt was good by luck.
-            course.h = self.unconverged(point, h, stats)?;
-            return Ok(None);
-        }
-        let landed_on = landed_on?;
+        let landed_on = match self.completed(problem, point, stats) {
+            // It leaves the domain of the model, or iterated further it diverges: the attempt was good by luck.
+            Err(
+                error @ (Error::NonFinite { .. }
+                | Error::NonFiniteGuard { .. }
+                | Error::NoConvergence { .. }),
+            ) => {
+                self.watch.forget_dips();
+                course.h = self.shortened(point, h, stats, || error)?;
+                return Ok(None);
+            }
+            landed_on => landed_on?,
+        };
         if landed_on.is_some() {
             let h_landed = self.method.step().t1() - point.t;
             let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);

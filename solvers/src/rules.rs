@@ -166,11 +166,13 @@
 //! beginning of each step†. CVODE: inactive, with a warning after the first step. diffsol: a root at
 //! the end of each step.
 //!
-//! **Not finite.** NaN or infinite at the start, a step's end or a landing is
-//! [`Error::NonFiniteGuard`], also if another guard falls earlier in that step: guards must be
-//! defined a little past their surfaces. *Not promised:* that one which is not finite only inside a
+//! **Not finite.** NaN or infinite at the start is [`Error::NonFiniteGuard`]. At a step's end or a landing
+//! it shortens the step, under adaptive control of a one-step method, and is that error where the step can be no
+//! shorter; a fixed step, and a method of diffsol, end there, also if another guard falls earlier in that step.
+//! *Not promised:* that one which is not finite only inside a
 //! step is seen. `not_finite::a_guard_that_is_not_a_number_is_an_error_that_names_the_place`,
-//! `not_finite::a_guard_that_is_infinite_is_an_error_that_names_the_place`. heyoka: detection
+//! `not_finite::a_guard_that_is_infinite_is_an_error_that_names_the_place`,
+//! `not_finite::a_step_beyond_where_a_guard_is_a_number_is_shortened`. heyoka: detection
 //! may be skipped without a warning; its source says that the step catches it†. CVODE: no test for
 //! it†; a root function may return a failure, which stops the run. diffsol: `g0 * g1 < 0` is
 //! false for NaN: no root, no message.

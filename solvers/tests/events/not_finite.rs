@@ -1,9 +1,12 @@
 //! Slopes, guards and arguments that are not finite.
 
-use deltazero_solvers::{Error, Next, Outcome, Real, System};
+use deltazero_solvers::{Control, Error, Next, Outcome, Real, System};
 
 use crate::log::{ROUNDING, run, settings};
 use crate::script::chain;
+
+/// Where a run that ends before its guard breaks does so.
+const END: f64 = 0.999;
 
 /// `ẋ = 1`, and beyond x = 1 something is not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +17,8 @@ enum Breaks {
     Derivative,
     /// Guard 1 is this.
     Guard(f64),
+    /// The same, and the run ends shortly before.
+    GuardBeyondEnd(f64),
 }
 
 impl System for Breaks {
@@ -37,17 +42,21 @@ impl System for Breaks {
         let slope = match self {
             Self::Slope => (-x + 1.0).sqrt(),
             Self::Derivative => z.sqrt() + 1.0,
-            Self::Guard(_) => -z,
+            Self::Guard(_) | Self::GuardBeyondEnd(_) => -z,
         };
         *dydt = [S::cst(1.0), slope];
     }
 
     fn guards<S: Real>(&self, _: &'static str, _t: S, &[x, _]: &[S; 2], g: &mut [S; 2]) {
         let second = match *self {
-            Self::Guard(beyond) if x.value() > 1.0 => S::cst(beyond),
+            Self::Guard(beyond) | Self::GuardBeyondEnd(beyond) if x.value() > 1.0 => S::cst(beyond),
             _ => S::cst(1.0),
         };
-        *g = [S::cst(1.0), second];
+        let first = match self {
+            Self::GuardBeyondEnd(_) => -x + END,
+            _ => S::cst(1.0),
+        };
+        *g = [first, second];
     }
 
     fn guard_bounds(&self, _: &'static str, _t: f64, _y: &[f64; 2], bounds: &mut [f64; 2]) {
@@ -57,11 +66,11 @@ impl System for Breaks {
     fn transition<S: Real>(
         &self,
         mode: &'static str,
-        _guard: usize,
+        guard: usize,
         _t: S,
         _y: &mut [S; 2],
     ) -> Next<&'static str> {
-        Next::Mode(mode)
+        if guard == 0 { Next::Stop } else { Next::Mode(mode) }
     }
 }
 
@@ -120,6 +129,24 @@ fn a_guard_that_is_not_a_number_is_an_error_that_names_the_place() {
 fn a_guard_that_is_infinite_is_an_error_that_names_the_place() {
     expect_a_bad_guard(f64::INFINITY);
     expect_a_bad_guard(f64::NEG_INFINITY);
+}
+
+#[test]
+fn a_step_beyond_where_a_guard_is_a_number_is_shortened() {
+    for beyond in [f64::NAN, f64::INFINITY] {
+        for setting in settings() {
+            let name = setting.0.name;
+            let is_of_diffsol = ["bdf", "tr_bdf2", "esdirk34", "tsit45"].contains(&name);
+            let can_be_shortened = matches!(setting.1, Control::Adaptive(_)) && !is_of_diffsol;
+            let start = (0.0, [0.0; 2]);
+            let (_, outcome, t, _) = run(&Breaks::GuardBeyondEnd(beyond), &setting, start, 2.0);
+            match outcome {
+                Ok(Outcome::Stopped) => assert!((t - END).abs() < ROUNDING, "{name}: {t}"),
+                Err(Error::NonFiniteGuard { guard: 1, .. }) if !can_be_shortened => {}
+                other => panic!("{name}: {other:?}"),
+            }
+        }
+    }
 }
 
 #[test]
