@@ -6,6 +6,7 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use deltazero::config::Config;
 use deltazero::model::contact::Touch;
+use deltazero::model::mode::N_GUARDS;
 use deltazero::model::{Block, Mechanism, Mode, State};
 use deltazero_solvers::{Control, Integration, Method, Next, Real, System};
 
@@ -39,14 +40,14 @@ impl<const N: usize> System for Held<'_, N> {
     #[inline(always)]
     fn guards<S: Real>(&self, mode: Mode, t: S, y: &State<S>, g: &mut [S; N]) {
         if N > 0 {
-            let mut all = [S::cst(0.0); 4];
+            let mut all = [S::cst(0.0); N_GUARDS];
             self.block.guards(mode, t, y, &mut all);
             g.copy_from_slice(&all[..N]);
         }
     }
 
     fn guard_bounds(&self, mode: Mode, t: f64, y: &State<f64>, bounds: &mut [f64; N]) {
-        let mut all = [0.0; 4];
+        let mut all = [0.0; N_GUARDS];
         self.block.guard_bounds(mode, t, y, &mut all);
         bounds.copy_from_slice(&all[..N]);
     }
@@ -85,7 +86,7 @@ fn guards_without_crossings(criterion: &mut Criterion) {
     let Ok(config) = Config::table1() else { return };
     let block = &Mechanism::new(&config).blocks()[0].clone();
     for method in ["rk45", "dop853"] {
-        run::<4>(criterion, block, method, "guarded");
+        run::<N_GUARDS>(criterion, block, method, "guarded");
         run::<0>(criterion, block, method, "unguarded");
     }
 }

@@ -6,6 +6,7 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use deltazero::config::Config;
 use deltazero::model::contact::Touch;
+use deltazero::model::mode::N_GUARDS;
 use deltazero::model::{Mechanism, Mode};
 use deltazero_solvers::System;
 
@@ -18,7 +19,7 @@ fn rhs(criterion: &mut Criterion) {
         criterion.bench_function(&format!("rhs/{mode}"), |bencher| {
             bencher.iter(|| block.rhs(black_box(mode), 0.0, black_box(&y), &mut dydt));
         });
-        let mut guards = [0.0; 4];
+        let mut guards = [0.0; N_GUARDS];
         criterion.bench_function(&format!("guards/{mode}"), |bencher| {
             bencher.iter(|| block.guards(black_box(mode), 0.0, black_box(&y), &mut guards));
         });

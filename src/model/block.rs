@@ -5,7 +5,7 @@ use deltazero_solvers::{Error, ModeOfState, Next, Outcome, Real, System};
 
 use super::contact::{NormalLaw, PinPose};
 use super::inertia::{Arrow, BlockInertia};
-use super::mode::{END_BOUND, Mode, delta_bound, distance};
+use super::mode::{END_BOUND, Mode, N_GUARDS, delta_bound, distance};
 use super::plain_slip::PlainSlip;
 use super::reading::Reading;
 use super::slider_crank::{Linkage, SliderCrank};
@@ -370,9 +370,9 @@ impl Functions<6, 2> for OfSliderCrank<'_> {
 }
 
 /// The guards.
-impl Functions<6, 4> for OfSliderCrank<'_> {
+impl Functions<6, N_GUARDS> for OfSliderCrank<'_> {
     #[inline(never)]
-    fn of<S: Real>(&self, y: State<S>) -> [S; 4] {
+    fn of<S: Real>(&self, y: State<S>) -> [S; N_GUARDS] {
         self.block.guards_among(Held::SliderCrank(self.crank), self.mode, &y, None)
     }
 }
@@ -409,7 +409,7 @@ impl ModeOfState for Block {
 impl System for Block {
     type Mode = Mode;
     type State<S: Real> = State<S>;
-    type Guards<S: Real> = [S; 4];
+    type Guards<S: Real> = [S; N_GUARDS];
 
     const IN_LANES: bool = true;
 
@@ -418,7 +418,7 @@ impl System for Block {
     }
 
     fn n_guards(&self) -> usize {
-        4
+        N_GUARDS
     }
 
     /// As [`mode_of_state`](ModeOfState::mode_of_state); a start on the surface, to rounding, is free.
@@ -436,7 +436,7 @@ impl System for Block {
     }
 
     #[inline(always)]
-    fn guards<S: Real>(&self, mode: Mode, _t: S, y: &State<S>, g: &mut [S; 4]) {
+    fn guards<S: Real>(&self, mode: Mode, _t: S, y: &State<S>, g: &mut [S; N_GUARDS]) {
         match &self.body {
             Body::Struts(inertia) => *g = self.guards_among(Held::Struts(inertia), mode, y, None),
             Body::SliderCrank(crank) => {
@@ -452,7 +452,7 @@ impl System for Block {
         t: S,
         y: &State<S>,
         dydt: &mut State<S>,
-        g: &mut [S; 4],
+        g: &mut [S; N_GUARDS],
     ) {
         if let Some(slip) = self.plain_slip(mode) {
             slip.rates_with_guards(y, dydt, g);
@@ -462,7 +462,7 @@ impl System for Block {
         }
     }
 
-    fn guard_bounds(&self, mode: Mode, _t: f64, y: &State<f64>, bounds: &mut [f64; 4]) {
+    fn guard_bounds(&self, mode: Mode, _t: f64, y: &State<f64>, bounds: &mut [f64; N_GUARDS]) {
         *bounds = self.guard_bounds_of(mode, y);
     }
 

@@ -70,6 +70,19 @@ impl NormalLaw {
         }
     }
 
+    /// Whether a contact ends, short of δ = 0, where [`factor`](Self::factor) falls below zero: F_N is a product
+    /// whose factors are then guarded one by one.
+    #[inline(always)]
+    pub fn releases_by_factor(&self) -> bool {
+        self.hysteresis != 0.0 && !self.adhesion
+    }
+
+    /// `1 + χ δ̇/δ̇₋`, by which a law with hysteresis multiplies F(δ).
+    #[inline(always)]
+    pub fn factor<S: Real>(&self, delta_dot: S, touch: Touch) -> S {
+        delta_dot * (self.hysteresis / touch.impact_speed) + 1.0
+    }
+
     /// `F_N` [N], past δ = 0 too.
     #[inline(always)]
     pub fn force<S: Real>(&self, delta: S, delta_dot: S, touch: Touch) -> S {
@@ -77,7 +90,7 @@ impl NormalLaw {
         if self.hysteresis == 0.0 {
             elastic + delta_dot * self.damping
         } else {
-            elastic * (delta_dot * (self.hysteresis / touch.impact_speed) + 1.0)
+            elastic * self.factor(delta_dot, touch)
         }
     }
 

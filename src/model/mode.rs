@@ -11,15 +11,24 @@ use super::contact::Touch;
 use super::friction::Extra;
 use super::sliding::Shape;
 
-/// Guard: θ below 90°, where the struts line up, and in contact δ within the range of its law.
+/// Guard: θ below 90°, where the struts line up.
 pub const GUARD_END: usize = 0;
-/// Guard: on this side of the contact surface.
+/// Guard: on this side of the contact surface. Without adhesion a contact ends where it no longer presses: a law
+/// with damping at F_N = 0, one with hysteresis at δ = 0 or at [`GUARD_RANGE`].
 pub const GUARD_CONTACT: usize = 1;
 /// Guard: slipping, v_T keeps its sign, or |v_T| above where its piece of friction begins; sticking,
 /// F_T < μ F_N; relaxing, δ > 0.
 pub const GUARD_UPPER: usize = 2;
 /// Guard: slipping, |v_T| below where its piece of friction ends; sticking, F_T > −μ F_N.
 pub const GUARD_LOWER: usize = 3;
+/// Guard: in contact within the range of its law. Of a law with hysteresis and no adhesion `1 + χ δ̇/δ̇₋ > 0`,
+/// the second factor of F_N; of a law that ends at a penetration `δ < δ_max`.
+pub const GUARD_RANGE: usize = 4;
+/// Number of guards of a joint.
+///
+/// No guard is a product of two quantities that may fall below zero within one step: the product would be positive
+/// again, and the fall unseen.
+pub const N_GUARDS: usize = 5;
 
 /// Mode of a joint, with what its contact keeps of its beginning.
 #[derive(Clone, Copy, PartialEq)]
@@ -123,9 +132,9 @@ impl Block {
         mode: Mode,
         y: &State<S>,
         extra: Extra<S>,
-    ) -> [S; 4] {
-        let mut g = [S::cst(1.0); 4];
-        g[GUARD_END] = self.before_end(mode, y);
+    ) -> [S; N_GUARDS] {
+        let mut g = [S::cst(1.0); N_GUARDS];
+        g[GUARD_END] = self.below_90(y);
         match mode {
             Mode::Pinned => {}
             // (ρ + c)(c − ρ): smooth at the bush's centre too.
@@ -137,20 +146,30 @@ impl Block {
                 let rho = distance(y).rho.value;
                 let along = rho_v_t(y, rho, self.pin_radius);
                 g[GUARD_CONTACT] = rho - self.clearance;
+                self.within_range(rho - self.clearance, &mut g);
                 g[GUARD_UPPER] = if matches!(mode, Mode::SlipPlus(_)) { along } else { -along };
             }
             Mode::Relaxing(touch) => {
                 let pose = self.pose(y);
-                g[GUARD_CONTACT] = -self.normal.force(pose.delta, pose.delta_dot, touch);
+                g[GUARD_CONTACT] = if self.normal.releases_by_factor() {
+                    -self.normal.factor(pose.delta_dot, touch)
+                } else {
+                    -self.normal.force(pose.delta, pose.delta_dot, touch)
+                };
                 g[GUARD_UPPER] = pose.delta;
             }
             Mode::SlipPlus(touch) | Mode::SlipMinus(touch) | Mode::Stick(touch) => {
                 let pose = self.pose(y);
-                g[GUARD_CONTACT] = if self.normal.adhesion {
+                let by_factor = self.normal.releases_by_factor();
+                g[GUARD_CONTACT] = if self.normal.adhesion || by_factor {
                     pose.delta
                 } else {
                     self.normal.force(pose.delta, pose.delta_dot, touch)
                 };
+                if by_factor {
+                    g[GUARD_RANGE] = self.normal.factor(pose.delta_dot, touch);
+                }
+                self.within_range(pose.delta, &mut g);
                 match mode.sigma() {
                     Some(sigma) => {
                         let (s, [low, high]) =
@@ -172,6 +191,14 @@ impl Block {
         g
     }
 
+    /// Writes the guard of a law that ends at a penetration; such a law has no hysteresis, whose guard this is else.
+    #[inline(always)]
+    fn within_range<S: Real>(&self, delta: S, g: &mut [S; N_GUARDS]) {
+        if let Some(deepest) = self.normal.elastic.deepest() {
+            g[GUARD_RANGE] = -(delta / deepest) + 1.0;
+        }
+    }
+
     /// Whether the guards of slipping are `δ` and `ρ v_T`, without a piece of friction that ends.
     #[inline(always)]
     pub(super) fn has_product(&self, held: Held<'_>) -> bool {
@@ -184,14 +211,17 @@ impl Block {
         if self.stop_at_90 { -(y[2] - FRAC_PI_2) } else { S::cst(1.0) }
     }
 
-    /// [`below_90`](Self::below_90); in a contact whose law ends at a penetration times `1 − δ/δ_max`.
+    /// How near the end of a run is: the smaller of [`below_90`](Self::below_90) and, in a contact whose law ends at a
+    /// penetration, `1 − δ/δ_max`.
     #[inline(always)]
     pub(super) fn before_end<S: Real>(&self, mode: Mode, y: &State<S>) -> S {
+        let below_90 = self.below_90(y);
         match self.normal.elastic.deepest() {
             Some(deepest) if mode.is_contact() => {
-                self.below_90(y) * (-(self.pose(y).delta / deepest) + 1.0)
+                let left = -(self.pose(y).delta / deepest) + 1.0;
+                if left.value() < below_90.value() { left } else { below_90 }
             }
-            _ => self.below_90(y),
+            _ => below_90,
         }
     }
 
@@ -210,7 +240,7 @@ impl Block {
     }
 
     /// Bounds of the guards' rounding errors.
-    pub(super) fn guard_bounds_of(&self, mode: Mode, y: &State<f64>) -> [f64; 4] {
+    pub(super) fn guard_bounds_of(&self, mode: Mode, y: &State<f64>) -> [f64; N_GUARDS] {
         let eps = 4.0 * f64::EPSILON;
         let delta = delta_bound(self.clearance);
         // Above zero at rest too: a bound of zero would have an event sought to the last bit.
@@ -218,7 +248,7 @@ impl Block {
         let speed =
             (y[3].abs() + y[4].abs() + self.spin_bound(y) * self.pin_radius).max(least.speed);
         let area = 2.0 * self.clearance * delta;
-        let mut bounds = [END_BOUND, area, delta, delta];
+        let mut bounds = [END_BOUND, area, delta, delta, eps];
         if let Some(touch) = mode.touch() {
             let (pose, has_product) = (self.pose(y), self.has_product(self.body.held()));
             // The slope of a law may be zero at the surface, not so beside it.
@@ -228,8 +258,19 @@ impl Block {
             let force =
                 slope.abs() * delta + eps * (elastic + damping.abs() * speed).max(least.force);
             let is_stick = matches!(mode, Mode::Stick(_));
-            let is_by_delta = mode.is_contact() && self.normal.adhesion;
-            bounds[GUARD_CONTACT] = if is_by_delta { delta } else { force };
+            let factor = eps * (1.0 + self.normal.hysteresis / touch.impact_speed * speed);
+            let by_factor = self.normal.releases_by_factor();
+            bounds[GUARD_CONTACT] = match mode {
+                Mode::Relaxing(_) if by_factor => factor,
+                Mode::Relaxing(_) => force,
+                _ if by_factor || self.normal.adhesion => delta,
+                _ => force,
+            };
+            if by_factor {
+                bounds[GUARD_RANGE] = factor;
+            } else if let Some(deepest) = self.normal.elastic.deepest() {
+                bounds[GUARD_RANGE] = eps + delta / deepest;
+            }
             if mode.sigma().is_some() {
                 let arm = if has_product { pose.rho } else { 1.0 };
                 bounds[GUARD_UPPER] = arm * eps * speed;
@@ -266,6 +307,12 @@ impl Block {
                 Mode::SlipPlus(touch) | Mode::SlipMinus(touch) | Mode::Stick(touch),
                 GUARD_CONTACT,
             ) => self.left(y, touch),
+            (Mode::SlipPlus(touch) | Mode::SlipMinus(touch) | Mode::Stick(touch), GUARD_RANGE) => {
+                if !self.normal.releases_by_factor() {
+                    return Next::Stop;
+                }
+                self.left(y, touch)
+            }
             (Mode::SlipPlus(touch), upper_or_lower) if self.is_between(touch, upper_or_lower) => {
                 Mode::SlipPlus(neighbour(touch, upper_or_lower))
             }
@@ -360,11 +407,127 @@ fn neighbour(touch: Touch, guard: usize) -> Touch {
     Touch { piece, ..touch }
 }
 
-/// Rounding error of `π/2 − θ` near 90° [rad]; times `1 − δ/δ_max`, which is at most one and whose own is
-/// a few ε.
+/// Rounding error of `π/2 − θ` near 90° [rad].
 pub(super) const END_BOUND: f64 = 4.0 * f64::EPSILON * FRAC_PI_2;
 
 /// Rounding error of `ρ − c` for ρ near c [m].
 pub(super) fn delta_bound(clearance: f64) -> f64 {
     4.0 * f64::EPSILON * clearance
+}
+
+#[cfg(test)]
+mod tests {
+    use deltazero_solvers::System;
+
+    use super::*;
+    use crate::config::{Config, ContactLaw, FrictionLaw};
+    use crate::model::Mechanism;
+
+    /// xorshift64: numbers from −1 to 1.
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> f64 {
+            self.0 ^= self.0 << 13;
+            self.0 ^= self.0 >> 7;
+            self.0 ^= self.0 << 17;
+            2.0 * (self.0 >> 11) as f64 / (1_u64 << 53) as f64 - 1.0
+        }
+    }
+
+    /// Whether `y` is a state of `mode`, by what the mode means and not by its guards.
+    fn is_inside(block: &Block, mode: Mode, y: &State<f64>) -> bool {
+        let (pose, normal) = (block.pose(y), &block.normal);
+        if block.stop_at_90 && y[2] > FRAC_PI_2 {
+            return false;
+        }
+        let Some(touch) = mode.touch() else { return pose.delta < 0.0 };
+        let force = normal.force(pose.delta, pose.delta_dot, touch);
+        // A force that damping alone makes positive outside pushes the pin back in at once.
+        let presses = force > 0.0 && (pose.delta > 0.0 || normal.hysteresis == 0.0);
+        if let Mode::Relaxing(_) = mode {
+            return pose.delta > 0.0 && !presses;
+        }
+        let is_touching = if normal.adhesion { pose.delta > 0.0 } else { presses };
+        let is_in_range = normal.elastic.deepest().is_none_or(|deepest| pose.delta < deepest);
+        let slides = match mode.sigma() {
+            Some(sigma) => {
+                let s = sigma * block.v_t(&pose, y);
+                let [low, high] = block.sliding.span(touch.piece);
+                low < s && s < high
+            }
+            None => {
+                let forces = block.forces(mode, y, &pose);
+                forces.tangential.abs() < block.sliding.at_rest(block.mu) * forces.normal
+            }
+        };
+        is_touching && is_in_range && slides
+    }
+
+    /// A state near the surface of contact, or far beyond it, and up to and past 90°.
+    fn state(block: &Block, random: &mut Random) -> State<f64> {
+        let depth = 10_f64.powf(-2.0 + 2.0 * random.next()) * random.next().signum();
+        let (rho, phi) = (block.clearance * (1.0 + 0.9 * depth), 3.0 * random.next());
+        let mut y = [rho * phi.cos(), rho * phi.sin(), 0.0, 0.0, 0.0, 0.0];
+        y[2] = 1.7 * random.next();
+        let speed = 10_f64.powf(-3.0 + 2.0 * random.next());
+        for y in &mut y[3..] {
+            *y = speed * random.next();
+        }
+        y
+    }
+
+    #[test]
+    fn guards_are_positive_inside_their_mode_and_nowhere_else() {
+        let mut random = Random(88_172_645_463_325_252);
+        for law in ContactLaw::ALL {
+            for friction in FrictionLaw::ALL {
+                for adhesion in [true, false] {
+                    let sets = [
+                        format!("contact.law={law}"),
+                        format!("friction.law={friction}"),
+                        format!("contact.adhesion={adhesion}"),
+                        "contact.young_modulus=1e8".to_owned(),
+                        "contact.length=1e-3".to_owned(),
+                        "reading=full".to_owned(),
+                    ];
+                    let config = Config::load(None, &sets).unwrap();
+                    let mechanism = Mechanism::new(&config);
+                    for block in mechanism.blocks() {
+                        for _ in 0..200 {
+                            check(block, &state(block, &mut random), &mut random);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Compares the guards of every mode at `y` with what the mode means.
+    fn check(block: &Block, y: &State<f64>, random: &mut Random) {
+        let mut touch = block.normal.touch(1e-3 * (1.0 + random.next()));
+        touch = block.sliding.begun_at((1e-2 * random.next()).abs(), touch);
+        let mut modes = vec![Mode::Apart, Mode::SlipPlus(touch), Mode::SlipMinus(touch)];
+        if !block.normal.adhesion {
+            modes.push(Mode::Relaxing(touch));
+        }
+        if block.sliding.sticks() {
+            modes.push(Mode::Stick(touch));
+        }
+        for mode in modes {
+            let (mut g, mut bounds) = ([0.0; N_GUARDS], [0.0; N_GUARDS]);
+            block.guards(mode, 0.0, y, &mut g);
+            block.guard_bounds(mode, 0.0, y, &mut bounds);
+            if g.iter().zip(bounds).any(|(g, bound)| g.abs() <= bound) {
+                continue;
+            }
+            let holds = g.iter().all(|g| *g > 0.0);
+            assert_eq!(
+                holds,
+                is_inside(block, mode, y),
+                "{mode} of {:?} at {y:?}: guards {g:?}",
+                block.normal
+            );
+        }
+    }
 }

@@ -8,7 +8,7 @@ use deltazero_solvers::real::{Length, Over};
 
 use super::block::{Block, Body, Held, State};
 use super::inertia::BlockInertia;
-use super::mode::{GUARD_CONTACT, GUARD_END, GUARD_UPPER, Mode, distance, rho_v_t};
+use super::mode::{GUARD_CONTACT, GUARD_END, GUARD_UPPER, Mode, N_GUARDS, distance, rho_v_t};
 
 /// A slip of struts under `F_N = K δ + D δ̇` with Coulomb's friction, all of it at the pin but for a torque of
 /// friction. `C` are the constants of one joint, or of several at once.
@@ -139,8 +139,8 @@ impl<C: Copy> PlainSlip<C> {
 
     /// The guards: `π/2 − θ`, `δ` and `σ ρ v_T`.
     #[inline(always)]
-    pub(super) fn guards<S: Over<C>>(&self, y: &State<S>, at: &Length<S>) -> [S; 4] {
-        let mut g = [S::cst(1.0); 4];
+    pub(super) fn guards<S: Over<C>>(&self, y: &State<S>, at: &Length<S>) -> [S; N_GUARDS] {
+        let mut g = [S::cst(1.0); N_GUARDS];
         g[GUARD_END] = -(y[2] - FRAC_PI_2) * self.ends[0] + self.ends[1];
         g[GUARD_CONTACT] = at.rho.value - self.clearance;
         g[GUARD_UPPER] = rho_v_t(y, at.rho.value, self.pin_radius) * self.sigma;
@@ -153,7 +153,7 @@ impl<C: Copy> PlainSlip<C> {
         &self,
         y: &State<S>,
         dydt: &mut State<S>,
-        g: &mut [S; 4],
+        g: &mut [S; N_GUARDS],
     ) {
         let at = distance(y);
         self.rates(y, &at, dydt);
@@ -199,7 +199,7 @@ impl Alike for Block {
         numbers: &[C; PlainSlip::N],
         _t: S,
         y: &State<S>,
-        g: &mut [S; 4],
+        g: &mut [S; N_GUARDS],
     ) {
         let slip = PlainSlip::of(numbers);
         *g = slip.guards(y, &distance(y));
@@ -211,7 +211,7 @@ impl Alike for Block {
         _t: S,
         y: &State<S>,
         dydt: &mut State<S>,
-        g: &mut [S; 4],
+        g: &mut [S; N_GUARDS],
     ) {
         PlainSlip::of(numbers).rates_with_guards(y, dydt, g);
     }
@@ -290,11 +290,11 @@ mod tests {
                         assert_eq!(bits(&own), bits(&of), "{mode}");
                         let rates = of;
                         let (mut own, mut of) =
-                            ([Dual64::from_re(0.0); 4], [Dual64::from_re(0.0); 4]);
+                            ([Dual64::from_re(0.0); N_GUARDS], [Dual64::from_re(0.0); N_GUARDS]);
                         block.guards(mode, Dual64::from_re(0.0), &y, &mut own);
                         Block::guards_of(&numbers, Dual64::from_re(0.0), &y, &mut of);
                         let mut rates_with = [Dual64::from_re(0.0); 6];
-                        let mut with_rates = [Dual64::from_re(0.0); 4];
+                        let mut with_rates = [Dual64::from_re(0.0); N_GUARDS];
                         let t = Dual64::from_re(0.0);
                         Block::rhs_with_guards_of(
                             &numbers,

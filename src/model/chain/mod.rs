@@ -26,7 +26,7 @@ use super::Mechanism;
 use super::block::{Block, Body, ContactForces, Held, Posture, State};
 use super::contact::{PinPose, Touch};
 use super::inertia::{Arrow, BlockInertia};
-use super::mode::Mode;
+use super::mode::{Mode, N_GUARDS};
 use super::slider_crank::SliderCrank;
 use super::sliding::Bristles;
 use crate::config::Config;
@@ -34,7 +34,7 @@ use crate::config::Config;
 pub use mode::Modes;
 
 /// Guards of a bay, those of its joint.
-const GUARDS: usize = 4;
+const GUARDS: usize = N_GUARDS;
 /// States of a bay.
 const STATES: usize = 6;
 

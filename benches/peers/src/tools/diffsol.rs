@@ -11,6 +11,7 @@ use std::cell::Cell;
 use std::error::Error;
 
 use deltazero::model::contact::Touch;
+use deltazero::model::mode::N_GUARDS;
 use deltazero::model::{Block, Mode, State};
 use deltazero::run::ModeChange;
 use deltazero_solvers::{ModeOfState, Next, System};
@@ -282,9 +283,9 @@ fn mode_of(code: f64) -> Mode {
 }
 
 /// The guards of a mode, those within rounding of zero on its inside.
-fn guards_of(block: &Block, code: f64, y: &State<f64>) -> [f64; 4] {
+fn guards_of(block: &Block, code: f64, y: &State<f64>) -> [f64; N_GUARDS] {
     let mode = mode_of(code);
-    let (mut g, mut bounds) = ([0.0; 4], [0.0; 4]);
+    let (mut g, mut bounds) = ([0.0; N_GUARDS], [0.0; N_GUARDS]);
     block.guards(mode, 0.0, y, &mut g);
     block.guard_bounds(mode, 0.0, y, &mut bounds);
     std::array::from_fn(|i| if g[i].abs() <= bounds[i] { INSIDE } else { g[i] })
