@@ -4,6 +4,7 @@ use deltazero_solvers::Real;
 use deltazero_solvers::real::{Length, Over};
 
 use super::elastic::{Conformal, Elastic, Logarithmic};
+use super::mode::delta_bound;
 use super::restitution::hysteresis_factor;
 use crate::config::{Contact, ContactLaw, Curvature, Joint};
 
@@ -124,8 +125,10 @@ fn elastic(contact: &Contact, joint: &Joint) -> Elastic {
     };
     let radius = pin * bush / gap;
     // δ = (k/L) F (ln(B/F) + s) = A F ln(C/F), C = B eˢ.
-    let logarithmic =
-        |b: f64, s: f64| Elastic::Logarithmic(Logarithmic::new(k / length, b * libm::exp(s)));
+    let least = delta_bound(joint.clearance).max(f64::MIN_POSITIVE);
+    let logarithmic = |b: f64, s: f64| {
+        Elastic::Logarithmic(Logarithmic::new(k / length, b * libm::exp(s), least))
+    };
     match contact.law {
         ContactLaw::DubowskyFreudenstein => {
             logarithmic(length * length * length / (radius * k), 1.0)
