@@ -81,7 +81,8 @@ fn table1(mechanism: &Mechanism, method: &str) -> Result<(), Box<dyn Error>> {
     let accuracy =
         if method.is_fixed_step() { Accuracy::Step(1e-4) } else { Accuracy::Rtol(RTOL, None) };
     let setting = Setting { method, events: Events::Located, accuracy };
-    let limits = Limits { max_rhs: u64::MAX, stop: &AtomicBool::new(false) };
+    let limits =
+        Limits { max_rhs: u64::MAX, max_seconds: f64::INFINITY, stop: &AtomicBool::new(false) };
     let run = Run::new(mechanism, &setting, 2.0, &Grid::uniform(0.01, 2.0), limits);
     run.error().map_or(Ok(()), |error| Err(error.clone().into()))
 }

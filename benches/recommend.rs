@@ -134,7 +134,7 @@ fn one(i: usize, config: &Config, sets: &[String], accuracy: f64, search: bool, 
         best = format!(", {ratio:.2} of {best}");
         tally.ratios.push(ratio);
     }
-    let limits = Limits { max_rhs: EXTENDED, stop: &stop };
+    let limits = Limits { max_rhs: EXTENDED, ..Limits::none(&stop) };
     if let Ok(own) = Reference::extended(&arena.mechanism, arena.t_end, &arena.times, limits) {
         arena.reference = own;
         tally.extended += 1;

@@ -17,7 +17,7 @@ fn table1(criterion: &mut Criterion) {
     let mechanism = Mechanism::new(&config);
     let grid = Grid::uniform(config.run.sample, config.run.t_end);
     let stop = AtomicBool::new(false);
-    let limits = Limits { max_rhs: u64::MAX, stop: &stop };
+    let limits = Limits::none(&stop);
     for method in METHODS {
         for events in [Events::Located, Events::Blind] {
             let accuracies = if method.is_fixed_step() {

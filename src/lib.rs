@@ -25,7 +25,7 @@
 //!
 //! let config = Config::load(None, &["solver.rtol=1e-9".into(), "run.t_end=0.2".into()])?;
 //! let setting = Setting::of(&config).ok_or("no such method")?;
-//! let limits = Limits { max_rhs: 1_000_000, stop: &false.into() };
+//! let limits = Limits { max_rhs: 1_000_000, max_seconds: 10.0, stop: &false.into() };
 //! let grid = Grid::uniform(0.01, config.run.t_end);
 //! let run = Run::new(&Mechanism::new(&config), &setting, config.run.t_end, &grid, limits);
 //! assert_eq!(run.trajectories[0].samples.len(), 20);

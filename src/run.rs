@@ -2,15 +2,13 @@
 
 mod integrate;
 mod joints;
+mod limits;
 
 use std::fmt;
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use deltazero_solvers::{
-    Accepted, Control, Error, Event, Grid, Method, Needs, Next, Outcome, Record, Stats, Switch,
-    System, Tolerance, Trajectory,
+    Control, Error, Grid, Method, Next, Outcome, Stats, Switch, Tolerance, Trajectory,
 };
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +19,7 @@ pub use integrate::{
     BlockRun, Integrable, JointsRun, OwnRun, PartRun, integrate, integrate_many, integrate_pair,
 };
 pub use joints::{JointHistory, JointSample, OwnTrajectory, histories, switches, trajectories};
+pub use limits::{Clock, Limit, Limits, Price, SERIES, Watch};
 
 /// How accurate a method is asked to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,40 +111,6 @@ impl Setting {
 /// Samples and events of a block.
 pub type BlockTrajectory = Trajectory<State<f64>, Mode>;
 
-/// What breaks a run off, as a recorder.
-#[derive(Clone, Copy, Debug)]
-pub struct Limits<'a> {
-    /// Evaluations of the right-hand side beyond which it is cut.
-    pub max_rhs: u64,
-    /// Set from outside to interrupt it.
-    pub stop: &'a AtomicBool,
-}
-
-impl Limits<'_> {
-    /// Whether it was interrupted from outside.
-    pub fn is_stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-    }
-}
-
-impl<P: System> Record<P> for Limits<'_> {
-    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
-        if accepted.stats.work.n_rhs > self.max_rhs || self.is_stopped() {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    }
-
-    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-
-    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
-        Needs::Ends
-    }
-}
-
 /// A run of a mechanism with its trajectories.
 #[derive(Clone, Debug)]
 pub struct Run {
@@ -153,6 +118,8 @@ pub struct Run {
     pub parts: Vec<JointsRun>,
     /// Samples and events of each joint.
     pub trajectories: Vec<BlockTrajectory>,
+    /// The limit that broke it off, if one did.
+    pub cut: Option<Limit>,
 }
 
 impl Run {
@@ -165,14 +132,15 @@ impl Run {
         grid: &Grid,
         limits: Limits<'_>,
     ) -> Self {
-        let mut left = limits;
-        let mut all = Self { parts: Vec::new(), trajectories: Vec::new() };
+        let (mut left, price) = (limits, Price::of_setting(setting));
+        let mut all = Self { parts: Vec::new(), trajectories: Vec::new(), cut: None };
         for part in &mechanism.parts {
-            let (run, trajectories) = match part {
+            let (run, trajectories, cut) = match part {
                 Part::Block(block) => one(block, setting, t_end, grid, left),
                 Part::Chain(chain) => one(chain, setting, t_end, grid, left),
             };
-            left.max_rhs = left.max_rhs.saturating_sub(run.stats.work.n_rhs);
+            left = left.after(&run, price);
+            all.cut = all.cut.or(cut);
             all.parts.push(run);
             all.trajectories.extend(trajectories);
         }
@@ -211,10 +179,11 @@ fn one<P: Integrable>(
     t_end: f64,
     grid: &Grid,
     limits: Limits<'_>,
-) -> (JointsRun, Vec<BlockTrajectory>) {
-    let mut record = (Trajectory::on(grid.clone()), limits);
+) -> (JointsRun, Vec<BlockTrajectory>, Option<Limit>) {
+    let watch = limits.watch(Price::of_setting(setting));
+    let mut record = (Trajectory::on(grid.clone()), watch);
     let run = integrate(part, setting, part.start(), t_end, &mut record);
-    (run.by_joint(part), trajectories(part, &record.0))
+    (run.by_joint(part), trajectories(part, &record.0), record.1.cut)
 }
 
 /// A row of the events file: a switch of the mode as the files write it.

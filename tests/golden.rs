@@ -226,7 +226,8 @@ fn work_does_not_depend_on_what_is_recorded() {
     let work = |sample: &str| {
         let config = config(&[&format!("run.sample={sample}")]);
         let mechanism = Mechanism::new(&config);
-        let limits = Limits { max_rhs: u64::MAX, stop: &AtomicBool::new(false) };
+        let limits =
+            Limits { max_rhs: u64::MAX, max_seconds: f64::INFINITY, stop: &AtomicBool::new(false) };
         let grid = Grid::uniform(config.run.sample, config.run.t_end);
         ["rk4", "rk45", "dop853", "bdf"].map(|method| {
             let setting = match method {

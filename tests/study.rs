@@ -94,6 +94,25 @@ fn a_run_beyond_the_limit_of_work_is_cut() {
 }
 
 #[test]
+fn rejected_series_count_as_work() {
+    // Blind on a contact that sticks, series after series is rejected: 36 for each that is taken.
+    let most = 1_000_000.0;
+    let table = study(&[
+        "reading=full",
+        "run.t_end=0.001",
+        "study.methods=[\"taylor\"]",
+        "study.events=[\"blind\"]",
+        "study.rtol=[1e-10]",
+        "study.max_rhs=1000000",
+    ]);
+    let [row] = table.rows.as_slice() else { panic!("{:?}", table.rows) };
+    assert_eq!(row.status, Status::Cut, "{row:?}");
+    let of_taken = 2.0 * 20.0 * row.n_rhs as f64;
+    assert!(of_taken < 0.5 * most && row.n_rejected > 10 * row.n_rhs, "{row:?}");
+    assert_eq!(row.error.as_deref(), Some("more than study.max_rhs = 1000000 right-hand sides"));
+}
+
+#[test]
 fn rows_do_not_depend_on_the_number_of_threads() {
     let strip = |mut table: WorkPrecision| {
         for row in &mut table.rows {
@@ -151,7 +170,7 @@ fn steps(methods: &str) -> (WorkPrecision, StepTables) {
         ["run.t_end=0.15", "study.repeats=1", "study.steps=[1e-4]", "study.rtol=[1e-6]", methods];
     let (config, stop) = (config(&sets), AtomicBool::new(false));
     let table = work_precision(&config, &[], &stop, &|_| {}).unwrap();
-    let limits = Limits { max_rhs: config.study.max_rhs, stop: &stop };
+    let limits = Limits::of(&config, &stop);
     let steps = StepTables::new(&config, &table, limits);
     (table, steps)
 }
@@ -425,7 +444,8 @@ fn a_run_that_ends_early_has_an_infinite_error_and_one_a_sample_short_has_not() 
     let arena = arena(&["run.t_end=0.1"]);
     let setting = Setting::of(&config(&[])).unwrap();
     let grid = Grid::Times(arena.times.clone());
-    let limits = Limits { max_rhs: u64::MAX, stop: &AtomicBool::new(false) };
+    let limits =
+        Limits { max_rhs: u64::MAX, max_seconds: f64::INFINITY, stop: &AtomicBool::new(false) };
     let run = Run::new(&arena.mechanism, &setting, arena.t_end, &grid, limits);
     let reference = &arena.reference.joints[0];
     let mut own = run.trajectories[0].clone();

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 
 use crate::real::Real;
 use crate::record::{Accepted, Event, Needs, Record};
+use crate::stats::Stats;
 use crate::system::{ModeOfState, Next, System};
 
 /// A system whose right-hand side looks up its mode in the state, as a model written with `if`
@@ -117,6 +118,10 @@ impl<'a, P: ModeOfState, R: Record<P>> Record<Blind<'a, P>> for Unblind<'a, P, R
     fn event(&mut self, event: &Event<'_, Blind<'a, P>>) -> ControlFlow<()> {
         let (t, guard, y) = (event.t, event.guard, event.y);
         self.record.event(&Event { t, guard, before: self.mode.clone(), after: Next::Stop, y })
+    }
+
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        self.record.rejected(stats)
     }
 
     fn needs(&self, t0: f64, t1: f64) -> Needs {

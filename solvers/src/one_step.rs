@@ -6,7 +6,7 @@ use crate::control::{Control, StepController, Verdict};
 use crate::error::Error;
 use crate::event::{Fall, GuardWatch};
 use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
-use crate::record::{Accepted, Needs, Record};
+use crate::record::{Accepted, Needs, Record, reject};
 use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{System, Vector};
@@ -190,36 +190,53 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         h1.min(100.0 * h0.abs()).copysign(span)
     }
 
-    /// Counts a step of size `h` whose equations were not solved; the smaller one to try next, unless the size is
-    /// fixed or time does not resolve it.
-    fn unconverged(&mut self, point: &Point<P>, h: f64, stats: &mut Stats) -> Result<f64, Error> {
-        let mode = || format!("{:?}", point.mode);
-        self.shortened(point, h, stats, || Error::NoConvergence { t: point.t, h, mode: mode() })
+    /// Counts a step of size `h` whose equations were not solved; a smaller one is tried next, unless the size is
+    /// fixed or time does not resolve it. The end of the phase where the recorder breaks it off.
+    fn unconverged(
+        &mut self,
+        scene: &mut Scene<'_, P>,
+        course: &mut Course,
+        h: f64,
+    ) -> Result<Option<PhaseEnd>, Error> {
+        let (t, mode) = (scene.point.t, scene.point.mode.clone());
+        let error = || Error::NoConvergence { t, h, mode: format!("{mode:?}") };
+        self.shortened(scene, course, h, error)
     }
 
-    /// Counts a step of size `h` that has no end; the smaller one to try next, or `error` where the size is fixed
-    /// or time does not resolve it.
+    /// Counts a step of size `h` that has no end; a smaller one is tried next, or it is an `error` where the size is
+    /// fixed or time does not resolve it. The end of the phase where the recorder breaks it off.
     fn shortened(
         &mut self,
-        point: &Point<P>,
+        scene: &mut Scene<'_, P>,
+        course: &mut Course,
         h: f64,
-        stats: &mut Stats,
         error: impl FnOnce() -> Error,
-    ) -> Result<f64, Error> {
-        stats.n_rejected += 1;
+    ) -> Result<Option<PhaseEnd>, Error> {
+        let Scene { point, stats, record, .. } = scene;
+        let go_on = reject(stats, *record);
         let smaller = self.controller.halved(h);
-        smaller.filter(|smaller| point.t + 0.1 * smaller != point.t).ok_or_else(error)
+        let resolved = smaller.filter(|smaller| point.t + 0.1 * smaller != point.t);
+        course.h = resolved.ok_or_else(error)?;
+        Ok(go_on.is_break().then_some(PhaseEnd::Interrupted))
     }
 
-    /// Counts a rejected step; the `smaller` one to try next, unless time does not resolve it.
-    fn rejected(&self, point: &Point<P>, smaller: f64, stats: &mut Stats) -> Result<f64, Error> {
-        stats.n_rejected += 1;
+    /// Counts a rejected step; the `smaller` one is tried next, unless time does not resolve it. The end of the phase
+    /// where the recorder breaks it off.
+    fn rejected(
+        &self,
+        scene: &mut Scene<'_, P>,
+        course: &mut Course,
+        smaller: f64,
+    ) -> Result<Option<PhaseEnd>, Error> {
+        let Scene { point, stats, record, .. } = scene;
+        let go_on = reject(stats, *record);
         if point.t + 0.1 * smaller == point.t {
             check_finite(point, self.method.step().y1())?;
             check_finite(point, self.method.error())?;
             return Err(underflow(point, smaller));
         }
-        Ok(smaller)
+        course.h = smaller;
+        Ok(go_on.is_break().then_some(PhaseEnd::Interrupted))
     }
 
     /// Settles the size of the step that is due, if one is: what the method proposes under adaptive control, else
@@ -308,8 +325,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         h: f64,
     ) -> Result<Option<PhaseEnd>, Error> {
         if !self.method.has_converged() {
-            course.h = self.unconverged(scene.point, h, scene.stats)?;
-            return Ok(None);
+            return self.unconverged(scene, course, h);
         }
         let is_proposed = M::PROPOSES && self.is_proposed;
         let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
@@ -322,12 +338,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     /// # Errors
     /// [`Error::NonFinite`], [`Error::NonFiniteGuard`] or [`Error::NoConvergence`] of a step that is too long.
     #[inline(always)]
-    fn completed(
-        &mut self,
-        problem: &P,
-        point: &Point<P>,
-        stats: &mut Stats,
-    ) -> Result<Option<usize>, Error> {
+    fn completed(&mut self, scene: &mut Scene<'_, P>) -> Result<Option<usize>, Error> {
+        let Scene { problem, point, stats, .. } = scene;
         let mode = point.mode.clone();
         check_finite(point, self.method.step().y1())?;
         self.method.complete(problem, mode.clone(), stats);
@@ -350,16 +362,11 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         h: f64,
         verdict: Verdict,
     ) -> Result<Option<PhaseEnd>, Error> {
-        let Scene { problem, point, stats, record } = scene;
-        let mode = point.mode.clone();
         match verdict {
-            Verdict::Reject(smaller) => {
-                course.h = self.rejected(point, smaller, stats)?;
-                return Ok(None);
-            }
+            Verdict::Reject(smaller) => return self.rejected(scene, course, smaller),
             Verdict::Accept(next) => course.h = next.abs().min(self.longest).copysign(next),
         }
-        let landed_on = match self.completed(problem, point, stats) {
+        let landed_on = match self.completed(scene) {
             // It leaves the domain of the model, or iterated further it diverges: the attempt was good by luck.
             Err(
                 error @ (Error::NonFinite { .. }
@@ -367,18 +374,18 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
                 | Error::NoConvergence { .. }),
             ) => {
                 self.watch.forget_dips();
-                course.h = self.shortened(point, h, stats, || error)?;
-                return Ok(None);
+                return self.shortened(scene, course, h, || error);
             }
             landed_on => landed_on?,
         };
+        let Scene { problem, point, record, .. } = scene;
+        let mode = point.mode.clone();
         if landed_on.is_some() {
             let h_landed = self.method.step().t1() - point.t;
             let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
             if let Some(smaller) = self.controller.refusal(h_landed, error_sq) {
                 self.watch.forget_dips();
-                course.h = self.rejected(point, smaller, stats)?;
-                return Ok(None);
+                return self.rejected(scene, course, smaller);
             }
         }
         let needs = record.needs(point.t, self.method.step().t1());

@@ -57,7 +57,11 @@ impl Needs {
     }
 }
 
-/// Sees every accepted step that it [needs](Record::needs) and every event once, in order.
+/// From one [question](Record::rejected) to a recorder to the next, this many attempts are rejected.
+pub const REJECTIONS_A_LOOK: u64 = 64;
+
+/// Sees every accepted step that it [needs](Record::needs) and every event once, in order, and is asked while
+/// attempts are [rejected](Record::rejected).
 /// [`ControlFlow::Break`] ends the run as [`Interrupted`](crate::Outcome::Interrupted).
 pub trait Record<P: System> {
     /// A step was accepted.
@@ -65,6 +69,15 @@ pub trait Record<P: System> {
 
     /// An event was located and its transition made. Events at one time come in their order.
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()>;
+
+    /// [`REJECTIONS_A_LOOK`] more attempts were rejected; no step is accepted with this.
+    ///
+    /// A recorder that ends a run by its work, its time or from outside is to look here too: many attempts may be
+    /// rejected for each step that is accepted, or without end for none. diffsol's methods ask no such question:
+    /// each of their steps rejects a bounded number of attempts.
+    fn rejected(&mut self, _stats: &Stats) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 
     /// What it needs of a step from `t0` to `t1`: the less it is, the less the step costs. One that counts steps or
     /// limits their work needs the ends of each.
@@ -104,6 +117,12 @@ impl<P: System, A: Record<P>, B: Record<P>> Record<P> for (A, B) {
         if first.is_break() { first } else { second }
     }
 
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        let first = self.0.rejected(stats);
+        let second = self.1.rejected(stats);
+        if first.is_break() { first } else { second }
+    }
+
     fn needs(&self, t0: f64, t1: f64) -> Needs {
         self.0.needs(t0, t1).max(self.1.needs(t0, t1))
     }
@@ -118,7 +137,20 @@ impl<P: System, R: Record<P> + ?Sized> Record<P> for &mut R {
         (**self).event(event)
     }
 
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        (**self).rejected(stats)
+    }
+
     fn needs(&self, t0: f64, t1: f64) -> Needs {
         (**self).needs(t0, t1)
     }
+}
+
+/// Counts a rejected attempt, and asks `record` after so many.
+pub(crate) fn reject<P: System>(stats: &mut Stats, record: &mut dyn Record<P>) -> ControlFlow<()> {
+    stats.n_rejected += 1;
+    if stats.n_rejected.is_multiple_of(REJECTIONS_A_LOOK) {
+        return record.rejected(stats);
+    }
+    ControlFlow::Continue(())
 }

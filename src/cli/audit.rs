@@ -71,7 +71,8 @@ fn one_bay(config: Config) -> Result<Config, Failure> {
 /// The configuration as results are named by: without what an audit does not use.
 fn used(config: &Config) -> Result<Value, Failure> {
     let Config { reading, bays, run, solver, study, contest, regimes, .. } = Config::table1()?;
-    let study = Study { max_rhs: config.study.max_rhs, ..study };
+    let Study { max_rhs, max_seconds, .. } = config.study;
+    let study = Study { max_rhs, max_seconds, ..study };
     let used = Config { reading, bays, run, solver, study, contest, regimes, ..config.clone() };
     Ok(used.to_json())
 }

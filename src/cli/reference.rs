@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use deltazero::config::Config;
+use deltazero::config::{Config, Study};
 use deltazero::reference::{RECIPE, Reference};
 use deltazero::study::work_precision;
 use serde::{Deserialize, Serialize};
@@ -58,6 +58,6 @@ fn hash_of(config: &Config) -> String {
         }
     }
     let version = env!("CARGO_PKG_VERSION");
-    let (digits, max_rhs) = (config.study.reference, config.study.max_rhs);
-    hash(&format!("reference {version} {RECIPE} {digits} {max_rhs}"), &json)
+    let Study { reference: digits, max_rhs, max_seconds, .. } = config.study;
+    hash(&format!("reference {version} {RECIPE} {digits} {max_rhs} {max_seconds}"), &json)
 }

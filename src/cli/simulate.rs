@@ -12,8 +12,8 @@ use deltazero::model::{Mechanism, Part, State};
 use deltazero::reference::counted;
 use deltazero::report;
 use deltazero::run::{
-    Integrable, JointHistory, JointsRun, Limits, Setting, contacts_at_floor, histories, integrate,
-    switches,
+    Integrable, JointHistory, JointsRun, Limits, Price, Setting, contacts_at_floor, histories,
+    integrate, switches,
 };
 use deltazero_solvers::{Error, Grid, Next, Outcome, Stats, Trajectory, WorkByKind};
 use serde_json::{Value, json};
@@ -99,9 +99,9 @@ fn simulate<'a, P: Integrable>(
     let (y0, t_end) = (part.start(), config.run.t_end);
     let balance = EnergyBalance::new(part, setting.events, &y0);
     let trajectory = || Trajectory::on(Grid::uniform(config.run.sample, t_end));
-    let limits = Limits { max_rhs: u64::MAX, stop };
+    let watch = Limits::none(stop).watch(Price::of_setting(setting));
     let work = WorkByKind::new(|mode: P::Mode| P::foremost(&mode).phase());
-    let mut record = ((trajectory(), balance), ((time, limits), work));
+    let mut record = ((trajectory(), balance), ((time, watch), work));
     let run = integrate(part, setting, y0.clone(), t_end, &mut record);
     let ((kept, balance), (_, work)) = record;
     let alone = || integrate(part, setting, y0, t_end, &mut trajectory()).wall;

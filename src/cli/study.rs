@@ -137,7 +137,7 @@ pub(super) fn write_report(
     stop: &AtomicBool,
 ) -> Result<(), Failure> {
     let StudyRecord { config, table, .. } = study;
-    let limits = Limits { max_rhs: config.study.max_rhs, stop };
+    let limits = Limits::of(config, stop);
     let steps = StepTables::new(config, table, limits);
     let motion = motion(config, limits);
     if stop.load(Ordering::Relaxed) {

@@ -216,8 +216,10 @@ pub struct Study {
     pub repeats: u32,
     /// Runs at the same time; more than one disturbs the timings.
     pub threads: usize,
-    /// Evaluations of the right-hand side beyond which a run is cut.
+    /// Work beyond which a run is cut, in right-hand sides.
     pub max_rhs: u64,
+    /// Time beyond which a run is cut \[s\].
+    pub max_seconds: f64,
 }
 
 /// Who takes part in a contest: `recommend` and `regimes`.

@@ -28,6 +28,8 @@ pub struct Arena {
     pub horizon: Option<f64>,
     /// Events of the reference that count.
     pub n_events: usize,
+    /// The longest that a run may take [s].
+    pub max_seconds: f64,
 }
 
 impl Arena {
@@ -45,7 +47,7 @@ impl Arena {
         stop: &AtomicBool,
     ) -> Result<Self, ReferenceError> {
         let mechanism = Mechanism::new(config);
-        let limits = Limits { max_rhs: config.study.max_rhs, stop };
+        let limits = Limits::of(config, stop);
         let mut t_end = config.run.t_end;
         let mut reference = Reference::new(&mechanism, t_end, &times, limits)?;
         let lost = reference.joints.iter().fold(f64::INFINITY, |least, b| least.min(b.lost_at));
@@ -57,7 +59,8 @@ impl Arena {
         }
         let n_events = n_counted(&mechanism, &reference);
         let unit_s = mechanism.blocks().first().map_or(1.0, |block| block.unit_of_time());
-        Ok(Self { mechanism, reference, times, t_end, unit_s, horizon, n_events })
+        let max_seconds = config.study.max_seconds;
+        Ok(Self { mechanism, reference, times, t_end, unit_s, horizon, n_events, max_seconds })
     }
 
     /// Its first part with the first `most` events, up to a sample; itself where it has no more.

@@ -80,7 +80,10 @@ impl<'a> Search<'a> {
     /// Ends it as cut, when `least` is the least work of the others.
     pub(super) fn give_up(&mut self, least: f64) {
         let needs = self.needs(self.last);
-        let message = if needs.is_finite() && least.is_finite() {
+        let is_late = |trial: &Trial| trial.end == TrialEnd::OutOfTime;
+        let message = if self.trials.get(&self.last).is_some_and(is_late) {
+            format!("needs more than study.max_seconds = {} s", self.contest.arena.max_seconds)
+        } else if needs.is_finite() && least.is_finite() {
             format!("would need some {:.0} times the work of the best", needs / least)
         } else {
             "needs more than the limit of work".to_owned()
@@ -250,7 +253,7 @@ impl<'a> Search<'a> {
         let most_events = times * contest.arena.n_events as f64 * trial.covered / whole + more;
         match &trial.end {
             TrialEnd::Cut if trial.stats.n_events as f64 > most_events => Kind::Misses(LONGEST),
-            TrialEnd::Cut | TrialEnd::Interrupted => Kind::Cut,
+            TrialEnd::Cut | TrialEnd::OutOfTime | TrialEnd::Interrupted => Kind::Cut,
             TrialEnd::Failed(_) => Kind::Misses(FAILED),
             TrialEnd::Reached if trial.e <= goal => {
                 // One that was affordable under an earlier, higher limit.
@@ -315,7 +318,7 @@ impl<'a> Search<'a> {
         };
         let setting = self.contest.setting(self.candidate, rung).accuracy;
         let (kind, what) = match &trial.end {
-            TrialEnd::Cut | TrialEnd::Interrupted => return End::Cut,
+            TrialEnd::Cut | TrialEnd::OutOfTime | TrialEnd::Interrupted => return End::Cut,
             TrialEnd::Failed(error) => {
                 let kind = match error {
                     Error::NoConvergence { .. } => FailureKind::NoConvergence,

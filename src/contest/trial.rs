@@ -11,15 +11,12 @@ use super::arena::Arena;
 use crate::metrics::worse;
 use crate::model::{Jointed, Part};
 use crate::reference::JointReference;
-use crate::run::{Integrable, Setting, integrate, trajectories};
+use crate::run::{Clock, Integrable, Price, SERIES, Setting, integrate, trajectories};
 
 /// A linear system of one block costs about this many right-hand sides: rodas5p, radau5, bdf and
 /// esdirk34 take 4.2 to 7.5 times the time of an explicit method's for each of theirs (Table 1). Of a chain it is
 /// taken for as much, which is not measured.
 const LIN_SOLVE: f64 = 5.0;
-/// A series costs this many right-hand sides for each of its orders: 2.2 at order 8, 1.9 at 11, 2.1 at 15, 2.3
-/// at 19 (Table 1, located).
-const SERIES: f64 = 2.0;
 
 /// The work of a run in right-hand sides: a measure of cost that is the same on every machine, and
 /// right within a factor of about two.
@@ -60,6 +57,8 @@ pub enum TrialEnd {
     Reached,
     /// At the limit of work.
     Cut,
+    /// At the limit of time.
+    OutOfTime,
     /// It could not go on.
     Failed(Error),
     /// Interrupted from outside.
@@ -133,7 +132,19 @@ impl Trial {
         stop: &AtomicBool,
     ) {
         let (work_before, t_before, whole) = (self.work, self.covered, arena.whole());
-        let watch = WorkLimit { setting, work_before, t_before, whole, limit, stop, cut: false };
+        let clock = Clock::of(arena.max_seconds - self.wall_s);
+        let cut = None;
+        let watch = WorkLimit {
+            setting,
+            work_before,
+            t_before,
+            whole,
+            limit,
+            stop,
+            clock,
+            reached: 0.0,
+            cut,
+        };
         let mut record = (Trajectory::on(Grid::Times(arena.times.clone())), watch);
         let run = integrate(part, setting, start.of(part), arena.t_end, &mut record);
         self.stats += run.stats;
@@ -142,8 +153,7 @@ impl Trial {
         self.wall_s += run.wall.as_secs_f64();
         self.end = match run.outcome {
             Err(error) => TrialEnd::Failed(error),
-            Ok(Outcome::Interrupted) if record.1.cut => TrialEnd::Cut,
-            Ok(Outcome::Interrupted) => TrialEnd::Interrupted,
+            Ok(Outcome::Interrupted) => record.1.cut.unwrap_or(TrialEnd::Interrupted),
             Ok(_) => TrialEnd::Reached,
         };
         if self.end != TrialEnd::Reached {
@@ -165,7 +175,7 @@ impl Trial {
 }
 
 /// Breaks a run off at a limit of work, or once a tenth of that shows that it is on course for twice the
-/// limit; or from outside.
+/// limit; at the limit of time; or from outside.
 struct WorkLimit<'a> {
     setting: &'a Setting,
     /// Work and time of the parts before.
@@ -175,7 +185,29 @@ struct WorkLimit<'a> {
     whole: f64,
     limit: f64,
     stop: &'a AtomicBool,
-    cut: bool,
+    clock: Clock,
+    /// Time of the last accepted step.
+    reached: f64,
+    /// The end that it made.
+    cut: Option<TrialEnd>,
+}
+
+impl WorkLimit<'_> {
+    /// What follows from the work of this part, rejected attempts beyond what is counted `besides`.
+    fn judge(&mut self, stats: &Stats, besides: f64, is_late: bool) -> ControlFlow<()> {
+        let own = work(self.setting.method, self.setting.rtol(), &stats.work);
+        let done = self.work_before + own + besides;
+        let part = (self.t_before + self.reached) / self.whole;
+        let is_hopeless = done > EARLY * self.limit && done > ON_COURSE * self.limit * part;
+        if done > self.limit || is_hopeless {
+            self.cut = Some(TrialEnd::Cut);
+        } else if is_late {
+            self.cut = Some(TrialEnd::OutOfTime);
+        } else if !self.stop.load(Ordering::Relaxed) {
+            return ControlFlow::Continue(());
+        }
+        ControlFlow::Break(())
+    }
 }
 
 /// See [`WorkLimit`].
@@ -184,16 +216,13 @@ pub(super) const ON_COURSE: f64 = 2.0;
 
 impl<P: System> Record<P> for WorkLimit<'_> {
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
-        let own = work(self.setting.method, self.setting.rtol(), &accepted.stats.work);
-        let done = self.work_before + own;
-        let part = (self.t_before + accepted.step.t1()) / self.whole;
-        let is_hopeless = done > EARLY * self.limit && done > ON_COURSE * self.limit * part;
-        self.cut = done > self.limit || is_hopeless;
-        if self.cut || self.stop.load(Ordering::Relaxed) {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+        self.reached = accepted.step.t1();
+        self.judge(accepted.stats, 0.0, self.clock.is_over_after(accepted.stats))
+    }
+
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        let besides = Price::of_setting(self.setting).rejected(stats);
+        self.judge(stats, besides, self.clock.is_over())
     }
 
     fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {

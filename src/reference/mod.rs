@@ -43,6 +43,14 @@ pub enum ReferenceError {
         /// The limit.
         max_rhs: u64,
     },
+    /// It took longer than the limit of time.
+    #[error(
+        "no reference: it takes longer than study.max_seconds = {max_seconds} s; shorten run.t_end or raise the limit"
+    )]
+    TooMuchTime {
+        /// The limit [s].
+        max_seconds: f64,
+    },
     /// It was interrupted.
     #[error("no reference: interrupted")]
     Interrupted,

@@ -17,8 +17,8 @@ use crate::metrics::dense::{Node, Nodes};
 use crate::metrics::{ErrorScale, match_events, sample_error, worse};
 use crate::model::{Block, Jointed, State};
 use crate::run::{
-    Accuracy, BlockTrajectory, Integrable, JointsRun, Limits, ModeChange, OwnRun, Setting,
-    integrate, trajectories,
+    Accuracy, BlockTrajectory, Integrable, JointsRun, Limit, Limits, ModeChange, OwnRun, Price,
+    Setting, integrate, trajectories,
 };
 
 /// Changes with whatever changes results: what is kept on disk of a reference, a study or a map that is not
@@ -240,10 +240,11 @@ impl Maker {
         self.series_order().map_or(text.clone(), |order| format!("{text} (order {order})"))
     }
 
-    /// Evaluations of the right-hand side that one counted by it stands for: a series of order N for N²/2. That is
-    /// several times its cost; where series are so many, an implicit method is faster.
-    fn rhs_for_each(&self) -> u64 {
-        self.series_order().map_or(1, |order| (order * order / 2) as u64)
+    /// What its work is worth: a series of order N counts as N²/2 right-hand sides. That is several times its cost;
+    /// where series are so many, an implicit method is faster.
+    fn price(&self) -> Price {
+        let of_series = |order: usize| Price::of_series((order * order / 2) as f64);
+        self.series_order().map_or(Price::PLAIN, of_series)
     }
 
     fn run<P: Integrable>(
@@ -268,14 +269,16 @@ fn path<P: Integrable>(
     times: &[f64],
     limits: Limits<'_>,
 ) -> Result<Path, ReferenceError> {
-    let own_limits = Limits { max_rhs: limits.max_rhs / maker.rhs_for_each(), ..limits };
     let trajectory = Trajectory::on(Grid::Times(times.to_vec()));
     let contacts = Contacts::new(part, Events::Located);
     let balance = EnergyBalance::new(part, Events::Located, &y0);
     let roots = Roots::new(part, maker);
-    let mut record = (((trajectory, own_limits), roots), (Nodes::new(part), (contacts, balance)));
+    let mut record = (
+        ((trajectory, limits.watch(maker.price())), roots),
+        (Nodes::new(part), (contacts, balance)),
+    );
     let run = maker.run(part, y0, t_end, &mut record);
-    let (((trajectory, _), roots), (nodes, (contacts, balance))) = record;
+    let (((trajectory, watch), roots), (nodes, (contacts, balance))) = record;
     match &run.outcome {
         Err(error) => Err(ReferenceError::Failed {
             method: maker.name(),
@@ -285,7 +288,10 @@ fn path<P: Integrable>(
             error: error.clone(),
         }),
         Ok(Outcome::Interrupted) if limits.is_stopped() => Err(ReferenceError::Interrupted),
-        Ok(Outcome::Interrupted) => Err(ReferenceError::TooMuchWork { max_rhs: limits.max_rhs }),
+        Ok(Outcome::Interrupted) => Err(match watch.cut {
+            Some(Limit::Time) => ReferenceError::TooMuchTime { max_seconds: limits.max_seconds },
+            _ => ReferenceError::TooMuchWork { max_rhs: limits.max_rhs },
+        }),
         Ok(_) => {
             let kept = roots.changes.into_iter().zip(nodes.lists).zip(contacts.lists());
             let joints = trajectories(part, &trajectory).into_iter().zip(kept);

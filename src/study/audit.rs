@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use deltazero_solvers::{Grid, Method, Outcome, Trajectory};
+use deltazero_solvers::{Grid, Method, Trajectory};
 use serde::{Deserialize, Serialize};
 
 use super::claims::{ClaimRow, claims};
@@ -16,7 +16,9 @@ use crate::energy_balance::EnergyBalance;
 use crate::metrics::{ErrorScale, sample_error};
 use crate::model::{Block, Jointed, Mechanism, State};
 use crate::reference::{HORIZON_ERROR, counted};
-use crate::run::{Accuracy, BlockRun, BlockTrajectory, Limits, Setting, integrate, mode_changes};
+use crate::run::{
+    Accuracy, BlockRun, BlockTrajectory, Limits, Price, Setting, integrate, mode_changes,
+};
 
 /// Method and relative tolerance of the runs.
 ///
@@ -119,7 +121,7 @@ impl Course {
 }
 
 /// Runs every reading to 90°, judges every claim and finds the torque ratios, on `threads` threads,
-/// which change nothing else. The torques, struts, joints and `study.max_rhs` of `config` are used, no other key.
+/// which change nothing else. The torques, struts, joints and `study.max_rhs` and `study.max_seconds` of `config` are used, no other key.
 ///
 /// Once `stop` is set the result is worthless.
 pub fn audit(
@@ -131,7 +133,7 @@ pub fn audit(
     let (name, rtol) = RUN_BY;
     let method = Method::named(name)?;
     let setting = Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(rtol, None) };
-    let limits = Limits { max_rhs: config.study.max_rhs, stop };
+    let limits = Limits::of(config, stop);
     let ideals = without_clearance(config, config.strut.inertia);
     let mut jobs: Vec<(Option<ReadingName>, Block)> = Vec::new();
     jobs.extend(ideals.into_iter().map(|block| (None, block)));
@@ -181,11 +183,12 @@ fn course(
     let (y0, t_end) = (block.initial_state(), patience(block));
     let samples = || Trajectory::on(Grid::uniform(SAMPLE_S, t_end));
     let balance = EnergyBalance::new(block, Events::Located, &y0);
-    let mut record = ((Binning::new(block, BIN_S), balance), (samples(), limits));
+    let watch = || limits.watch(Price::of_setting(setting));
+    let mut record = ((Binning::new(block, BIN_S), balance), (samples(), watch()));
     let run = integrate(block, setting, y0, t_end, &mut record);
-    let ((binning, balance), (trajectory, _)) = record;
+    let ((binning, balance), (trajectory, watched)) = record;
 
-    let mut record = (samples(), limits);
+    let mut record = (samples(), watch());
     let nudged = integrate(block, setting, block.start_nudged(f64::next_up), t_end, &mut record);
     let horizon_s = lost_at(block, &trajectory, &record.0);
 
@@ -215,16 +218,15 @@ fn course(
         force_n: force(&bins),
         work_j: balance.work,
         fed_in_j: -balance.residual,
-        error: failure(&run),
+        error: failure(&run, watched.cut.map(|limit| limits.told(limit))),
     };
     Course { run: row, bins, end: run.y }
 }
 
-/// Why a run ended before its time.
-fn failure(run: &BlockRun) -> Option<String> {
+/// Why a run ended before its time, if not by the limit that `cut` it.
+fn failure(run: &BlockRun, cut: Option<String>) -> Option<String> {
     match &run.outcome {
-        Ok(Outcome::Interrupted) => Some("more than study.max_rhs right-hand sides".to_owned()),
-        Ok(_) => None,
+        Ok(_) => cut,
         Err(error) => Some(error.to_string()),
     }
 }

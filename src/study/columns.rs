@@ -89,9 +89,12 @@ pub const COLUMNS: &[Column] = &[
     column("events", "", "what it does with events", |row| Text(row.events.to_string())),
     column("rtol", "", "relative tolerance, if it has one", |row| Number(row.rtol)),
     column("step", "s", "fixed step, if it has one", |row| Number(row.step)),
-    column("status", "", "ok, failed, cut (by study.max_rhs) or interrupted", |row| {
-        Text(row.status.name().to_owned())
-    }),
+    column(
+        "status",
+        "",
+        "ok, failed, cut (by study.max_rhs or study.max_seconds) or interrupted",
+        |row| Text(row.status.name().to_owned()),
+    ),
     column(
         "e",
         "",
@@ -204,5 +207,7 @@ pub const COLUMNS: &[Column] = &[
     column("dissipated_j", "J", "energy dissipated in the whole run", |row| {
         Number(row.errors.dissipated_j)
     }),
-    column("error", "", "why it failed", |row| Text(row.error.clone().unwrap_or_default())),
+    column("error", "", "why it failed, or what cut it", |row| {
+        Text(row.error.clone().unwrap_or_default())
+    }),
 ];

@@ -117,7 +117,8 @@ fn run(
     let method = Method::named(method)
         .ok_or(ConfigError::Table { part: "solver.method".into(), message: method.into() })?;
     let setting = Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(rtol, None) };
-    let limits = Limits { max_rhs: u64::MAX, stop: &AtomicBool::new(false) };
+    let stop = AtomicBool::new(false);
+    let limits = Limits::none(&stop);
     let run =
         Run::new(&mechanism, &setting, T_END, &Grid::uniform(config.run.sample, T_END), limits);
     Ok((mechanism, run))

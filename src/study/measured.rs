@@ -10,7 +10,7 @@ use crate::metrics::work::WorkByPhase;
 use crate::metrics::worse;
 use crate::model::{Mechanism, Part, State};
 use crate::reference::{JointReference, Reference, counted};
-use crate::run::{Integrable, Limits, Run, Setting, integrate, mode_changes, trajectories};
+use crate::run::{Integrable, Limits, Price, Run, Setting, integrate, mode_changes, trajectories};
 
 /// Errors of a run beside `e`, the worst of all joints. Up to the horizon, but for those of impulse and
 /// dissipation, which are of the whole run.
@@ -90,8 +90,8 @@ impl Measured {
         grid: &Grid,
         limits: Limits<'_>,
     ) -> Self {
-        let mut left = limits;
-        let run = Run { parts: Vec::new(), trajectories: Vec::new() };
+        let (mut left, price) = (limits, Price::of_setting(setting));
+        let run = Run { parts: Vec::new(), trajectories: Vec::new(), cut: None };
         let (work, audits) = (WorkByPhase::default(), Vec::new());
         let mut all = Self { run, work, audits, balance: Balance::default() };
         let mut kinds = Vec::new();
@@ -100,8 +100,7 @@ impl Measured {
                 Part::Block(block) => all.add(block, joints, setting, t_end, grid, left),
                 Part::Chain(chain) => all.add(chain, joints, setting, t_end, grid, left),
             });
-            let done = all.run.parts.last().map_or(0, |run| run.stats.work.n_rhs);
-            left.max_rhs = left.max_rhs.saturating_sub(done);
+            left = all.run.parts.last().map_or(left, |run| left.after(run, price));
         }
         all.work = WorkByPhase::new(&kinds);
         all
@@ -124,9 +123,11 @@ impl Measured {
         let contacts = Contacts::new(part, setting.events);
         let balance = EnergyBalance::new(part, setting.events, &y0);
         let kinds = WorkByKind::new(|mode: P::Mode| P::foremost(&mode).phase());
-        let mut record = ((trajectory, limits), ((distance, contacts), (balance, kinds)));
+        let watch = limits.watch(Price::of_setting(setting));
+        let mut record = ((trajectory, watch), ((distance, contacts), (balance, kinds)));
         let run = integrate(part, setting, y0, t_end, &mut record);
-        let ((trajectory, _), ((distance, contacts), (balance, kinds))) = record;
+        let ((trajectory, watch), ((distance, contacts), (balance, kinds))) = record;
+        self.run.cut = self.run.cut.or(watch.cut);
         self.balance += balance.at(run.mode.clone(), &run.y);
         let run = run.by_joint(part);
         let kept = distance.joints.iter().zip(contacts.lists()).zip(&run.y);

@@ -7,7 +7,7 @@ use crate::config::{Config, Events};
 use crate::model::{Mechanism, Part};
 use crate::reference::counted;
 use crate::run::{
-    Accuracy, Integrable, JointHistory, JointSample, Limits, ModeChange, Setting, histories,
+    Accuracy, Integrable, JointHistory, JointSample, Limits, ModeChange, Price, Setting, histories,
     integrate,
 };
 
@@ -126,7 +126,8 @@ impl Shown<'_> {
         times: &[f64],
         t_end: f64,
     ) -> Vec<JointHistory<'p>> {
-        let mut record = (Trajectory::on(Grid::Times(times.to_vec())), self.limits);
+        let watch = self.limits.watch(Price::of_setting(&self.setting));
+        let mut record = (Trajectory::on(Grid::Times(times.to_vec())), watch);
         integrate(part, &self.setting, part.start(), t_end, &mut record);
         histories(part, &record.0, 1)
     }

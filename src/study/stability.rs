@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::config::{Config, Events};
 use crate::metrics::{ErrorScale, sample_error, worse};
 use crate::model::{Block, Mechanism, Mode, Part, State};
-use crate::run::{Accuracy, BlockTrajectory, Limits, Setting, integrate};
+use crate::run::{Accuracy, BlockTrajectory, Limits, Price, Setting, integrate};
 use crate::study::work_precision::{WorkPrecision, sample_times};
 
 /// Tolerance of the run whose contacts are looked at, and whose states errors are measured against.
@@ -114,7 +114,8 @@ pub fn stability(config: &Config, table: &WorkPrecision, limits: Limits<'_>) -> 
     let tight = located("rk45", Accuracy::Rtol(RTOL, None))?;
     let times = sample_times(config);
     let run = |block: &Block, setting: &Setting| -> (BlockTrajectory, bool) {
-        let mut record = (Trajectory::on(Grid::Times(times.clone())), limits);
+        let watch = limits.watch(Price::of_setting(setting));
+        let mut record = (Trajectory::on(Grid::Times(times.clone())), watch);
         let (y0, t_end) = (block.initial_state(), config.run.t_end);
         let run = integrate(block, setting, y0, t_end, &mut record);
         (record.0, matches!(run.outcome, Ok(Outcome::Finished | Outcome::Stopped)))

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::config::{Config, Events};
 use crate::model::{Jointed, Mechanism, Part};
-use crate::run::{Accuracy, Integrable, Limits, Setting, integrate};
+use crate::run::{Accuracy, Integrable, Limits, Price, Setting, integrate};
 use crate::study::work_precision::{Row, WorkPrecision};
 
 /// Error at which methods are compared: each at its cheapest setting that reaches it with all events.
@@ -171,7 +171,7 @@ fn history<P: Integrable>(
     t_end: f64,
     limits: Limits<'_>,
 ) -> StepHistory {
-    let mut record = (Steps::default(), limits);
+    let mut record = (Steps::default(), limits.watch(Price::of_setting(setting)));
     let run = integrate(part, setting, part.start(), t_end, &mut record);
     let Steps { steps, events, .. } = record.0;
     StepHistory {

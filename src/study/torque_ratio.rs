@@ -15,7 +15,7 @@ use super::parallel::in_parallel;
 use super::work_precision::Progress;
 use crate::config::{Config, Events, Inertia, ReadingName};
 use crate::model::Block;
-use crate::run::{Accuracy, Limits, Setting, integrate};
+use crate::run::{Accuracy, Limits, Price, Setting, integrate};
 
 /// Method and relative tolerance of the runs; those of AF are good to 1e-9 s under `pin`, `full`, `cosine`.
 const RUN_BY: (&str, f64) = ("vern98", 1e-9);
@@ -143,8 +143,8 @@ impl<'a> Arrivals<'a> {
         let (name, rtol) = RUN_BY;
         let (events, accuracy) = (Events::Located, Accuracy::Rtol(rtol, None));
         let setting = Setting { method: Method::named(name)?, events, accuracy };
-        let mut limits = self.limits;
-        integrate(block, &setting, block.initial_state(), patience(block), &mut limits).reached_90()
+        let mut watch = self.limits.watch(Price::of_setting(&setting));
+        integrate(block, &setting, block.initial_state(), patience(block), &mut watch).reached_90()
     }
 
     /// When AF reaches 90° with M4 = M1/`ratio` [s].

@@ -25,7 +25,7 @@ pub enum Status {
     Ok,
     /// It could not go on.
     Failed,
-    /// It reached the limit of work.
+    /// It reached the limit of work or of time.
     Cut,
     /// It was interrupted, or never begun.
     Interrupted,
@@ -104,7 +104,7 @@ pub struct Row {
     /// Where the work went.
     #[serde(default)]
     pub work_by_phase: WorkByPhase,
-    /// Why it failed.
+    /// Why it failed, or what cut it.
     pub error: Option<String>,
 }
 
@@ -209,7 +209,7 @@ pub fn work_precision(
 /// # Errors
 /// [`ReferenceError`].
 pub fn reference(config: &Config, stop: &AtomicBool) -> Result<Reference, ReferenceError> {
-    let limits = Limits { max_rhs: config.study.max_rhs, stop };
+    let limits = Limits::of(config, stop);
     let mechanism = Mechanism::new(config);
     let (t_end, times) = (config.run.t_end, sample_times(config));
     match config.study.reference {
@@ -227,7 +227,7 @@ pub fn against(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> WorkPrecision {
     let mechanism = Mechanism::new(config);
-    let limits = Limits { max_rhs: config.study.max_rhs, stop };
+    let limits = Limits::of(config, stop);
     let settings = settings(config);
     let repeats = config.study.repeats as usize;
     progress(Progress::Runs(settings.len() * (1 + repeats)));
@@ -278,11 +278,12 @@ impl Contest<'_> {
             Status::Failed
         } else if !run.is_broken_off() {
             Status::Ok
-        } else if stats.work.n_rhs > self.limits.max_rhs {
+        } else if run.cut.is_some() {
             Status::Cut
         } else {
             Status::Interrupted
         };
+        let cut_by = run.cut.map(|limit| self.limits.told(limit));
         let compared =
             (status == Status::Ok).then(|| measured.compared(self.mechanism, self.reference));
         Row {
@@ -313,7 +314,7 @@ impl Contest<'_> {
             n_rhs_location: stats.location.n_rhs,
             errors: compared.map(|compared| compared.errors).unwrap_or_default(),
             work_by_phase: measured.work,
-            error: run.error().map(ToString::to_string),
+            error: run.error().map(ToString::to_string).or(cut_by),
         }
     }
 

@@ -170,6 +170,27 @@ fn a_run_beyond_the_limit_of_work_is_cut_and_the_summary_counts_it() {
     let table = scratch.table("out/study.csv");
     let cut = table.rows.iter().find(|row| row["method"] == "rk4").unwrap();
     assert_eq!((cut["status"].as_str(), cut["e"].as_str()), ("cut", ""));
+    assert_eq!(cut["error"], "more than study.max_rhs = 100000 right-hand sides");
+}
+
+#[test]
+fn a_run_beyond_the_limit_of_time_is_cut_and_says_so() {
+    let scratch = Scratch::new();
+    // Minutes of steps; the reference takes milliseconds.
+    let sets = [
+        "run.t_end=0.002",
+        "study.methods=[\"rk4\"]",
+        "study.events=[\"located\"]",
+        "study.steps=[1e-5, 1e-12]",
+        "study.max_rhs=1_000_000_000_000",
+        "study.max_seconds=3",
+    ];
+    let ran = scratch.study("out", &sets, &[]);
+    assert!(ran.stderr.contains("1 ok, 0 failed, 1 cut"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("rk4 located, h 1e-12 s: more than study.max_seconds = 3 s"));
+    let table = scratch.table("out/study.csv");
+    assert_eq!(table.rows[1]["status"], "cut");
+    assert_eq!(table.rows[1]["error"], "more than study.max_seconds = 3 s");
 }
 
 #[test]

@@ -130,7 +130,8 @@ pub fn located(method: &str, rtol: f64) -> Setting {
 pub fn run(config: &Config, setting: &Setting) -> (Mechanism, Run) {
     let mechanism = Mechanism::new(config);
     let t_end = config.run.t_end;
-    let limits = Limits { max_rhs: u64::MAX, stop: &AtomicBool::new(false) };
+    let limits =
+        Limits { max_rhs: u64::MAX, max_seconds: f64::INFINITY, stop: &AtomicBool::new(false) };
     let run =
         Run::new(&mechanism, setting, t_end, &Grid::uniform(config.run.sample, t_end), limits);
     (mechanism, run)

@@ -281,6 +281,12 @@ impl<P: System> Record<P> for Leg<'_, P> {
         self.record.event(event)
     }
 
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        let mut stats = *stats;
+        self.book(&mut stats);
+        self.record.rejected(&stats)
+    }
+
     fn needs(&self, t0: f64, t1: f64) -> Needs {
         self.record.needs(t0, t1).max(Needs::Ends)
     }

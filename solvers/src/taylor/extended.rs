@@ -4,6 +4,8 @@
 //! polynomials with the nearest `f64` coefficients, as in [`method`](super::method); Newton's iteration
 //! with all digits then closes on its zero. Recorders are shown the nearest `f64` of everything.
 
+use std::ops::ControlFlow;
+
 use twofloat::TwoFloat;
 
 use super::expand::Expansion;
@@ -17,7 +19,7 @@ use crate::event::{Fall, GuardWatch};
 use crate::integrate::{Instant, Switchboard, rounded};
 use crate::phase::{PhaseEnd, Point, check_finite};
 use crate::real::Real;
-use crate::record::{Accepted, Record};
+use crate::record::{Accepted, Record, reject};
 use crate::stats::Stats;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
@@ -130,7 +132,9 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         let point = self.point();
         self.watch.begin(problem, mode.clone(), point.t, &point.y, &rounded::<P, _>(&self.y[1]));
         while self.t.value() != t_end {
-            self.take_step(t_end)?;
+            if self.take_step(t_end, record)?.is_break() {
+                return Ok(PhaseEnd::Interrupted);
+            }
             let landed_on = self.locate()?;
             self.stats.n_accepted += 1;
             let accepted =
@@ -150,8 +154,12 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     }
 
     /// Expands about the present state, and takes a step as long as the last terms and the defect at its
-    /// end allow.
-    fn take_step(&mut self, t_end: f64) -> Result<(), Error> {
+    /// end allow; none where the recorder breaks it off.
+    fn take_step(
+        &mut self,
+        t_end: f64,
+        record: &mut dyn Record<P>,
+    ) -> Result<ControlFlow<()>, Error> {
         let field = InMode { problem: self.problem, mode: &self.mode };
         self.expansion.complete(&field, self.t, &mut self.y, self.guards.low());
         self.stats.work.n_rhs += 1;
@@ -175,9 +183,12 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
                 return Err(self.underflow(h));
             }
             if self.attempt(t1) <= 1.0 {
-                return check_finite(&self.point(), &self.step.y1);
+                check_finite(&self.point(), &self.step.y1)?;
+                return Ok(ControlFlow::Continue(()));
             }
-            self.stats.n_rejected += 1;
+            if reject(&mut self.stats, record).is_break() {
+                return Ok(ControlFlow::Break(()));
+            }
             h = 0.5 * (t1 - self.t).value().abs();
         }
     }

@@ -15,6 +15,7 @@ mod lanes;
 mod modes;
 mod not_finite;
 mod recorder;
+mod rejecting;
 mod resets;
 mod runs;
 mod simultaneous;

@@ -64,6 +64,7 @@ fn table_1_is_the_default() {
         repeats: 3,
         threads: 1,
         max_rhs: 50_000_000,
+        max_seconds: 60.0,
     };
     assert_eq!(config.study, study);
 }

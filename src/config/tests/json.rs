@@ -78,7 +78,7 @@ fn the_json_of_the_default_is_this_text() {
         \"rod_length\":0.12,\"rod_mass\":0.21,\"slider_mass\":0.14,\"start_angle\":0.0},\
         \"solver\":{\"events\":\"located\",\"method\":\"rk45\",\"rtol\":1e-8,\"step\":0.00001},\
         \"strut\":{\"density\":7800.0,\"inertia\":\"axial\",\"length\":2.5,\"radius\":0.005},\
-        \"study\":{\"events\":[\"located\",\"blind\"],\"max_rhs\":50000000,\
+        \"study\":{\"events\":[\"located\",\"blind\"],\"max_rhs\":50000000,\"max_seconds\":60.0,\
         \"methods\":[\"rk4\",\"rk45\",\"dop853\",\"vern98\",\"taylor\",\"radau5\",\"bdf\"],\"reference\":\"double\",\"repeats\":3,\
         \"rtol\":[0.001,0.0001,0.00001,1e-6,1e-7,1e-8,1e-9,1e-10,1e-11,1e-12],\
         \"steps\":[0.001,0.0005,0.0002,0.0001,0.00005,0.00002,0.00001,5e-6],\"threads\":1,\

@@ -113,13 +113,14 @@ fn answer(study: &StudyRecord) -> Vec<Part> {
             rows: cells.map(|row| row.into_iter().map(Value::Text).collect()).collect(),
         }),
         Part::Text(format!(
-            "{} runs: {} ok, {} failed, {} cut at {} right-hand sides. e alone ranks: a run may reach a \
+            "{} runs: {} ok, {} failed, {} cut at {} right-hand sides or {} s. e alone ranks: a run may reach a \
              loose error with events missed. Times are of one machine; their ratios travel better.",
             rows.len(),
             count(Status::Ok),
             count(Status::Failed),
             count(Status::Cut),
-            study.config.study.max_rhs
+            study.config.study.max_rhs,
+            study.config.study.max_seconds
         )),
     ]
 }

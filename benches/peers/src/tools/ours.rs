@@ -60,7 +60,7 @@ fn accuracies(method: &Method) -> Vec<(f64, Accuracy)> {
 
 /// One run as the study makes it.
 fn run(problem: &Problem, setting: &Setting) -> Result<[Track; 2], deltazero_solvers::Error> {
-    let limits = Limits { max_rhs: u64::MAX, stop: &GO_ON };
+    let limits = Limits::none(&GO_ON);
     let grid = Grid::Times(problem.times.clone());
     let run = Run::new(&problem.mechanism, setting, problem.t_end, &grid, limits);
     if let Some(error) = run.error() {
