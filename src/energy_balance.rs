@@ -6,6 +6,7 @@ use deltazero_solvers::{Accepted, Event, Next, Record};
 use serde::{Deserialize, Serialize};
 
 use crate::config::Events;
+use crate::json_number;
 use crate::model::{Block, Jointed};
 use crate::quadrature::GAUSS;
 
@@ -13,15 +14,20 @@ use crate::quadrature::GAUSS;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Balance {
     /// Work of the drive torques, or of that which holds a crank's speed.
+    #[serde(with = "json_number::one")]
     pub work: f64,
     /// Kinetic energy at the end.
+    #[serde(with = "json_number::one")]
     pub kinetic: f64,
     /// Elastic energy of the contacts at the end.
+    #[serde(with = "json_number::one")]
     pub elastic: f64,
     /// Taken by damping, by friction, and left in the bush where contact ends without adhesion.
+    #[serde(with = "json_number::one")]
     pub dissipated: f64,
     /// `work + energy at the start − kinetic − elastic − dissipated`: zero for an exact run of a
     /// consistent reading (`pin`, `full`).
+    #[serde(with = "json_number::one")]
     pub residual: f64,
 }
 

@@ -52,6 +52,7 @@ pub mod config;
 pub mod contest;
 pub mod energy_balance;
 pub mod figures;
+mod json_number;
 pub mod metrics;
 pub mod model;
 mod quadrature;

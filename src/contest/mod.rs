@@ -29,6 +29,7 @@ use deltazero_solvers::{METHODS, Method, Stats};
 use serde::{Deserialize, Serialize};
 
 use crate::config::{Atol, Config, Events};
+use crate::json_number;
 use crate::run::{Accuracy, Setting};
 
 pub use arena::Arena;
@@ -97,8 +98,10 @@ pub struct Entry {
     /// Fixed step [s], if it has one.
     pub step: Option<f64>,
     /// Its error.
+    #[serde(with = "json_number::one")]
     pub e: f64,
     /// Least and largest error of it, the next tighter setting, and the start moved by its last bit.
+    #[serde(with = "json_number::pair")]
     pub e_spread: [f64; 2],
     /// Events of the reference that it lacks.
     pub missed: usize,
@@ -111,14 +114,18 @@ pub struct Entry {
     /// Accepted steps.
     pub n_accepted: u64,
     /// Mean of the accepted steps [s].
+    #[serde(with = "json_number::one")]
     pub mean_step_s: f64,
     /// Steps that a tolerance ten times tighter takes for each of its own; none for a fixed step.
+    #[serde(default, with = "json_number::maybe")]
     pub growth: Option<f64>,
     /// Whether stability, not accuracy, sets its steps.
     pub bound_by_stability: bool,
     /// Work; see [`work`].
+    #[serde(with = "json_number::one")]
     pub work: f64,
     /// Shortest time of its runs [s].
+    #[serde(with = "json_number::one")]
     pub wall_s: f64,
     /// Whether a tighter setting has the events wrong.
     pub grazes: bool,

@@ -8,6 +8,7 @@ use deltazero_solvers::Sample;
 use serde::{Deserialize, Serialize};
 
 use crate::energy_balance::Balance;
+use crate::json_number;
 use crate::metrics::contacts::{Contact, total_impulse};
 use crate::metrics::dense::Node;
 use crate::metrics::{ErrorScale, EventMatch, match_events, sample_error, worse};
@@ -120,9 +121,11 @@ pub struct ReferenceSummary {
     /// The method and setting of the run that tells its error.
     pub check: String,
     /// Its error: the largest `e` between both, within the horizon.
+    #[serde(with = "json_number::one")]
     pub agreement: f64,
     /// The error of its event times: the largest difference between both, within the horizon [s]; none
     /// where their sequences differ.
+    #[serde(default, with = "json_number::maybe")]
     pub event_time_agreement_s: Option<f64>,
     /// Largest |θ| over samples and joints, the scale of θ in `e` [rad].
     pub theta_scale_rad: f64,

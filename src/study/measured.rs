@@ -4,6 +4,7 @@ use deltazero_solvers::{Grid, Stats, Trajectory, WorkByKind};
 use serde::{Deserialize, Serialize};
 
 use crate::energy_balance::{Balance, EnergyBalance};
+use crate::json_number;
 use crate::metrics::contacts::{Contact, Contacts, contact_errors, total_impulse};
 use crate::metrics::dense::Distance;
 use crate::metrics::work::WorkByPhase;
@@ -17,26 +18,37 @@ use crate::run::{Integrable, Limits, Price, Run, Setting, integrate, mode_change
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Largest `e` on the dense output.
+    #[serde(default, with = "json_number::maybe")]
     pub e_max: Option<f64>,
     /// `√(∫ e² dt / T)` over the dense output.
+    #[serde(default, with = "json_number::maybe")]
     pub e_l2: Option<f64>,
     /// Worst of the states at the end, each relative to the largest magnitude that it takes.
+    #[serde(default, with = "json_number::maybe")]
     pub e_final: Option<f64>,
     /// Worst error of the peak force of a contact, relative to the largest peak.
+    #[serde(default, with = "json_number::maybe")]
     pub peak_force_error: Option<f64>,
     /// Worst error of the impulse of a contact, relative to the largest such impulse.
+    #[serde(default, with = "json_number::maybe")]
     pub contact_impulse_error: Option<f64>,
     /// Error of the impulse of all contacts, relative to it.
+    #[serde(default, with = "json_number::maybe")]
     pub impulse_error: Option<f64>,
     /// Error of the dissipated energy, relative to the work of the drive.
+    #[serde(default, with = "json_number::maybe")]
     pub dissipation_error: Option<f64>,
     /// Residual of the run's own energy balance, relative to the work of the drive.
+    #[serde(default, with = "json_number::maybe")]
     pub energy_residual: Option<f64>,
     /// Largest peak force [N].
+    #[serde(default, with = "json_number::maybe")]
     pub peak_force_n: Option<f64>,
     /// Impulse of all contacts [N s].
+    #[serde(default, with = "json_number::maybe")]
     pub impulse_n_s: Option<f64>,
     /// Dissipated energy [J].
+    #[serde(default, with = "json_number::maybe")]
     pub dissipated_j: Option<f64>,
 }
 

@@ -9,6 +9,7 @@ use super::measured::{Errors, Measured};
 use super::parallel::in_parallel;
 use super::step_size::quantile;
 use crate::config::{Config, Digits, Events, ReadingName};
+use crate::json_number;
 use crate::metrics::work::WorkByPhase;
 use crate::model::Mechanism;
 use crate::reference::{Reference, ReferenceError, ReferenceSummary};
@@ -59,8 +60,10 @@ pub struct Row {
     /// What became of it.
     pub status: Status,
     /// Error `e`, if it reached its end.
+    #[serde(default, with = "json_number::maybe")]
     pub e: Option<f64>,
     /// Worst time error of the paired events [s], if there are any.
+    #[serde(default, with = "json_number::maybe")]
     pub event_time_error_s: Option<f64>,
     /// Mode changes, the start's own left out.
     pub n_events: Option<usize>,

@@ -194,6 +194,34 @@ fn a_run_beyond_the_limit_of_time_is_cut_and_says_so() {
 }
 
 #[test]
+fn an_infinite_error_survives_a_report_and_a_resumed_study() {
+    let scratch = Scratch::new();
+    scratch.study("out", &SHORT, &[]);
+    let mut study = scratch.json("out/study.json");
+    for (row, e) in [(1, "inf"), (2, "nan")] {
+        (study["rows"][row]["e"], study["rows"][row]["missed"]) = (json!(e), json!(7));
+    }
+    let text_of = |study: &Value| {
+        fs::write(scratch.path("out/study.json"), study.to_string()).unwrap();
+        scratch.succeed(&["report", "out", "--quiet"]);
+        let rows = scratch.table("out/study.csv").rows;
+        assert_eq!((rows[1]["e"].as_str(), rows[2]["e"].as_str()), ("inf", "NaN"));
+        scratch.text("out/study.md")
+    };
+    let told = text_of(&study);
+    // The same study, resumed before its figures: nothing is left to run.
+    study["finished"] = json!(false);
+    fs::write(scratch.path("out/study.json"), study.to_string()).unwrap();
+    scratch.study("out", &SHORT, &["--quiet"]);
+    let resumed = scratch.json("out/study.json");
+    assert_eq!(
+        (&resumed["rows"][1]["e"], &resumed["rows"][2]["e"]),
+        (&json!("inf"), &json!("nan"))
+    );
+    assert!(scratch.text("out/study.md") == told && text_of(&resumed) == told);
+}
+
+#[test]
 fn a_repeated_study_takes_the_reference_that_is_there() {
     let scratch = Scratch::new();
     scratch.study("out", &SHORT, &[]);
