@@ -1,6 +1,7 @@
 //! The directory of results: one configuration's, each file whole or not at all.
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use deltazero::figures::{Drawing, Picture};
@@ -13,9 +14,15 @@ use super::Failure;
 /// Files that carry the hash of what they are results of.
 const OWNERS: [&str; 4] = ["study.json", "run.json", "regimes.json", "audit.json"];
 
-/// A directory for the results of one configuration.
+/// The file that a command holds a lock on while it writes into a directory. It stays there: were it removed, two
+/// commands could each hold a lock on a file of that name.
+const LOCK: &str = ".deltazero-lock";
+
+/// A directory for the results of one configuration, which no other command writes into as long as this lives.
 pub(super) struct Output {
     dir: PathBuf,
+    /// Released with the process, however that ends.
+    _lock: File,
     /// The hash of command and configuration.
     pub(super) hash: String,
 }
@@ -30,8 +37,8 @@ impl Output {
     /// Opens `dir` for the results that `hash` names, and makes it if there is none.
     ///
     /// # Errors
-    /// [`Failure::Usage`] if it is no directory, cannot be written, or (without `force`) holds
-    /// other results.
+    /// [`Failure::Usage`] if it is no directory, cannot be written, is being written by another command, or (without
+    /// `force`) holds other results.
     pub(super) fn open(dir: &Path, hash: String, force: bool) -> Result<Self, Failure> {
         let refuse = |why: String| Failure::Usage(format!("{}: {why}", dir.display()));
         if dir.exists() && !dir.is_dir() {
@@ -39,7 +46,7 @@ impl Output {
         }
         fs::create_dir_all(dir)
             .map_err(|error| refuse(format!("cannot make the directory: {error}")))?;
-        let output = Self { dir: dir.to_owned(), hash };
+        let output = Self { dir: dir.to_owned(), _lock: lock(dir)?, hash };
         let holds_results = OWNERS.iter().any(|owner| dir.join(owner).exists());
         // Two commands may share a directory, once the second was forced into it.
         let own = OWNERS.iter().any(|owner| output.own(owner).is_some());
@@ -50,16 +57,19 @@ impl Output {
                     .into(),
             ));
         }
-        let probe = output.dir.join(".deltazero-probe");
-        fs::write(&probe, b"")
-            .and_then(|()| fs::remove_file(&probe))
-            .map_err(|error| refuse(format!("cannot write there: {error}")))?;
         Ok(output)
     }
 
     /// The directory of finished results, whatever they are of.
-    pub(super) fn existing(dir: &Path) -> Self {
-        Self { dir: dir.to_owned(), hash: String::new() }
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] if there is none, it cannot be written, or is being written by another command.
+    pub(super) fn existing(dir: &Path) -> Result<Self, Failure> {
+        if !dir.is_dir() {
+            let why = "is no directory; name the DIR of a study";
+            return Err(Failure::Usage(format!("{}: {why}", dir.display())));
+        }
+        Ok(Self { dir: dir.to_owned(), _lock: lock(dir)?, hash: String::new() })
     }
 
     /// A JSON file of an earlier run of the same configuration.
@@ -110,6 +120,22 @@ impl Output {
     /// Where it is.
     pub(super) fn path(&self) -> std::path::Display<'_> {
         self.dir.display()
+    }
+}
+
+/// A lock on the right to write into `dir`.
+fn lock(dir: &Path) -> Result<File, Failure> {
+    let refuse = |why: String| Failure::Usage(format!("{}: {why}", dir.display()));
+    let file = File::create(dir.join(LOCK))
+        .map_err(|error| refuse(format!("cannot write there: {error}")))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(refuse(
+            "another deltazero is writing there; wait for its end, or name another directory with --out".into(),
+        )),
+        // A file system that knows no locks keeps two commands apart no more than before.
+        Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => Ok(file),
+        Err(TryLockError::Error(error)) => Err(refuse(format!("cannot lock {LOCK}: {error}"))),
     }
 }
 

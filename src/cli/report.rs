@@ -24,7 +24,7 @@ pub(super) struct ReportArgs {
 /// figures of steps and motion are, to the same bits.
 pub(super) fn run(args: &ReportArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let refuse = |why: &str| Failure::Usage(format!("{}: {why}", args.dir.display()));
-    let output = Output::existing(&args.dir);
+    let output = Output::existing(&args.dir)?;
     let study = output
         .read("study.json")
         .ok_or_else(|| refuse("holds no study.json that can be read; name the DIR of a study"))?;

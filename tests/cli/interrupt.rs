@@ -1,4 +1,5 @@
-//! Ctrl-C: exit 130, whole files, and the same command goes on.
+//! Ctrl-C: exit 130, whole files, and the same command goes on, as after a kill; no other command writes into a
+//! directory meanwhile.
 
 use std::path::Path;
 use std::process::{Child, Command, Output};
@@ -26,6 +27,13 @@ impl Running {
             sleep(Duration::from_millis(5));
         }
         sleep(more);
+    }
+
+    /// Kills it: it has no time for a last word.
+    fn kill(mut self) {
+        let mut child = self.0.take().unwrap();
+        child.kill().unwrap();
+        child.wait().unwrap();
     }
 
     /// Sends SIGINT and waits for the end.
@@ -132,4 +140,25 @@ fn an_interrupted_audit_writes_nothing_and_says_so() {
     assert_eq!(output.status.code(), Some(130), "{stderr}");
     assert!(stderr.contains("nothing is written"), "{stderr}");
     assert_eq!(scratch.files("out"), [""; 0]);
+}
+
+#[test]
+fn two_commands_do_not_write_into_one_directory() {
+    let scratch = Scratch::new();
+    let long = ["solver.method=rk4", "solver.step=1e-10"];
+    let args = with_sets(&["simulate", "--quiet", "--out", "out"], &long);
+    let run = Running::start(&scratch, &args);
+    run.until(&scratch.path("out/.deltazero-lock"), Duration::from_millis(300));
+    let study = ["study", "--force", "--out", "out"];
+    let others = [&args[..], &study[..], &["regimes", "--out", "out"], &["report", "out"]];
+    for other in others {
+        let ran = scratch.run(other);
+        assert_eq!(ran.code, Some(2), "{other:?}: {}", ran.stderr);
+        let says = ["error: out: another deltazero is writing there", "--out"];
+        assert!(says.iter().all(|what| ran.stderr.contains(what)), "{}", ran.stderr);
+    }
+    assert_eq!(scratch.files("out"), [""; 0]);
+    // However it ends, the next one may write.
+    run.kill();
+    scratch.simulate("out", &["run.t_end=0.01"]);
 }

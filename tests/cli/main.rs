@@ -96,14 +96,14 @@ impl Scratch {
         Table::of(&self.text(name))
     }
 
-    /// Names of the files below `dir`, sorted.
+    /// Names of the files below `dir`, sorted, but for that which commands lock.
     fn files(&self, dir: &str) -> Vec<String> {
         fn collect(at: &Path, from: &Path, names: &mut Vec<String>) {
             for entry in fs::read_dir(at).unwrap() {
                 let path = entry.unwrap().path();
                 if path.is_dir() {
                     collect(&path, from, names);
-                } else {
+                } else if path.file_name().unwrap() != ".deltazero-lock" {
                     names.push(path.strip_prefix(from).unwrap().display().to_string());
                 }
             }
