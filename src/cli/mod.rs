@@ -2,6 +2,7 @@
 
 mod audit;
 mod config;
+mod kept;
 mod laws;
 mod methods;
 mod output;

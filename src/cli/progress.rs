@@ -33,6 +33,7 @@ impl Bar {
     pub(super) fn show(&self, progress: Progress) {
         match progress {
             Progress::Runs(n) => self.bar.set_length(n as u64),
+            Progress::Row(_) => {}
             Progress::Done(what) => {
                 self.bar.inc(1);
                 self.bar.set_message(what);

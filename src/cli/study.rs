@@ -14,10 +14,11 @@ use deltazero::study::machine::Machine;
 use deltazero::study::motion::motion;
 use deltazero::study::record::StudyRecord;
 use deltazero::study::step_tables::StepTables;
-use deltazero::study::work_precision::{Row, Status, WorkPrecision, against};
+use deltazero::study::work_precision::{Progress, Row, Status, WorkPrecision, against};
 use humantime::format_rfc3339_seconds;
 use serde_json::{Value, json};
 
+use super::kept::Kept;
 use super::output::{Output, hash, is_current};
 use super::progress::Bar;
 use super::reference::reference;
@@ -67,17 +68,13 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         }
         Err(failure) => return Err(failure),
     };
-    let table = against(&reference, &config, &known, stop, &|progress| bar.show(progress));
-    let mut study = StudyRecord {
-        hash: output.hash.clone(),
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        recipe: RECIPE,
-        machine: Some(Machine::here()),
-        time: Some(format_rfc3339_seconds(SystemTime::now()).to_string()),
-        config,
-        finished: false,
-        table,
-    };
+    let begun = WorkPrecision { reference: reference.summary.clone(), rows: known.clone() };
+    let kept = Kept::new(&output, unfinished(&output, &config, begun), stop);
+    let table = against(&reference, &config, &known, stop, &|progress| match progress {
+        Progress::Row(row) => kept.take(*row),
+        progress => bar.show(progress),
+    });
+    let mut study = StudyRecord { time: now(), table, ..kept.into_study()? };
     output.write("study.csv", report::study_csv(&study.table).as_bytes())?;
     write_json(&output, &study)?;
     if stop.load(Ordering::Relaxed) {
@@ -105,6 +102,24 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
 }
 
+/// A study that is under way.
+fn unfinished(output: &Output, config: &Config, table: WorkPrecision) -> StudyRecord {
+    StudyRecord {
+        hash: output.hash.clone(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        recipe: RECIPE,
+        machine: Some(Machine::here()),
+        time: now(),
+        config: config.clone(),
+        finished: false,
+        table,
+    }
+}
+
+fn now() -> Option<String> {
+    Some(format_rfc3339_seconds(SystemTime::now()).to_string())
+}
+
 /// The configuration as results are named by: threads change nothing but the time, the axes of a figure
 /// no run.
 fn json_of_runs(config: &Config) -> Result<Value, Failure> {
@@ -126,7 +141,7 @@ fn unfinished_rows(output: &Output) -> Vec<Row> {
 }
 
 /// `study.json`; `finished` once figures and report are on disk too.
-fn write_json(output: &Output, study: &StudyRecord) -> Result<(), Failure> {
+pub(super) fn write_json(output: &Output, study: &StudyRecord) -> Result<(), Failure> {
     output.write("study.json", format!("{:#}\n", json!(study)).as_bytes())
 }
 

@@ -123,13 +123,18 @@ impl Row {
         accuracy.map_or_else(String::new, |accuracy| accuracy.to_string())
     }
 
-    /// Takes the time of one more repeat [s], if there is one.
-    fn take_wall(&mut self, wall: Option<f64>) {
-        let Some(wall) = wall else { return };
+    /// Takes the time of one more repeat [s].
+    fn take_wall(&mut self, wall: f64) {
         self.walls_s.push(wall);
         let mut walls = self.walls_s.clone();
         let [min, median, max] = [0.0, 0.5, 1.0].map(|fraction| quantile(&mut walls, fraction));
         (self.wall_s_min, self.wall_s_median, self.wall_s_max) = (min, median, max);
+    }
+
+    /// Whether it is of the same run as another row.
+    pub fn is_same_run(&self, other: &Self) -> bool {
+        let run = |row: &Self| (row.events, row.rtol, row.step);
+        self.method == other.method && run(self) == run(other)
     }
 
     /// Whether it is the run of this setting.
@@ -157,6 +162,8 @@ pub enum Progress {
     Runs(usize),
     /// One of them is done.
     Done(String),
+    /// What is known of a run that has an end, each time that more is known of it.
+    Row(Box<Row>),
 }
 
 /// The settings that a configuration's `[study]` asks for and its laws permit, in its order; an unknown
@@ -240,6 +247,7 @@ pub fn against(
     let mut rows = in_parallel(&settings, config.study.threads, |setting| {
         let done = known.iter().find(|row| row.status != Status::Interrupted && row.is_of(setting));
         let row = done.cloned().unwrap_or_else(|| contest.row(setting));
+        report(&row, progress);
         progress(Progress::Done(setting.to_string()));
         row
     });
@@ -247,17 +255,25 @@ pub fn against(
     // repeat of one.
     for turn in 0..repeats {
         let jobs: Vec<(&Setting, &Row)> = settings.iter().zip(&rows).collect();
-        let walls = in_parallel(&jobs, config.study.threads, |(setting, row)| {
+        rows = in_parallel(&jobs, config.study.threads, |(setting, row)| {
             let is_due = row.status == Status::Ok && row.walls_s.len() <= turn;
-            let wall = is_due.then(|| contest.wall_s(setting)).flatten();
+            let mut row = (*row).clone();
+            if let Some(wall) = is_due.then(|| contest.wall_s(setting)).flatten() {
+                row.take_wall(wall);
+                report(&row, progress);
+            }
             progress(Progress::Done(setting.to_string()));
-            wall
+            row
         });
-        for (row, wall) in rows.iter_mut().zip(walls) {
-            row.take_wall(wall);
-        }
     }
     WorkPrecision { reference: reference.summary.clone(), rows }
+}
+
+/// Reports a row, unless its run has no end.
+fn report(row: &Row, progress: &(dyn Fn(Progress) + Sync)) {
+    if row.status != Status::Interrupted {
+        progress(Progress::Row(Box::new(row.clone())));
+    }
 }
 
 /// All that the runs of a study share.

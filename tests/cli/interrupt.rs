@@ -143,6 +143,39 @@ fn an_interrupted_audit_writes_nothing_and_says_so() {
 }
 
 #[test]
+fn a_killed_study_keeps_its_finished_runs_and_the_same_command_goes_on() {
+    let scratch = Scratch::new();
+    // The last run takes a second or more, the others and the reference a tenth.
+    let sets = [
+        "run.t_end=0.002",
+        "study.methods=[\"rk45\", \"rk4\"]",
+        "study.events=[\"located\"]",
+        "study.rtol=[1e-4, 1e-6]",
+        "study.steps=[1e-5, 1e-12]",
+        "study.repeats=1",
+        "study.max_rhs=15_000_000",
+    ];
+    let args = with_sets(&["study", "--quiet", "--out", "out"], &sets);
+    let run = Running::start(&scratch, &args);
+    // Runs that are over while the file is not yet due again are written with the next.
+    run.until(&scratch.path("out/study.json"), Duration::from_millis(300));
+    run.kill();
+    let mut kept = scratch.json("out/study.json");
+    assert_eq!(kept["finished"], false);
+    let rows = kept["rows"].as_array_mut().unwrap();
+    assert!(!rows.is_empty() && rows.iter().all(|row| row["status"] == "ok"), "{rows:?}");
+    // The mark tells what is not run again.
+    let n_kept = rows.len();
+    rows.iter_mut().for_each(|row| row["n_retaken"] = 12345.into());
+    std::fs::write(scratch.path("out/study.json"), kept.to_string()).unwrap();
+    scratch.succeed(&args);
+    let rows = scratch.table("out/study.csv").rows;
+    assert_eq!(rows.iter().filter(|row| row["n_retaken"] == "12345").count(), n_kept);
+    let statuses: Vec<&str> = rows.iter().map(|row| row["status"].as_str()).collect();
+    assert_eq!(statuses, ["ok", "ok", "ok", "cut"]);
+}
+
+#[test]
 fn two_commands_do_not_write_into_one_directory() {
     let scratch = Scratch::new();
     let long = ["solver.method=rk4", "solver.step=1e-10"];
