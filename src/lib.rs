@@ -39,6 +39,7 @@
 //! |---|---|
 //! | [`config`] | parameters with units and sources, the paper's Table 1 as the default |
 //! | [`model`] | the mechanism as two hybrid systems, each a block, or a chain where there are several bays or bristles; of a slider-crank one; no time, no loop |
+//! | [`warning`] | what a user should know before trusting a result |
 //! | [`run`] | one run by one method at one setting |
 //! | [`energy_balance`] | a recorder: where the energy of a run went |
 //! | [`metrics`] | errors of states, events and contacts; where the work went |
@@ -60,3 +61,4 @@ pub mod reference;
 pub mod report;
 pub mod run;
 pub mod study;
+pub mod warning;

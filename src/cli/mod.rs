@@ -22,6 +22,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use deltazero::config::{Config, ConfigError, Events, MechanismName};
+use deltazero::warning::Warning;
 
 /// Which integrator, at which setting, for this contact?
 ///
@@ -128,6 +129,13 @@ fn print(text: &str) -> Result<(), Failure> {
 /// Says something on standard error; a closed one is no reason to fail.
 fn say(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
+}
+
+/// Says warnings, a line each; `--quiet` leaves them to the files.
+fn warn(warnings: &[Warning], quiet: bool) {
+    for warning in warnings.iter().filter(|_| !quiet) {
+        say(&format!("warning: {}", warning.message));
+    }
 }
 
 /// Says that blind runs among `events` are left out, and why.

@@ -15,12 +15,13 @@ use deltazero::run::{
     Integrable, JointHistory, JointsRun, Limits, Price, Setting, contacts_at_floor, histories,
     integrate, switches,
 };
+use deltazero::warning::Warning;
 use deltazero_solvers::{Error, Grid, Next, Outcome, Stats, Trajectory, WorkByKind};
 use serde_json::{Value, json};
 
 use super::output::{Output, hash};
 use super::progress::{TimeBar, TimeOf};
-use super::{Failure, RunArgs, print, say};
+use super::{Failure, RunArgs, print, say, warn};
 
 #[derive(Args)]
 pub(super) struct SimulateArgs {
@@ -47,6 +48,8 @@ struct Simulated<'a> {
     /// Work by the phase that it was done in.
     work: Vec<(&'static str, Stats)>,
     wall: Duration,
+    /// What to know before trusting it.
+    warnings: Vec<Warning>,
 }
 
 pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure> {
@@ -79,6 +82,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     } else {
         print(&report_lines(&summary, &parts))?;
     }
+    warn(&warnings(&parts), args.run.quiet);
     if !args.run.quiet {
         say(&format!("written to {}: trajectory.csv, events.csv, run.json", output.path()));
     }
@@ -119,7 +123,13 @@ fn simulate<'a, P: Integrable>(
         balance: balance.at(run.mode.clone(), &run.y),
         run: run.by_joint(part),
         work: work.kinds,
+        warnings: Vec::new(),
     }
+}
+
+/// What to know before trusting a run of these parts.
+fn warnings(parts: &[Simulated<'_>]) -> Vec<Warning> {
+    parts.iter().flat_map(|part| part.warnings.iter().cloned()).collect()
 }
 
 /// The time of the integration alone: that of the same run without audit and progress, where it is short
@@ -191,6 +201,7 @@ fn run_json(output: &Output, config: &Config, setting: &Setting, parts: &[Simula
         "energy": balance,
         "reached_90_s": parts.iter().filter_map(reached).collect::<Vec<_>>(),
         "outcome": outcome(parts),
+        "warnings": warnings(parts),
         "error": error,
     })
 }
@@ -234,6 +245,11 @@ fn report_lines(summary: &Value, parts: &[Simulated<'_>]) -> String {
             "{what}: {angle}, {}; energy residual {:.1e} J of {:.1e} J of work\n",
             part.mode, part.balance.residual, part.balance.work
         );
+    }
+    match warnings(parts).len() {
+        0 => {}
+        1 => text += "1 warning, in run.json\n",
+        n => text += &format!("{n} warnings, in run.json\n"),
     }
     text
 }

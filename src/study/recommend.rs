@@ -2,48 +2,15 @@
 
 use std::sync::atomic::AtomicBool;
 
-use serde::{Deserialize, Serialize};
-
 use super::work_precision::{Progress, sample_times};
 use crate::config::{Config, Events};
 use crate::contest::{Arena, CUT, Candidate, Contest, Entry, Failure, FailureKind, Standings};
 use crate::reference::ReferenceError;
+use crate::warning::{Code, Warning};
 
 /// More mode changes of a joint than this a second are named chatter \[1/s\]: Table 1 has 15. Of a slider-crank a
 /// turn counts as that second: the benchmark has 36.
 const CHATTER_RATE: f64 = 500.0;
-
-/// What a user should know before trusting an answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Code {
-    /// The run is longer than it is predictable.
-    Horizon,
-    /// An event that hardly is one: a change of the tolerance changes the sequence.
-    Grazing,
-    /// Very many events.
-    Chatter,
-}
-
-impl Code {
-    /// As the JSON writes it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Horizon => "horizon",
-            Self::Grazing => "grazing",
-            Self::Chatter => "chatter",
-        }
-    }
-}
-
-/// A warning.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Warning {
-    /// What about.
-    pub code: Code,
-    /// With numbers.
-    pub message: String,
-}
 
 /// The answer for one configuration and accuracy.
 #[derive(Clone, Debug, PartialEq)]

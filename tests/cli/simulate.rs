@@ -139,6 +139,8 @@ fn the_summary_agrees_with_the_files() {
     assert_eq!(run["outcome"], "finished");
     assert_eq!(run["reached_90_s"], json!([]));
     assert_eq!(run["error"], Value::Null);
+    assert_eq!(run["warnings"], json!([]));
+    assert!(!ran.stderr.contains("warning"), "{}", ran.stderr);
 }
 
 #[test]

@@ -1,0 +1,35 @@
+//! What a user should know before trusting a result.
+
+use serde::{Deserialize, Serialize};
+
+/// What a warning is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Code {
+    /// The run is longer than it is predictable.
+    Horizon,
+    /// An event that hardly is one: a change of the tolerance changes the sequence.
+    Grazing,
+    /// Very many events.
+    Chatter,
+}
+
+impl Code {
+    /// As the JSON writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Horizon => "horizon",
+            Self::Grazing => "grazing",
+            Self::Chatter => "chatter",
+        }
+    }
+}
+
+/// A warning.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Warning {
+    /// What about.
+    pub code: Code,
+    /// With numbers.
+    pub message: String,
+}
