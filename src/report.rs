@@ -18,6 +18,7 @@ use crate::config::{Config, MechanismName};
 use crate::figures::Drawing;
 use crate::model::Body;
 use crate::run::JointHistory;
+use crate::study::restitution;
 use crate::study::work_precision::{ACCURACIES, WorkPrecision, cheapest};
 
 /// A number as it reads back to the same bits; empty for none.
@@ -110,7 +111,8 @@ pub fn study_markdown(config: &Config, table: &WorkPrecision, drawings: &[Drawin
             .event_time_agreement_s
             .map_or_else(String::new, |t| format!(" and {t:.1e} s in event times")),
     );
-    for limit in reference.limits() {
+    let warnings = restitution::warnings(config).into_iter().map(|warning| warning.message);
+    for limit in reference.limits().into_iter().chain(warnings) {
         let _ = writeln!(text, "\n- {limit}");
     }
     for drawing in drawings {

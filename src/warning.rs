@@ -12,6 +12,8 @@ pub enum Code {
     Grazing,
     /// Very many events.
     Chatter,
+    /// A contact law that delivers another restitution than it is asked for.
+    Restitution,
 }
 
 impl Code {
@@ -21,6 +23,7 @@ impl Code {
             Self::Horizon => "horizon",
             Self::Grazing => "grazing",
             Self::Chatter => "chatter",
+            Self::Restitution => "restitution",
         }
     }
 }

@@ -15,6 +15,7 @@ use deltazero::run::{
     Integrable, JointHistory, JointsRun, Limits, Price, Setting, contacts_at_floor, histories,
     integrate, switches,
 };
+use deltazero::study::restitution;
 use deltazero::warning::Warning;
 use deltazero_solvers::{Error, Grid, Next, Outcome, Stats, Trajectory, WorkByKind};
 use serde_json::{Value, json};
@@ -82,7 +83,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     } else {
         print(&report_lines(&summary, &parts))?;
     }
-    warn(&warnings(&parts), args.run.quiet);
+    warn(&warnings(&config, &parts), args.run.quiet);
     if !args.run.quiet {
         say(&format!("written to {}: trajectory.csv, events.csv, run.json", output.path()));
     }
@@ -128,8 +129,9 @@ fn simulate<'a, P: Integrable>(
 }
 
 /// What to know before trusting a run of these parts.
-fn warnings(parts: &[Simulated<'_>]) -> Vec<Warning> {
-    parts.iter().flat_map(|part| part.warnings.iter().cloned()).collect()
+fn warnings(config: &Config, parts: &[Simulated<'_>]) -> Vec<Warning> {
+    let of_parts = parts.iter().flat_map(|part| part.warnings.iter().cloned());
+    restitution::warnings(config).into_iter().chain(of_parts).collect()
 }
 
 /// The time of the integration alone: that of the same run without audit and progress, where it is short
@@ -201,7 +203,7 @@ fn run_json(output: &Output, config: &Config, setting: &Setting, parts: &[Simula
         "energy": balance,
         "reached_90_s": parts.iter().filter_map(reached).collect::<Vec<_>>(),
         "outcome": outcome(parts),
-        "warnings": warnings(parts),
+        "warnings": warnings(config, parts),
         "error": error,
     })
 }
@@ -246,7 +248,7 @@ fn report_lines(summary: &Value, parts: &[Simulated<'_>]) -> String {
             part.mode, part.balance.residual, part.balance.work
         );
     }
-    match warnings(parts).len() {
+    match summary["warnings"].as_array().map_or(0, Vec::len) {
         0 => {}
         1 => text += "1 warning, in run.json\n",
         n => text += &format!("{n} warnings, in run.json\n"),

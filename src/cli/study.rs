@@ -13,6 +13,7 @@ use deltazero::run::Limits;
 use deltazero::study::machine::Machine;
 use deltazero::study::motion::motion;
 use deltazero::study::record::StudyRecord;
+use deltazero::study::restitution;
 use deltazero::study::step_tables::StepTables;
 use deltazero::study::work_precision::{Progress, Row, Status, WorkPrecision, against};
 use humantime::format_rfc3339_seconds;
@@ -22,7 +23,7 @@ use super::kept::Kept;
 use super::output::{Output, hash, is_current};
 use super::progress::Bar;
 use super::reference::reference;
-use super::{Failure, RunArgs, note_left_out, print, say};
+use super::{Failure, RunArgs, note_left_out, print, say, warn};
 
 /// What an interrupted study leaves.
 const RESUMED: &str = "what was finished is on disk, the same command goes on from there";
@@ -57,6 +58,7 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         config.study.threads = usize::from(threads);
     }
     note_left_out(&config, &config.study.events, args.run.quiet);
+    warn(&restitution::warnings(&config), args.run.quiet);
     let bar = Bar::new(args.run.quiet);
     let known = unfinished_rows(&output);
     let reference = match reference(&output, &config, stop, args.run.quiet) {

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use super::restitution;
 use super::work_precision::{Progress, sample_times};
 use crate::config::{Config, Events};
 use crate::contest::{Arena, CUT, Candidate, Contest, Entry, Failure, FailureKind, Standings};
@@ -48,14 +49,14 @@ pub fn recommend(
     progress: &dyn Fn(Progress),
 ) -> Recommendation {
     let t_end = config.run.t_end;
+    let mut warnings = restitution::warnings(config);
     let arena = match Arena::new(config, sample_times(config), stop) {
         Ok(arena) => arena,
         Err(error) => {
-            let warnings = storm(&error).into_iter().collect();
+            warnings.extend(storm(&error));
             return Recommendation::none(accuracy, t_end, error.to_string(), warnings);
         }
     };
-    let mut warnings = Vec::new();
     if let Some(horizon) = arena.horizon {
         let message = format!(
             "the last bit of the start is seen at {horizon} s, the run is {t_end} s long: beyond that no \

@@ -105,6 +105,16 @@ fn a_run_beyond_its_horizon_is_warned_about() {
 }
 
 #[test]
+fn a_law_that_delivers_another_restitution_is_warned_about() {
+    let scratch = Scratch::new();
+    let law = ["contact.law=lankarani_nikravesh", "contact.restitution=0.6", "run.t_end=0.02"];
+    let contest = ["contest.methods=[\"rk45\"]", "contest.repeats=1"];
+    let answer = recommend(&scratch, "1e-3", &[&law[..], &contest].concat());
+    let codes: Vec<_> = answer["warnings"].as_array().unwrap().iter().map(|w| &w["code"]).collect();
+    assert_eq!(codes, ["restitution"], "{answer}");
+}
+
+#[test]
 fn chatter_is_warned_about() {
     let scratch = Scratch::new();
     // A pin that has no room: 650 mode changes a second of each joint.

@@ -144,6 +144,24 @@ fn the_summary_agrees_with_the_files() {
 }
 
 #[test]
+fn a_law_that_delivers_another_restitution_is_warned_about() {
+    let scratch = Scratch::new();
+    let args = ["simulate", "--out", "out", "--set", "run.t_end=0.01"];
+    let law = ["--set", "contact.law=lankarani_nikravesh", "--set", "contact.restitution=0.6"];
+    let ran = scratch.succeed(&[&args[..], &law].concat());
+    let run = scratch.json("out/run.json");
+    let [warning] = run["warnings"].as_array().unwrap().as_slice() else { panic!("{run}") };
+    assert_eq!(warning["code"], "restitution");
+    let message = warning["message"].as_str().unwrap();
+    assert!(message.contains("0.6 and delivers 0.756; exact_restitution"), "{message}");
+    assert!(ran.stderr.contains(&format!("warning: {message}\n")), "{}", ran.stderr);
+    assert!(ran.stdout.contains("1 warning, in run.json\n"), "{}", ran.stdout);
+    let quiet = scratch.succeed(&[&args[..], &law, &["--quiet"]].concat());
+    assert_eq!(quiet.stderr, "");
+    assert_eq!(scratch.json("out/run.json")["warnings"], run["warnings"]);
+}
+
+#[test]
 fn work_by_phase_adds_up_to_the_counts() {
     for method in ["rk45", "rodas5p", "radau5", "bdf"] {
         let scratch = Scratch::new();

@@ -9,6 +9,7 @@ use crate::reference::{HORIZON_ERROR, ReferenceSummary};
 use crate::report::{ANSWER, answer_rows};
 use crate::study::columns::{COLUMNS, Column, Value};
 use crate::study::record::StudyRecord;
+use crate::study::restitution;
 use crate::study::work_precision::{Row, Status};
 
 /// The page of a study with its figures.
@@ -21,7 +22,7 @@ pub fn page(study: &StudyRecord, pictures: Vec<Picture>) -> Page {
                reference: which one reaches an error at the least cost?"
             .into(),
         sections: vec![
-            section("Contact", vec![Part::Facts(contact(&study.config))]),
+            section("Contact", contact_told(&study.config)),
             section("Answer", answer(study)),
             section("Figures", pictures.into_iter().map(Part::Figure).collect()),
             section("All runs", runs(&study.table.rows)),
@@ -39,6 +40,12 @@ fn section(title: &str, parts: Vec<Part>) -> Section {
 
 fn fact(name: &str, what: impl Into<String>) -> (String, String) {
     (name.into(), what.into())
+}
+
+/// The contact, and what to know of it.
+fn contact_told(config: &Config) -> Vec<Part> {
+    let warnings = restitution::warnings(config).into_iter().map(|w| Part::Text(w.message));
+    std::iter::once(Part::Facts(contact(config))).chain(warnings).collect()
 }
 
 fn contact(config: &Config) -> Vec<(String, String)> {
