@@ -7,6 +7,8 @@ use std::time::Duration;
 use clap::Args;
 use deltazero::config::Config;
 use deltazero::energy_balance::{Balance, EnergyBalance};
+use deltazero::metrics::contact_summary::ContactSummary;
+use deltazero::metrics::contacts::{Contact, Contacts};
 use deltazero::metrics::work::WorkByPhase;
 use deltazero::model::{Mechanism, Part, State};
 use deltazero::reference::counted;
@@ -36,6 +38,8 @@ const REPLAY: Duration = Duration::from_secs(5);
 /// One part of a simulation.
 struct Simulated<'a> {
     joints: Vec<JointHistory<'a>>,
+    /// The contacts of each joint.
+    contacts: Vec<Vec<Contact>>,
     /// Contacts that began at the floor of the impact speed or below it.
     n_at_floor: usize,
     run: JointsRun,
@@ -106,9 +110,10 @@ fn simulate<'a, P: Integrable>(
     let trajectory = || Trajectory::on(Grid::uniform(config.run.sample, t_end));
     let watch = Limits::none(stop).watch(Price::of_setting(setting));
     let work = WorkByKind::new(|mode: P::Mode| P::foremost(&mode).phase());
-    let mut record = ((trajectory(), balance), ((time, watch), work));
+    let contacts = Contacts::new(part, setting.events);
+    let mut record = ((trajectory(), balance), ((time, watch), (work, contacts)));
     let run = integrate(part, setting, y0.clone(), t_end, &mut record);
-    let ((kept, balance), (_, work)) = record;
+    let ((kept, balance), (_, (work, contacts))) = record;
     let alone = || integrate(part, setting, y0, t_end, &mut trajectory()).wall;
     let events = switches(part, &kept.events);
     let last = kept.events.last().filter(|event| event.after == Next::Stop);
@@ -116,6 +121,7 @@ fn simulate<'a, P: Integrable>(
         run.reached_90().map(|_| last.map_or(1, |event| P::joint_of_guard(event.guard) + 1));
     Simulated {
         joints: histories(part, &kept, part.n_joints()),
+        contacts: contacts.lists(),
         n_at_floor: events.iter().map(|own| contacts_at_floor(part.block(), own)).sum(),
         wall: wall(&run.outcome, run.wall, alone),
         mode: format!("{:?}", run.mode),
@@ -201,11 +207,41 @@ fn run_json(output: &Output, config: &Config, setting: &Setting, parts: &[Simula
         "counts": counts,
         "work_by_phase": WorkByPhase::new(&work),
         "energy": balance,
+        "contacts": parts.iter().flat_map(contact_rows).collect::<Vec<_>>(),
         "reached_90_s": parts.iter().filter_map(reached).collect::<Vec<_>>(),
         "outcome": outcome(parts),
         "warnings": warnings(config, parts),
         "error": error,
     })
+}
+
+/// The contacts of each joint of a part, in short.
+fn contact_rows<'a>(part: &'a Simulated<'_>) -> impl Iterator<Item = Value> + use<'a> {
+    part.joints.iter().zip(&part.contacts).map(|(joint, contacts)| {
+        let mut row = json!(ContactSummary::of(contacts.iter()));
+        row["bay"] = joint.bay.into();
+        row["joint"] = part.run.joint.into();
+        row
+    })
+}
+
+/// The contacts of a part in a line; none where there are none.
+fn contact_line(part: &Simulated<'_>) -> Option<String> {
+    let own = ContactSummary::of(part.contacts.iter().flatten());
+    let (force, at) = own.peak_force_n.zip(own.peak_force_at_s)?;
+    let speeds = own.smallest_impact_speed_m_s.zip(own.largest_impact_speed_m_s);
+    let speeds = speeds.map_or_else(String::new, |(least, most)| {
+        format!(", impacts at {least:.3e} to {most:.3e} m/s")
+    });
+    Some(format!(
+        "  {} contact{}: peak force {force:.4e} N at {at:.6} s, deepest {:.3e} m{speeds}, impulse {:.4e} N s, \
+         longest {:.3e} s\n",
+        own.n,
+        if own.n == 1 { "" } else { "s" },
+        own.deepest_m?,
+        own.impulse_n_s,
+        own.longest_s?
+    ))
 }
 
 /// The message of a failed run: where, in which mode, what to try.
@@ -247,6 +283,7 @@ fn report_lines(summary: &Value, parts: &[Simulated<'_>]) -> String {
             "{what}: {angle}, {}; energy residual {:.1e} J of {:.1e} J of work\n",
             part.mode, part.balance.residual, part.balance.work
         );
+        text += &contact_line(part).unwrap_or_default();
     }
     match summary["warnings"].as_array().map_or(0, Vec::len) {
         0 => {}

@@ -1,4 +1,4 @@
-//! Contacts, from the event that begins one to the event that ends it: impulse and peak force.
+//! Contacts, from the event that begins one to the event that ends it: impulse, peak force, depth, impact speed.
 
 use std::ops::ControlFlow;
 
@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{ErrorScale, worse};
 use crate::config::Events;
+use crate::model::contact::PinPose;
 use crate::model::{Block, Jointed, Mode, State};
 use crate::quadrature::GAUSS;
 
@@ -28,6 +29,40 @@ pub struct Contact {
     pub impulse: f64,
     /// Largest F_N [N].
     pub peak: f64,
+    /// When it was [s].
+    #[serde(default)]
+    pub peak_at: f64,
+    /// Largest penetration δ [m].
+    #[serde(default)]
+    pub depth: f64,
+    /// δ̇ where it began [m/s]; none where the run starts in it, or on the surface that it leaves.
+    #[serde(default)]
+    pub impact_speed: Option<f64>,
+}
+
+impl Contact {
+    /// One that begins at `t`, and what was felt before that belongs to it.
+    fn begun(t: f64, impact_speed: Option<f64>, before: Felt) -> Self {
+        let Felt { impulse, peak: (peak_at, peak), depth } = before;
+        let peak_at = if peak > 0.0 { peak_at } else { t };
+        Self { begin: t, end: t, impulse, peak, peak_at, depth, impact_speed }
+    }
+
+    /// What was felt in it so far.
+    fn felt(&self) -> Felt {
+        Felt { impulse: self.impulse, peak: (self.peak_at, self.peak), depth: self.depth }
+    }
+}
+
+/// What a joint feels in a step, or in a contact.
+#[derive(Clone, Copy, Debug, Default)]
+struct Felt {
+    /// `∫ F_N dt` [N s].
+    impulse: f64,
+    /// When F_N is largest [s], and how large [N].
+    peak: (f64, f64),
+    /// Largest δ, or zero [m].
+    depth: f64,
 }
 
 /// A recorder of the contacts of each joint of a part: quadrature and peaks of F_N on the dense output of its
@@ -50,8 +85,8 @@ struct JointContacts {
     /// The last one may not have ended.
     list: Vec<Contact>,
     is_in_contact: bool,
-    /// Impulse [N s] and peak [N] of the last step outside.
-    outside: (f64, f64),
+    /// What was felt in the last step outside.
+    outside: Felt,
 }
 
 impl<'a, P: Jointed> Contacts<'a, P> {
@@ -114,41 +149,49 @@ impl<'a, P: Jointed> Contacts<'a, P> {
         self.force(P::joint_mode(mode, k), &along).eps
     }
 
-    /// Impulse of joint `k` over a step begun in `mode` [N s], and its peak [N], which is looked for where it
-    /// may be above `highest`.
+    /// What joint `k` feels over a step begun in `mode`; its extremes are looked for between the points where they
+    /// may be above those of `before`.
     fn of_step(
         &self,
         mode: &P::Mode,
         step: &dyn Step<P::State<f64>>,
         points: &mut Points<P>,
-        (k, highest): (usize, f64),
-    ) -> (f64, f64) {
+        (k, before): (usize, Felt),
+    ) -> Felt {
         let h = step.t1() - step.t0();
-        let forces: [(f64, f64); N_POINTS] = std::array::from_fn(|i| {
+        let forces: Values = std::array::from_fn(|i| {
             let Point { t, mode, y, .. } = &points[i];
             (*t, self.force(P::joint_mode(mode, k), &self.part.joint_state(y, k)))
         });
         let nodes = forces[1..].iter().zip(GAUSS);
         let impulse = h * nodes.map(|((_, force), (_, weight))| weight * force).sum::<f64>();
-        let top = (1..N_POINTS).fold(0, |top, i| if forces[i].1 > forces[top].1 { i } else { top });
-        let [a, b] = [top.saturating_sub(1), (top + 1).min(N_POINTS - 1)];
-        let peak = forces[top].1;
-        // No smooth force rises above three points by more than they differ.
-        if 2.0 * peak - forces[a].1.min(forces[b].1) <= highest {
-            return (impulse, peak);
-        }
+        let poses: [PinPose<f64>; N_POINTS] = std::array::from_fn(|i| {
+            self.part.block().pose(&self.part.joint_state(&points[i].y, k))
+        });
+        let depths: Values = std::array::from_fn(|i| (points[i].t, poses[i].delta));
+        let pose_at = |t: f64| {
+            let (_, y) = self.inside(mode, step, t);
+            self.part.block().pose(&self.part.joint_state(&y, k))
+        };
+        let (_, depth) = largest(
+            &depths,
+            before.depth,
+            PRECISION * h,
+            |i| poses[i].delta_dot,
+            |t| {
+                let pose = pose_at(t);
+                (pose.delta, pose.delta_dot)
+            },
+        );
         // One slope for all joints.
-        let mut rate = |i: usize| {
+        let rate = |i: usize| {
             let Point { t, mode, y, slope } = &mut points[i];
             let slope = slope.get_or_insert_with(|| self.slope(mode, *t, y));
             self.rate(mode, y, slope, k)
         };
-        if rate(a) > 0.0 && rate(b) < 0.0 {
-            let bracket = Bracket { above: forces[a].0, below: forces[b].0 };
-            let t = find_root(|t| self.rate_at(mode, step, t, k), bracket, PRECISION * h);
-            return (impulse, peak.max(self.force_at(mode, step, t, k)));
-        }
-        (impulse, peak)
+        let inside = |t: f64| (self.force_at(mode, step, t, k), self.rate_at(mode, step, t, k));
+        let peak = largest(&forces, before.peak.1, PRECISION * h, rate, inside);
+        Felt { impulse, peak, depth: depth.max(0.0) }
     }
 
     /// The part at the points of a step.
@@ -164,6 +207,32 @@ impl<'a, P: Jointed> Contacts<'a, P> {
             Point { t, mode, y, slope: None }
         })
     }
+}
+
+/// Times of the points of a step, and a quantity there.
+type Values = [(f64, f64); N_POINTS];
+
+/// When a smooth quantity is largest in a step, to `precision` [s], and how large: at one of the points that it
+/// has these `values` at, or, where it may be above `highest`, beside it, where its rate is zero. `rate` is that
+/// rate at a point, `inside` quantity and rate at a time.
+fn largest(
+    values: &Values,
+    highest: f64,
+    precision: f64,
+    mut rate: impl FnMut(usize) -> f64,
+    inside: impl Fn(f64) -> (f64, f64),
+) -> (f64, f64) {
+    let top = (1..N_POINTS).fold(0, |top, i| if values[i].1 > values[top].1 { i } else { top });
+    let [a, b] = [top.saturating_sub(1), (top + 1).min(N_POINTS - 1)];
+    let found = values[top];
+    // No smooth quantity rises above three points by more than they differ.
+    if 2.0 * found.1 - values[a].1.min(values[b].1) > highest && rate(a) > 0.0 && rate(b) < 0.0 {
+        let bracket = Bracket { above: values[a].0, below: values[b].0 };
+        let t = find_root(|t| inside(t).1, bracket, precision);
+        let between = inside(t).0;
+        return if between > found.1 { (t, between) } else { found };
+    }
+    found
 }
 
 /// A part at one point of a step.
@@ -189,22 +258,25 @@ impl<P: Jointed> Record<P> for Contacts<'_, P> {
         for k in 0..self.joints.len() {
             if is_outside(k) {
                 if !is_located {
-                    self.joints[k].outside = self.of_step(mode, step, &mut points, (k, 0.0));
+                    let before = Felt::default();
+                    self.joints[k].outside = self.of_step(mode, step, &mut points, (k, before));
                 }
                 continue;
             }
             let joint = &mut self.joints[k];
             if !std::mem::replace(&mut joint.is_in_contact, true) {
                 // A run that starts in contact.
-                let begin = step.t0();
-                joint.list.push(Contact { begin, end: begin, impulse: 0.0, peak: 0.0 });
+                joint.list.push(Contact::begun(step.t0(), None, Felt::default()));
             }
-            let highest = joint.list.last().map_or(0.0, |contact| contact.peak);
-            let (impulse, peak) = self.of_step(mode, step, &mut points, (k, highest));
+            let before = joint.list.last().map_or(Felt::default(), Contact::felt);
+            let felt = self.of_step(mode, step, &mut points, (k, before));
             if let Some(contact) = self.joints[k].list.last_mut() {
                 contact.end = step.t1();
-                contact.impulse += impulse;
-                contact.peak = contact.peak.max(peak);
+                contact.impulse += felt.impulse;
+                contact.depth = contact.depth.max(felt.depth);
+                if felt.peak.1 > contact.peak {
+                    (contact.peak_at, contact.peak) = felt.peak;
+                }
             }
         }
         ControlFlow::Continue(())
@@ -216,8 +288,11 @@ impl<P: Jointed> Record<P> for Contacts<'_, P> {
             let is_in_contact = P::joint_mode(after, k).is_contact();
             let was_in_contact = std::mem::replace(&mut joint.is_in_contact, is_in_contact);
             if is_in_contact && !was_in_contact {
-                let (impulse, peak) = std::mem::take(&mut joint.outside);
-                joint.list.push(Contact { begin: event.t, end: event.t, impulse, peak });
+                let pose = self.part.block().pose(&self.part.joint_state(event.y, k));
+                let is_start = joint.list.is_empty() && self.part.block().starts_on_surface();
+                let speed = (!is_start).then_some(pose.delta_dot);
+                let before = std::mem::take(&mut joint.outside);
+                joint.list.push(Contact::begun(event.t, speed, before));
             }
         }
         ControlFlow::Continue(())
@@ -326,6 +401,27 @@ mod tests {
     }
 
     #[test]
+    fn depth_impact_speed_and_time_of_the_peak_are_those_of_half_a_sine() {
+        for method in ["rk45", "taylor"] {
+            let (block, contacts) =
+                half_sines(method, Events::Located, Accuracy::Rtol(1e-12, None));
+            let Body::Struts(inertia) = &block.body else { panic!("joint 1 holds struts") };
+            let depth = V * (inertia.m_y / block.normal.elastic.slope(0.0)).sqrt();
+            // The first one, on whose surface the run starts, is no impact.
+            let speeds: Vec<_> =
+                contacts.iter().filter_map(|contact| contact.impact_speed).collect();
+            assert_eq!(speeds.len(), contacts.len() - 1);
+            // Measured: 2e-11 at most, and the time of a flat top to 1e-9 of its contact.
+            assert!(speeds.iter().all(|speed| (speed / V - 1.0).abs() < 2e-10), "{speeds:?}");
+            for Contact { begin, end, peak_at, depth: own, .. } in contacts {
+                assert!((own / depth - 1.0).abs() < 2e-10, "{method}: {own:e} for {depth:e}");
+                let off = (peak_at - begin) / (end - begin) - 0.5;
+                assert!(off.abs() < 1e-8, "{method}: {off:e}");
+            }
+        }
+    }
+
+    #[test]
     fn a_blind_run_has_its_contacts_from_the_state() {
         let half_sines = half_sines("rk4", Events::Blind, Accuracy::Step(1e-6));
         assert_eq!(half_sines.1.len(), 3);
@@ -337,8 +433,10 @@ mod tests {
 
     #[test]
     fn contacts_pair_where_both_ends_do() {
-        let contact =
-            |begin: f64, impulse| Contact { begin, end: begin + 0.01, impulse, peak: 2.0 };
+        let contact = |begin: f64, impulse| {
+            let felt = Felt { impulse, peak: (begin, 2.0), depth: 0.0 };
+            Contact { end: begin + 0.01, ..Contact::begun(begin, None, felt) }
+        };
         let reference = [contact(0.0, 1.0), contact(0.1, 4.0), contact(0.2, 1.0)];
         let run = [contact(0.0, 1.1), contact(0.15, 9.0), contact(0.2, 1.2)];
         let scale = ErrorScale { clearance: 1e-4, theta: 1.0, event_window: 1e-3 };

@@ -1,5 +1,6 @@
 //! How far a run is from the reference, in states, events and contacts; and where its work went.
 
+pub mod contact_summary;
 pub mod contacts;
 pub mod dense;
 pub mod work;

@@ -1,5 +1,7 @@
 //! `simulate`: what its files say, and that they agree with each other.
 
+use std::collections::BTreeMap;
+
 use serde_json::{Value, json};
 
 use crate::{Scratch, Table, number};
@@ -159,6 +161,37 @@ fn a_law_that_delivers_another_restitution_is_warned_about() {
     let quiet = scratch.succeed(&[&args[..], &law, &["--quiet"]].concat());
     assert_eq!(quiet.stderr, "");
     assert_eq!(scratch.json("out/run.json")["warnings"], run["warnings"]);
+}
+
+#[test]
+fn contacts_in_the_summary_agree_with_the_files() {
+    let scratch = Scratch::new();
+    let ran = scratch.simulate("out", &[SHORT, "run.sample=0", "solver.rtol=1e-10"]);
+    let (run, trajectory) = (scratch.json("out/run.json"), scratch.table("out/trajectory.csv"));
+    let events = scratch.table("out/events.csv");
+    let rows = run["contacts"].as_array().unwrap();
+    assert_eq!(rows.len(), 2);
+    for (row, joint) in rows.iter().zip([1, 2]) {
+        assert_eq!((&row["bay"], &row["joint"]), (&json!(1), &json!(joint)));
+        let own = |name: &str| row[name].as_f64().unwrap();
+        let begins = events.of_joint(joint).iter().filter(|row| row["mode_before"] == "0").count();
+        assert_eq!(row["n"], begins, "{row}");
+        let samples = trajectory.of_joint(joint);
+        let largest = |of: &dyn Fn(&BTreeMap<String, String>) -> f64| {
+            samples.iter().map(|row| of(row)).fold(0.0, f64::max)
+        };
+        let force = largest(&|row| number(row, "f_n_n"));
+        let depth = largest(&|row| number(row, "d1_m").hypot(number(row, "d2_m")) - 1e-4);
+        // The extremes lie between the ends of steps.
+        for (own, sampled) in [(own("peak_force_n"), force), (own("deepest_m"), depth)] {
+            assert!(own >= sampled * (1.0 - 1e-9) && own < 1.05 * sampled, "{own:e}, {sampled:e}");
+        }
+        let (at, t_end) = (own("peak_force_at_s"), 0.15);
+        assert!(at > 0.0 && at < t_end && own("longest_s") < t_end && own("impulse_n_s") > 0.0);
+        let [least, most] = ["smallest", "largest"].map(|x| own(&format!("{x}_impact_speed_m_s")));
+        assert!(least > 1e-7 && least <= most && most < 1e-3, "{row}");
+    }
+    assert!(ran.stdout.contains("  2 contacts: peak force "), "{}", ran.stdout);
 }
 
 #[test]
