@@ -79,6 +79,11 @@ impl TimeBar {
         TimeOf { bar: self, joint, parts, t_end, steps: 0 }
     }
 
+    /// Says what is done after the runs, where they took long.
+    pub(super) fn say(&self, what: &'static str) {
+        self.show(1.0, what.to_owned());
+    }
+
     fn show(&self, part: f64, message: String) {
         if self.quiet || self.bar.elapsed() < PATIENCE {
             return;

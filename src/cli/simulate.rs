@@ -1,11 +1,12 @@
 //! `deltazero simulate`.
 
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use clap::Args;
 use deltazero::config::Config;
+use deltazero::contest::work;
 use deltazero::energy_balance::{Balance, EnergyBalance};
 use deltazero::metrics::contact_summary::ContactSummary;
 use deltazero::metrics::contacts::{Contact, Contacts};
@@ -17,8 +18,9 @@ use deltazero::run::{
     Integrable, JointHistory, JointsRun, Limits, Price, Setting, contacts_at_floor, histories,
     integrate, switches,
 };
+use deltazero::study::horizon::{Horizon, Span, horizon};
 use deltazero::study::restitution;
-use deltazero::warning::Warning;
+use deltazero::warning::{Code, Warning};
 use deltazero_solvers::{Error, Grid, Next, Outcome, Stats, Trajectory, WorkByKind};
 use serde_json::{Value, json};
 
@@ -30,6 +32,9 @@ use super::{Failure, RunArgs, print, say, warn};
 pub(super) struct SimulateArgs {
     #[command(flatten)]
     run: RunArgs,
+    /// Do not measure how far the motion is predictable, which takes two tight runs more
+    #[arg(long)]
+    no_horizon: bool,
 }
 
 /// A run beyond this is not repeated for its time: audit and progress are then part of it.
@@ -75,8 +80,15 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
         }
     });
     let parts: Vec<_> = parts.collect();
+    let horizon = (!args.no_horizon).then(|| {
+        bar.say("horizon");
+        horizon(&mechanism, &spans(&config, &setting, &parts), stop)
+    });
     drop(bar);
-    let summary = run_json(&output, &config, &setting, &parts);
+    let warnings = warnings(&config, &parts, horizon);
+    let mut summary = run_json(&output, &config, &setting, &parts);
+    summary["warnings"] = json!(warnings);
+    summary["horizon_s"] = horizon_json(horizon);
     let joints: Vec<_> = parts.iter().flat_map(|part| &part.joints).collect();
     output.write("trajectory.csv", report::trajectory_csv(&joints).as_bytes())?;
     output.write("events.csv", report::events_csv(&joints).as_bytes())?;
@@ -85,15 +97,18 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     if args.run.json {
         print(&format!("{summary:#}\n"))?;
     } else {
-        print(&report_lines(&summary, &parts))?;
+        print(&report_lines(&summary, &parts, horizon))?;
     }
-    warn(&warnings(&config, &parts), args.run.quiet);
+    warn(&warnings, args.run.quiet);
     if !args.run.quiet {
         say(&format!("written to {}: trajectory.csv, events.csv, run.json", output.path()));
     }
     match outcome(&parts) {
         "failed" => Err(Failure::Run(failure(&summary))),
         "interrupted" => Err(Failure::Interrupted("what was computed until then is written")),
+        _ if stop.load(Ordering::Relaxed) => Err(Failure::Interrupted(
+            "the run is written, how far it is predictable is not measured",
+        )),
         _ => Ok(()),
     }
 }
@@ -135,9 +150,49 @@ fn simulate<'a, P: Integrable>(
 }
 
 /// What to know before trusting a run of these parts.
-fn warnings(config: &Config, parts: &[Simulated<'_>]) -> Vec<Warning> {
-    let of_parts = parts.iter().flat_map(|part| part.warnings.iter().cloned());
-    restitution::warnings(config).into_iter().chain(of_parts).collect()
+fn warnings(config: &Config, parts: &[Simulated<'_>], horizon: Option<Horizon>) -> Vec<Warning> {
+    let mut all = restitution::warnings(config);
+    if let Some(Horizon::LostAt(t)) = horizon {
+        let end = parts.iter().map(|part| part.run.t).fold(0.0, f64::max);
+        let message = format!(
+            "the last bit of the start is seen at {t} s, the run is {end} s long: beyond that its course is one \
+             of many, and only what they have in common means anything"
+        );
+        all.push(Warning { code: Code::Horizon, message });
+    }
+    all.extend(parts.iter().flat_map(|part| part.warnings.iter().cloned()));
+    all
+}
+
+/// What was run, and at which cost; of what failed or was broken off, that until then.
+fn spans(config: &Config, setting: &Setting, parts: &[Simulated<'_>]) -> Vec<Span> {
+    let span = |part: &Simulated<'_>| Span {
+        t_end: config.run.t_end,
+        reached: part.run.t,
+        work: work(setting.method, setting.rtol(), &part.run.stats.work),
+    };
+    parts.iter().map(span).collect()
+}
+
+/// A time [s], null for a run that is predictable to its end, `"not_measured"`.
+fn horizon_json(horizon: Option<Horizon>) -> Value {
+    match horizon {
+        Some(Horizon::LostAt(t)) => t.into(),
+        Some(Horizon::WholeRun) => Value::Null,
+        Some(Horizon::NotMeasured) | None => "not_measured".into(),
+    }
+}
+
+fn horizon_line(horizon: Option<Horizon>) -> String {
+    match horizon {
+        Some(Horizon::LostAt(t)) => format!("predictable up to {t} s\n"),
+        Some(Horizon::WholeRun) => "predictable to its end\n".to_owned(),
+        Some(Horizon::NotMeasured) => {
+            "horizon not measured: no tight run came to the end at a few times the work\n"
+                .to_owned()
+        }
+        None => String::new(),
+    }
 }
 
 /// The time of the integration alone: that of the same run without audit and progress, where it is short
@@ -210,7 +265,6 @@ fn run_json(output: &Output, config: &Config, setting: &Setting, parts: &[Simula
         "contacts": parts.iter().flat_map(contact_rows).collect::<Vec<_>>(),
         "reached_90_s": parts.iter().filter_map(reached).collect::<Vec<_>>(),
         "outcome": outcome(parts),
-        "warnings": warnings(config, parts),
         "error": error,
     })
 }
@@ -251,7 +305,7 @@ fn failure(summary: &Value) -> String {
     format!("joint {}: {message}; what was computed until then is written", error["joint"])
 }
 
-fn report_lines(summary: &Value, parts: &[Simulated<'_>]) -> String {
+fn report_lines(summary: &Value, parts: &[Simulated<'_>], horizon: Option<Horizon>) -> String {
     let counts = &summary["counts"];
     let mut text = format!(
         "{}: {} events, {} right-hand sides, {} steps ({} rejected, {} retaken), {:.2} ms\n",
@@ -285,6 +339,7 @@ fn report_lines(summary: &Value, parts: &[Simulated<'_>]) -> String {
         );
         text += &contact_line(part).unwrap_or_default();
     }
+    text += &horizon_line(horizon);
     match summary["warnings"].as_array().map_or(0, Vec::len) {
         0 => {}
         1 => text += "1 warning, in run.json\n",

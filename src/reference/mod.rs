@@ -15,6 +15,7 @@ use crate::metrics::{ErrorScale, EventMatch, match_events, sample_error, worse};
 use crate::model::{Block, Mechanism, Part, State};
 use crate::run::{BlockTrajectory, Limits, ModeChange, mode_changes};
 
+pub(crate) use solve::settings;
 pub use solve::{HORIZON_ERROR, RECIPE};
 use solve::{JointPath, Path, Solved, solve, solve_extended};
 

@@ -42,6 +42,14 @@ const PAIRS: [Pair; 4] = [
     [("vern98", 1e-13), ("dop853", 1e-14)],
 ];
 
+/// The settings of a reference in f64, in the order in which they are tried.
+pub(crate) fn settings() -> impl Iterator<Item = Setting> {
+    PAIRS.into_iter().filter_map(|[(name, rtol), _]| {
+        let (method, accuracy) = (Method::named(name)?, Accuracy::Rtol(rtol, None));
+        Some(Setting { method, events: Events::Located, accuracy })
+    })
+}
+
 /// Relative tolerances in extended precision, where a run on Table 1 changes by 3e-16 of the clearance.
 const EXTENDED_RTOL: [f64; 2] = [1e-18, 1e-20];
 

@@ -5,6 +5,7 @@ pub mod claims;
 pub mod columns;
 pub mod course;
 pub mod friction;
+pub mod horizon;
 pub mod ideal;
 pub mod machine;
 pub mod measured;

@@ -195,6 +195,41 @@ fn contacts_in_the_summary_agree_with_the_files() {
 }
 
 #[test]
+fn a_run_beyond_its_horizon_says_from_when_on() {
+    let scratch = Scratch::new();
+    let ran = scratch.simulate("out", &["contact.damping=0"]);
+    let run = scratch.json("out/run.json");
+    let t = run["horizon_s"].as_f64().unwrap();
+    assert!(t > 0.1 && t < 2.0, "{t}");
+    assert_eq!(run["warnings"][0]["code"], "horizon");
+    assert!(ran.stderr.contains(&format!("warning: the last bit of the start is seen at {t} s")));
+    assert!(ran.stdout.contains(&format!("predictable up to {t} s\n")), "{}", ran.stdout);
+}
+
+#[test]
+fn no_loose_run_of_a_predictable_motion_is_told_a_horizon() {
+    let scratch = Scratch::new();
+    for (method, accuracy) in [("rk4", "step=5e-4"), ("rk45", "rtol=1e-3"), ("radau5", "rtol=1e-5")]
+    {
+        let sets = [format!("solver.method={method}"), format!("solver.{accuracy}")];
+        let ran = scratch.simulate(method, &[&sets[0], &sets[1]]);
+        let run = scratch.json(&format!("{method}/run.json"));
+        assert_eq!((&run["horizon_s"], &run["warnings"]), (&Value::Null, &json!([])), "{method}");
+        assert!(
+            ran.stdout.contains(
+                "predictable to its end
+"
+            ),
+            "{}",
+            ran.stdout
+        );
+    }
+    let ran = scratch.succeed(&["simulate", "--no-horizon", "--out", "without"]);
+    assert_eq!(scratch.json("without/run.json")["horizon_s"], "not_measured");
+    assert!(!ran.stdout.contains("predictable"), "{}", ran.stdout);
+}
+
+#[test]
 fn work_by_phase_adds_up_to_the_counts() {
     for method in ["rk45", "rodas5p", "radau5", "bdf"] {
         let scratch = Scratch::new();
