@@ -55,7 +55,7 @@ enum Command {
     Laws(laws::LawsArgs),
     /// Rebuild tables, figures and the HTML page of a finished study
     Report(report::ReportArgs),
-    /// The default configuration, commented; or its JSON Schema
+    /// The default configuration, commented, or the one given; or the JSON Schema
     Config(config::ConfigArgs),
 }
 

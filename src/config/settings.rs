@@ -134,8 +134,8 @@ impl Settings {
         }
         if config.reading != ReadingName::Full {
             let reason = "readings are of the struts' paper, here force and torque of friction both act; \
-                          use reading = \"full\", and where a file has all keys as printed for the struts, take them \
-                          out: \"deltazero config\" ends with the slider-crank's own values";
+                          use reading = \"full\", and for a file with all of its keys \
+                          `deltazero config --set mechanism=slider-crank`";
             return refused("reading", config.reading.to_string(), reason);
         }
         if let Some((key, (value, _))) =

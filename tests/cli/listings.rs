@@ -74,3 +74,18 @@ fn help_names_every_command_and_version_is_a_number() {
     let version = scratch.succeed(&["--version"]).stdout;
     assert!(version.contains(env!("CARGO_PKG_VERSION")), "{version}");
 }
+
+#[test]
+fn a_configuration_that_is_given_is_printed_with_its_mechanism() {
+    let scratch = Scratch::new();
+    let crank = scratch.succeed(&["config", "--set", "mechanism=slider-crank"]).stdout;
+    assert!(crank.contains("\nstiffness = 6.61e10\n") && crank.contains("\nt_end = 0.024\n"));
+    std::fs::write(scratch.path("crank.toml"), &crank).unwrap();
+    let again = scratch.succeed(&["config", "crank.toml"]).stdout;
+    assert_eq!(again, crank);
+    let stiffer = scratch.succeed(&["config", "crank.toml", "--set", "contact.stiffness=1e9"]);
+    assert!(stiffer.stdout.contains("\nstiffness = 1000000000.0\n"), "{}", stiffer.stdout);
+    let ran = scratch.run(&["config", "--set", "contact.stifness=1e9"]);
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.stderr.contains("did you mean \"contact.stiffness\"?"), "{}", ran.stderr);
+}

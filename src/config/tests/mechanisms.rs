@@ -58,3 +58,37 @@ fn what_a_slider_crank_cannot_have_is_refused_with_the_reason() {
         assert!(message.contains(reason), "{message}");
     }
 }
+
+#[test]
+fn a_printed_configuration_reads_back_with_what_was_given_in_place() {
+    for sets in [
+        &["mechanism=slider-crank"][..],
+        &["mechanism=slider-crank", "contact.stiffness=1e9", "bays=1", "solver.atol=1e-13"],
+        &["bays=3", "run.t_end=0.1"],
+        &["joint1.contact.damping=9", "joint2.contact.stiffness=2e7", "joint2.friction.law=tanh"],
+        &["contact.stiffness=0.1", "regimes.readings=[\"pin\"]", "solver.atol=[1,1,1,1,1,2e-9]"],
+    ] {
+        let config = load("", sets).unwrap();
+        let text = config.commented_toml();
+        assert_eq!(load(&text, &[]).unwrap(), config, "{text}");
+        for key in KEYS {
+            assert!(text.contains(&format!("# {}.\n", key.doc)), "{}", key.path);
+        }
+    }
+}
+
+#[test]
+fn a_printed_configuration_says_what_was_given_and_what_is_the_default() {
+    let crank = load("", &["mechanism=slider-crank", "contact.exponent=2"]).unwrap();
+    let text = crank.commented_toml();
+    assert!(text.contains("default of the slider-crank.\nstiffness = 6.61e10\n"), "{text}");
+    assert!(
+        text.contains("given; 1.5 is default of the slider-crank.\nexponent = 2.0\n"),
+        "{text}"
+    );
+    assert!(text.contains("given; \"strut\" is the paper's case.\nmechanism = \"slider-crank\"\n"));
+    assert!(!text.contains("joint2") && !text.contains("With mechanism"), "{text}");
+    let strut = load("", &["joint2.contact.stiffness=2e7"]).unwrap().commented_toml();
+    assert!(strut.contains("\n[joint2.contact]\nstiffness = 20000000.0\n"), "{strut}");
+    assert!(strut.contains("printed in N.m).\nstiffness = 1e7\n"), "{strut}");
+}
