@@ -13,6 +13,7 @@ pub use runs::study_csv;
 pub use slider_crank::slider_csv;
 
 use std::fmt::Write as _;
+use std::io::{self, Write};
 
 use crate::config::{Config, MechanismName};
 use crate::figures::Drawing;
@@ -130,14 +131,16 @@ pub fn study_markdown(config: &Config, table: &WorkPrecision, drawings: &[Drawin
     text
 }
 
-/// `trajectory.csv`, sorted by joint, bay and time.
-pub fn trajectory_csv(joints: &[&JointHistory<'_>]) -> String {
+/// Writes `trajectory.csv`, sorted by joint, bay and time.
+///
+/// # Errors
+/// Those of `out`.
+pub fn trajectory_csv(out: &mut dyn Write, joints: &[&JointHistory<'_>]) -> io::Result<()> {
     if joints.iter().any(|joint| matches!(joint.block.body, Body::SliderCrank(_))) {
-        return slider_crank::trajectory_csv(joints);
+        return slider_crank::trajectory_csv(out, joints);
     }
-    let mut csv = String::from(
-        "bay,joint,t_s,mode,d1_m,d2_m,theta_rad,v1_m_s,v2_m_s,omega_rad_s,f_n_n,f_t_n\n",
-    );
+    let header = "bay,joint,t_s,mode,d1_m,d2_m,theta_rad,v1_m_s,v2_m_s,omega_rad_s,f_n_n,f_t_n";
+    writeln!(out, "{header}")?;
     for JointHistory { bay, block, samples, .. } in joints {
         for sample in samples {
             let [d1, d2, theta, v1, v2, omega] = sample.y;
@@ -145,13 +148,13 @@ pub fn trajectory_csv(joints: &[&JointHistory<'_>]) -> String {
             // A diverging state may be finite where its forces are not.
             let [f_n, f_t] = [sample.forces.normal, sample.forces.tangential]
                 .map(|f| exact(f.is_finite().then_some(f)));
-            let _ = writeln!(
-                csv,
+            writeln!(
+                out,
                 "{bay},{joint},{t:e},{mode},{d1:e},{d2:e},{theta:e},{v1:e},{v2:e},{omega:e},{f_n},{f_t}"
-            );
+            )?;
         }
     }
-    csv
+    Ok(())
 }
 
 /// `events.csv`: the mode changes, sorted by time, then bay, then joint.

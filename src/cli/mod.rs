@@ -11,6 +11,7 @@ mod recommend;
 mod reference;
 mod regimes;
 mod report;
+mod rows;
 mod simulate;
 mod study;
 

@@ -1,7 +1,7 @@
 //! The directory of results: one configuration's, each file whole or not at all.
 
 use std::fs::{self, File, TryLockError};
-use std::io;
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use deltazero::figures::{Drawing, Picture};
@@ -89,16 +89,29 @@ impl Output {
 
     /// Writes a file: under another name first, then renamed.
     pub(super) fn write(&self, name: &str, content: &[u8]) -> Result<(), Failure> {
+        self.write_by(name, |out| out.write_all(content))
+    }
+
+    /// The same, of what need not fit into memory.
+    pub(super) fn write_by(
+        &self,
+        name: &str,
+        content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), Failure> {
         let path = self.dir.join(name);
-        let fail = |error: std::io::Error| {
-            Failure::Run(format!("cannot write {}: {error}", path.display()))
-        };
+        let fail =
+            |error: io::Error| Failure::Run(format!("cannot write {}: {error}", path.display()));
         if let Some(parent) = path.parent() {
             fs::create_dir_all(parent).map_err(fail)?;
         }
         let mut partial = path.clone().into_os_string();
         partial.push(".partial");
-        fs::write(&partial, content)
+        let written = || {
+            let mut out = BufWriter::new(File::create(&partial)?);
+            content(&mut out)?;
+            out.flush()
+        };
+        written()
             .and_then(|()| fs::rename(&partial, &path))
             .inspect_err(|_| drop(fs::remove_file(&partial)))
             .map_err(fail)

@@ -26,6 +26,7 @@ use serde_json::{Value, json};
 
 use super::output::{Output, hash};
 use super::progress::{TimeBar, TimeOf};
+use super::rows::Rows;
 use super::{Failure, RunArgs, print, say, warn};
 
 #[derive(Args)]
@@ -54,6 +55,8 @@ struct Simulated<'a> {
     reached_90: Option<usize>,
     /// The bay whose error ended it, where it is known.
     failed_bay: Option<usize>,
+    /// Why it was broken off, if by too many rows.
+    too_long: Option<String>,
     balance: Balance,
     /// Work by the phase that it was done in.
     work: Vec<(&'static str, Stats)>,
@@ -66,6 +69,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     let config = args.run.load()?;
     let setting = Setting::of(&config)
         .ok_or_else(|| Failure::Usage(format!("no method {}", config.solver.method)))?;
+    let rows = Rows::new(&config, &setting)?;
     let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out/simulate"));
     let output = Output::open(&dir, hash("simulate", &config.to_json()), args.run.force)?;
 
@@ -75,8 +79,8 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     let parts = mechanism.parts.iter().map(|part| {
         let time = time(part.block().joint);
         match part {
-            Part::Block(block) => simulate(block, &setting, &config, time, stop),
-            Part::Chain(chain) => simulate(chain, &setting, &config, time, stop),
+            Part::Block(block) => simulate(block, &setting, &config, (time, rows), stop),
+            Part::Chain(chain) => simulate(chain, &setting, &config, (time, rows), stop),
         }
     });
     let parts: Vec<_> = parts.collect();
@@ -90,7 +94,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     summary["warnings"] = json!(warnings);
     summary["horizon_s"] = horizon_json(horizon);
     let joints: Vec<_> = parts.iter().flat_map(|part| &part.joints).collect();
-    output.write("trajectory.csv", report::trajectory_csv(&joints).as_bytes())?;
+    output.write_by("trajectory.csv", |out| report::trajectory_csv(out, &joints))?;
     output.write("events.csv", report::events_csv(&joints).as_bytes())?;
     output.write("run.json", format!("{summary:#}\n").as_bytes())?;
 
@@ -117,7 +121,7 @@ fn simulate<'a, P: Integrable>(
     part: &'a P,
     setting: &Setting,
     config: &Config,
-    time: TimeOf<'_>,
+    (time, rows): (TimeOf<'_>, Rows),
     stop: &AtomicBool,
 ) -> Simulated<'a> {
     let (y0, t_end) = (part.start(), config.run.t_end);
@@ -126,9 +130,9 @@ fn simulate<'a, P: Integrable>(
     let watch = Limits::none(stop).watch(Price::of_setting(setting));
     let work = WorkByKind::new(|mode: P::Mode| P::foremost(&mode).phase());
     let contacts = Contacts::new(part, setting.events);
-    let mut record = ((trajectory(), balance), ((time, watch), (work, contacts)));
+    let mut record = ((trajectory(), balance), ((time, (watch, rows)), (work, contacts)));
     let run = integrate(part, setting, y0.clone(), t_end, &mut record);
-    let ((kept, balance), (_, (work, contacts))) = record;
+    let ((kept, balance), ((_, (_, rows)), (work, contacts))) = record;
     let alone = || integrate(part, setting, y0, t_end, &mut trajectory()).wall;
     let events = switches(part, &kept.events);
     let last = kept.events.last().filter(|event| event.after == Next::Stop);
@@ -142,6 +146,7 @@ fn simulate<'a, P: Integrable>(
         mode: format!("{:?}", run.mode),
         reached_90,
         failed_bay: run.failed_joint(part).map(|k| k + 1),
+        too_long: rows.complaint(run.t),
         balance: balance.at(run.mode.clone(), &run.y),
         run: run.by_joint(part),
         work: work.kinds,
@@ -208,7 +213,7 @@ fn wall(
 /// `failed` if any part did, else `interrupted`, else `reached_90` if every part did.
 fn outcome(parts: &[Simulated<'_>]) -> &'static str {
     let any = |outcome| parts.iter().any(|part| part.run.outcome == Ok(outcome));
-    if parts.iter().any(|part| part.run.outcome.is_err()) {
+    if parts.iter().any(|part| part.run.outcome.is_err() || part.too_long.is_some()) {
         "failed"
     } else if any(Outcome::Interrupted) {
         "interrupted"
@@ -235,7 +240,8 @@ fn run_json(output: &Output, config: &Config, setting: &Setting, parts: &[Simula
         Some(json!({ "bay": bay, "joint": part.run.joint, "t_s": part.run.t }))
     };
     let error = parts.iter().find_map(|part| {
-        let message = part.run.outcome.as_ref().err()?.to_string();
+        let failure = part.run.outcome.as_ref().err().map(ToString::to_string);
+        let message = failure.or_else(|| part.too_long.clone())?;
         let (t, bay, joint, mode) = (part.run.t, part.failed_bay, part.run.joint, &part.mode);
         Some(json!({ "t": t, "bay": bay, "joint": joint, "mode": mode, "message": message }))
     });

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use super::settings::ROW_BYTES;
+
 /// Where a value was given.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
@@ -176,9 +178,11 @@ pub enum ConfigError {
     },
     /// An output grid that no disk would hold.
     #[error(
-        "{place}: run.sample = {sample:e} s up to run.t_end = {t_end:e} s makes {:.1e} samples, \
-         at most {most:e}; raise run.sample",
-        t_end / sample
+        "{place}: run.sample = {sample:e} s up to run.t_end = {t_end:e} s makes {:.1e} rows of \
+         trajectory.csv (one a joint: {joints}), {:.1e} bytes, at most {most:e} rows; raise run.sample above {:.2e} s",
+        t_end / sample * *joints as f64,
+        t_end / sample * *joints as f64 * ROW_BYTES,
+        t_end * *joints as f64 / most
     )]
     TooManySamples {
         /// Where the offending one of the two was given.
@@ -187,7 +191,9 @@ pub enum ConfigError {
         sample: f64,
         /// End of the run \[s\].
         t_end: f64,
-        /// Largest number of samples.
+        /// Number of joints.
+        joints: usize,
+        /// Largest number of rows.
         most: f64,
     },
     /// More fixed steps than a run can take.

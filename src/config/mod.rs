@@ -63,6 +63,7 @@ pub use words::{
 
 use given::Given;
 use settings::Settings;
+pub use settings::{MOST_ROWS, ROW_BYTES};
 
 /// A complete configuration, checked.
 ///
@@ -156,6 +157,14 @@ impl Config {
         let mut all = Value::Object(all);
         all.sort_all_objects();
         all
+    }
+
+    /// Number of joints: of struts joint 1 of each bay and joint 2 of the first.
+    pub fn n_joints(&self) -> usize {
+        match self.mechanism {
+            MechanismName::Strut => self.bays as usize + 1,
+            MechanismName::SliderCrank => 1,
+        }
     }
 
     /// Why it has no blind runs, where it has none.

@@ -64,7 +64,7 @@ impl Drop for Running {
 fn an_interrupted_simulation_writes_what_it_has() {
     let scratch = Scratch::new();
     // Minutes of work.
-    let sets = ["solver.method=rk4", "solver.step=1e-10", "run.sample=1e-7"];
+    let sets = ["solver.method=rk4", "solver.step=1e-10", "run.sample=1e-6"];
     let run = Running::start(&scratch, &with_sets(&["simulate", "--out", "out"], &sets));
     run.until(&scratch.path("out"), Duration::from_millis(300));
     let output = run.interrupt();

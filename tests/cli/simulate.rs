@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use crate::{Scratch, Table, number};
+use crate::{Scratch, Table, number, with_sets};
 
 const TRAJECTORY: [&str; 10] =
     ["bay", "joint", "t_s", "mode", "d1_m", "d2_m", "theta_rad", "v1_m_s", "v2_m_s", "omega_rad_s"];
@@ -227,6 +227,16 @@ fn no_loose_run_of_a_predictable_motion_is_told_a_horizon() {
     let ran = scratch.succeed(&["simulate", "--no-horizon", "--out", "without"]);
     assert_eq!(scratch.json("without/run.json")["horizon_s"], "not_measured");
     assert!(!ran.stdout.contains("predictable"), "{}", ran.stdout);
+}
+
+#[test]
+fn steps_that_are_too_many_to_keep_are_refused() {
+    let scratch = Scratch::new();
+    let sets = ["run.sample=0", "solver.method=rk4", "solver.step=1e-8"];
+    let ran = scratch.run(&with_sets(&["simulate", "--out", "out"], &sets));
+    assert_eq!(ran.code, Some(2), "{}", ran.stderr);
+    let text = "run.sample = 0 at steps of 1e-8 s makes 4.0e8 rows of trajectory.csv, 8.0e10 bytes";
+    assert!(ran.stderr.contains(text) && ran.stderr.contains("give run.sample"), "{}", ran.stderr);
 }
 
 #[test]

@@ -202,9 +202,12 @@ fn values_that_do_not_go_together_are_refused() {
         "bad.toml:2: solver.events asks for blind runs, but the blind baseline is built for one bay; use \
          events = \"located\""
     );
-    assert_eq!(refusal("bays = 0"), "bad.toml:1: bays = 0 is out of range: from 1 to 1000000");
-    let text = "run.sample = 1e-2 s up to run.t_end = 1e9 s makes 1.0e11 samples, at most 1e8; \
-                raise run.sample";
+    for bays in ["0", "1000000"] {
+        let text = format!("bad.toml:1: bays = {bays} is out of range: from 1 to 10000");
+        assert_eq!(refusal(&format!("bays = {bays}")), text);
+    }
+    let text = "run.sample = 1e-2 s up to run.t_end = 1e9 s makes 2.0e11 rows of \
+                trajectory.csv (one a joint: 2), 4.0e13 bytes, at most 5e6 rows; raise run.sample above 4.00e2 s";
     assert_eq!(set_refusal("run.t_end=1e9"), format!("--set run.t_end=1e9: {text}"));
 }
 
