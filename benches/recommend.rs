@@ -10,6 +10,9 @@
     reason = "a bench panics to fail, and prints"
 )]
 
+#[path = "drawn/random.rs"]
+mod random;
+
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -21,6 +24,7 @@ use deltazero::run::{Accuracy, Limits, Setting};
 use deltazero::study::recommend::{Recommendation, recommend};
 use deltazero::study::work_precision::sample_times;
 use deltazero_solvers::{METHODS, Method};
+use random::Random;
 
 /// m_ref of the damping ratio [kg].
 const M_REF: f64 = 6.126;
@@ -31,24 +35,6 @@ const SEED: u64 = 20_240_607;
 const EXTENDED: u64 = 3_000_000;
 /// A setting that takes more than this many times the work of the recommended one is not faster.
 const EXHAUSTIVE: f64 = 2.5;
-
-/// xorshift64*: S. Vigna, "An experimental exploration of Marsaglia's xorshift generators", ACM Trans.
-/// Math. Softw. 42(4), 30 (2016).
-struct Random(u64);
-
-impl Random {
-    fn uniform(&mut self, low: f64, high: f64) -> f64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        let bits = self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11;
-        low + (high - low) * bits as f64 / (1_u64 << 53) as f64
-    }
-
-    fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
-        self.uniform(low.ln(), high.ln()).exp()
-    }
-}
 
 /// One draw: what is set, and the accuracy.
 fn draw(random: &mut Random) -> (Vec<String>, f64) {
@@ -86,7 +72,7 @@ fn main() {
         ranges.iter().map(|arg| range(arg).expect("FROM..TO")).collect();
     let draws = ranges.first().cloned().unwrap_or(0..3);
     let searched = ranges.get(1).unwrap_or(&draws);
-    let mut random = Random(SEED);
+    let mut random = Random::new(SEED);
     let mut tally = Tally::default();
     for i in 0..draws.end {
         let (mut sets, accuracy) = draw(&mut random);

@@ -1,0 +1,75 @@
+//! Configurations drawn at random, run by methods of different kind, and judged: shared by the bench `random` and by
+//! tests.
+#![allow(dead_code, reason = "each target uses its part")]
+
+pub(crate) mod audit;
+pub(crate) mod draw;
+pub(crate) mod ran;
+pub(crate) mod random;
+pub(crate) mod verdict;
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use audit::Budget;
+use draw::Draw;
+use verdict::{Class, Verdict};
+
+/// A draw and what came of it.
+pub(crate) struct Judged {
+    pub(crate) i: u64,
+    pub(crate) draw: Draw,
+    pub(crate) verdict: Verdict,
+}
+
+impl Judged {
+    /// Draw `i` of a seed.
+    pub(crate) fn new(seed: u64, i: u64, budget: Budget) -> Self {
+        let draw = Draw::new(seed, i);
+        let verdict = match draw.config() {
+            Ok(config) => Verdict::of(&config, budget),
+            Err(error) => Verdict::refused(error.to_string()),
+        };
+        Self { i, draw, verdict }
+    }
+
+    /// The file of it, what happened on top.
+    pub(crate) fn toml(&self) -> String {
+        let Verdict { class, lines, .. } = &self.verdict;
+        self.draw.toml(&format!("{class}\n{}", lines.join("\n")))
+    }
+
+    /// Whether it is of this class.
+    pub(crate) fn is(&self, class: Class) -> bool {
+        self.verdict.class == class
+    }
+}
+
+/// What `work` makes of `0..n` on `threads` threads, in order.
+pub(crate) fn on_threads<T: Send>(
+    n: usize,
+    threads: usize,
+    work: impl Fn(usize) -> T + Sync,
+) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let done = Mutex::new(Vec::with_capacity(n));
+    std::thread::scope(|scope| {
+        for _ in 0..threads.max(1) {
+            scope.spawn(|| {
+                loop {
+                    let i = next.fetch_add(1, Ordering::Relaxed);
+                    if i >= n {
+                        break;
+                    }
+                    let result = work(i);
+                    if let Ok(mut done) = done.lock() {
+                        done.push((i, result));
+                    }
+                }
+            });
+        }
+    });
+    let mut done = done.into_inner().unwrap_or_default();
+    done.sort_by_key(|(i, _)| *i);
+    done.into_iter().map(|(_, result)| result).collect()
+}

@@ -1,0 +1,189 @@
+//! One run of a part, with all that is asked of it.
+
+use deltazero::energy_balance::{Balance, EnergyBalance};
+use deltazero::metrics::{ErrorScale, sample_error, worse};
+use deltazero::model::{Block, State};
+use deltazero::run::{Integrable, ModeChange, Setting, integrate, mode_changes, trajectories};
+use deltazero_solvers::{Error, Grid, Outcome, Trajectory};
+
+use super::audit::{Audit, Auditor, Budget, Meter};
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum End {
+    /// At the end of its time.
+    Finished,
+    /// At 90°.
+    Stopped,
+    /// Where the model ends.
+    Refused(String),
+    /// By an error.
+    Failed(String),
+    /// At its budget, by work or by time.
+    Cut(&'static str),
+}
+
+/// One joint of a run.
+#[derive(Clone, Debug)]
+pub(crate) struct OwnRan {
+    /// Times and states.
+    pub(crate) samples: Vec<(f64, State<f64>)>,
+    /// Its mode changes.
+    pub(crate) events: Vec<ModeChange>,
+    /// The mode that it starts in.
+    pub(crate) first: i8,
+}
+
+/// One run of a part.
+#[derive(Clone, Debug)]
+pub(crate) struct Ran {
+    pub(crate) method: &'static str,
+    pub(crate) end: End,
+    /// Its last time [s].
+    pub(crate) t: f64,
+    pub(crate) joints: Vec<OwnRan>,
+    pub(crate) balance: Balance,
+    pub(crate) audit: Audit,
+    /// Right-hand sides that it was worth.
+    pub(crate) work: f64,
+}
+
+impl Ran {
+    /// Runs `part` from its start, or from one that is changed in its last bit.
+    pub(crate) fn new<P: Integrable>(
+        part: &P,
+        setting: &Setting,
+        nudge: Option<fn(f64) -> f64>,
+        (t_end, sample): (f64, f64),
+        budget: Budget,
+    ) -> Self {
+        let y0 = nudge.map_or_else(|| part.start(), |nudge| part.start_nudged(nudge));
+        let trajectory = Trajectory::on(Grid::uniform(sample, t_end));
+        let balance = EnergyBalance::new(part, setting.events, &y0);
+        let meter = Meter::new(setting.method, setting.rtol(), part.n_joints(), budget);
+        let mut record = ((trajectory, meter), (balance, Auditor::new(part)));
+        let run = integrate(part, setting, y0.clone(), t_end, &mut record);
+        let ((trajectory, meter), (balance, auditor)) = record;
+        let balance = balance.at(run.mode.clone(), &run.y);
+        let end = match &run.outcome {
+            Ok(Outcome::Finished) => End::Finished,
+            Ok(Outcome::Stopped) => End::Stopped,
+            Ok(Outcome::Interrupted) if meter.is_worked_out() => End::Cut("work"),
+            Ok(Outcome::Interrupted) => End::Cut("time"),
+            Err(error @ Error::OutsideModel { .. }) => End::Refused(error.to_string()),
+            Err(error) => End::Failed(error.to_string()),
+        };
+        let start = part.initial_mode(0.0, &y0);
+        let joints = trajectories(part, &trajectory).into_iter().enumerate();
+        let joint = |(k, own): (usize, deltazero::run::BlockTrajectory)| OwnRan {
+            events: mode_changes(&own),
+            samples: own.samples.into_iter().map(|sample| (sample.t, sample.y)).collect(),
+            first: P::joint_mode(&start, k).code(),
+        };
+        let energy = energy_of(&balance);
+        Self {
+            method: setting.method.name,
+            end,
+            t: run.t,
+            joints: joints.map(joint).collect(),
+            balance,
+            audit: auditor.audit(energy),
+            work: meter.work,
+        }
+    }
+
+    /// Whether it came as far as it should.
+    pub(crate) fn is_complete(&self) -> bool {
+        matches!(self.end, End::Finished | End::Stopped)
+    }
+
+    /// Largest |θ| of the samples [rad].
+    pub(crate) fn largest_angle(&self) -> f64 {
+        let angles = self.joints.iter().flat_map(|own| &own.samples).map(|(_, y)| y[2].abs());
+        angles.fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// Whether all samples are numbers.
+    pub(crate) fn is_finite(&self) -> bool {
+        let mut samples = self.joints.iter().flat_map(|own| &own.samples);
+        samples.all(|(_, y)| y.iter().all(|y| y.is_finite()))
+    }
+}
+
+/// What went through a run at least [J].
+pub(crate) fn energy_of(balance: &Balance) -> f64 {
+    let Balance { work, kinetic, elastic, dissipated, .. } = *balance;
+    work.abs().max(kinetic + elastic).max(dissipated.abs()).max(f64::MIN_POSITIVE)
+}
+
+/// Two runs beside each other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Apart {
+    /// Largest `e` of the samples in the time compared.
+    pub(crate) e: f64,
+    /// Time that they are in different modes [s].
+    pub(crate) modes_s: f64,
+    /// Difference of their last times, where both came to one in the time compared [s].
+    pub(crate) end_s: f64,
+}
+
+impl Apart {
+    /// What lies between `a` and `b` up to `until` [s].
+    pub(crate) fn new(a: &Ran, b: &Ran, block: &Block, until: f64) -> Self {
+        let scale = ErrorScale::of(block, a.largest_angle().max(b.largest_angle()));
+        let until = until.min(a.t).min(b.t);
+        let mut apart = Self { e: 0.0, modes_s: 0.0, end_s: 0.0 };
+        for (own, other) in a.joints.iter().zip(&b.joints) {
+            let pairs = own.samples.iter().zip(&other.samples);
+            for ((_, y), (_, z)) in pairs.take_while(|((t, _), _)| *t <= until) {
+                apart.e = worse(apart.e, sample_error(z, y, scale));
+            }
+            apart.modes_s += differing(own, other, until);
+        }
+        if a.is_complete() && b.is_complete() && a.t.min(b.t) <= until {
+            apart.end_s = (a.t - b.t).abs();
+        }
+        apart
+    }
+}
+
+/// The last sample time before that at which `a` and `b` differ by more than `most`; infinite where they nowhere do.
+pub(crate) fn parted(a: &Ran, b: &Ran, block: &Block, most: f64) -> f64 {
+    let scale = ErrorScale::of(block, a.largest_angle());
+    let mut until = f64::INFINITY;
+    for (own, other) in a.joints.iter().zip(&b.joints) {
+        let mut last = 0.0;
+        for ((t, y), (_, z)) in own.samples.iter().zip(&other.samples) {
+            if sample_error(z, y, scale).total_cmp(&most).is_gt() {
+                until = f64::min(until, last);
+                break;
+            }
+            last = *t;
+        }
+    }
+    let ends_apart = a.end != b.end || (a.t - b.t).abs() > 1e-6 * a.t;
+    if ends_apart { until.min(a.t).min(b.t) } else { until }
+}
+
+/// How long the modes of two runs differ up to `until` [s].
+fn differing(a: &OwnRan, b: &OwnRan, until: f64) -> f64 {
+    let mut times: Vec<f64> = a.events.iter().chain(&b.events).map(|event| event.t).collect();
+    times.retain(|t| *t < until);
+    times.sort_by(f64::total_cmp);
+    times.push(until);
+    let mode = |own: &OwnRan, next: &mut usize, t: f64| {
+        while own.events.get(*next).is_some_and(|event| event.t <= t) {
+            *next += 1;
+        }
+        if *next == 0 { own.first } else { own.events[*next - 1].after }
+    };
+    let (mut last, mut sum, mut next) = (0.0, 0.0, [0, 0]);
+    for t in times {
+        let modes = (mode(a, &mut next[0], last), mode(b, &mut next[1], last));
+        if modes.0 != modes.1 {
+            sum += t - last;
+        }
+        last = t;
+    }
+    sum
+}

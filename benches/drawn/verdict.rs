@@ -1,0 +1,221 @@
+//! Whether the runs of a configuration agree, and what to call it where they do not.
+
+use std::fmt;
+
+use deltazero::config::{Config, Events, ReadingName};
+use deltazero::model::{Block, Mechanism, Part};
+use deltazero::reference::HORIZON_ERROR;
+use deltazero::run::{Accuracy, Integrable, Setting};
+use deltazero_solvers::Method;
+
+use super::audit::Budget;
+use super::ran::{Apart, End, Ran, energy_of, parted};
+
+/// Methods of different kind: an explicit one, whose runs the horizon is of, an implicit one, and series.
+const METHODS: [&str; 3] = ["vern98", "radau5", "taylor"];
+/// Tolerance of the runs.
+const RTOL: f64 = 1e-12;
+/// Two runs agree whose samples differ by no more in `e`.
+const MOST_E: f64 = 1e-6;
+/// And whose modes differ for no longer, in units of the mechanism's time.
+const MOST_MODES: f64 = 1e-5;
+/// A balance holds to this part of the energy.
+const MOST_RESIDUAL: f64 = 1e-6;
+/// What a run may go astray, as a part of what is usual in it; see `Audit`.
+const MOST_ASTRAY: f64 = 1e-6;
+
+/// What came of a draw, from the best to the worst.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Class {
+    /// To the end.
+    Agree,
+    /// As far as it is predictable.
+    Past,
+    /// The configuration, or a run where the model ends.
+    Refused,
+    /// A run took too long.
+    Timeout,
+    /// A run ended by an error.
+    Failed,
+    /// Two runs differ where they should not, or one is wrong by its own account.
+    Disagree,
+}
+
+impl Class {
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Agree, Self::Past, Self::Refused, Self::Timeout, Self::Failed, Self::Disagree];
+
+    /// Whether there is something to look at.
+    pub(crate) fn is_found(self) -> bool {
+        self >= Self::Timeout
+    }
+}
+
+impl fmt::Display for Class {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Agree => "agree",
+            Self::Past => "past",
+            Self::Refused => "refused",
+            Self::Timeout => "timeout",
+            Self::Failed => "failed",
+            Self::Disagree => "disagree",
+        })
+    }
+}
+
+/// What came of a draw.
+#[derive(Clone, Debug)]
+pub(crate) struct Verdict {
+    pub(crate) class: Class,
+    /// What happened, a line each.
+    pub(crate) lines: Vec<String>,
+    /// Largest `e` within the horizon.
+    pub(crate) e: f64,
+    /// Longest time in different modes there [s].
+    pub(crate) modes_s: f64,
+    /// Largest energy residual, of the energy, where the reading has a balance.
+    pub(crate) residual: f64,
+    /// What it cost, in right-hand sides.
+    pub(crate) work: f64,
+}
+
+impl Verdict {
+    fn new() -> Self {
+        let (class, lines) = (Class::Agree, Vec::new());
+        Self { class, lines, e: 0.0, modes_s: 0.0, residual: 0.0, work: 0.0 }
+    }
+
+    /// A configuration that is none.
+    pub(crate) fn refused(why: String) -> Self {
+        let mut verdict = Self::new();
+        verdict.add(Class::Refused, why);
+        verdict
+    }
+
+    /// At least as bad as `class`, for this reason.
+    fn add(&mut self, class: Class, line: String) {
+        self.class = self.class.max(class);
+        self.lines.push(line);
+    }
+
+    /// Judges a configuration by runs that cost no more than `budget` each.
+    pub(crate) fn of(config: &Config, budget: Budget) -> Self {
+        let mut verdict = Self::new();
+        for part in &Mechanism::new(config).parts {
+            match part {
+                Part::Block(block) => verdict.judge(block, config, budget),
+                Part::Chain(chain) => verdict.judge(chain, config, budget),
+            }
+        }
+        verdict
+    }
+
+    /// Judges one part.
+    fn judge<P: Integrable>(&mut self, part: &P, config: &Config, budget: Budget) {
+        let (block, joint) = (part.block(), part.block().joint);
+        let span = (config.run.t_end, config.run.sample);
+        let run = |name, nudge: Option<fn(f64) -> f64>| {
+            let method = Method::named(name)?;
+            let (events, accuracy) = (Events::Located, Accuracy::Rtol(RTOL, None));
+            Some(Ran::new(part, &Setting { method, events, accuracy }, nudge, span, budget))
+        };
+        let all: Vec<Ran> = METHODS.iter().filter_map(|name| run(name, None)).collect();
+        let Some(base) = all.iter().find(|ran| ran.is_complete()).or(all.first()) else {
+            return self.add(Class::Failed, format!("no method of {METHODS:?}"));
+        };
+        let nudged = run(base.method, Some(f64::next_up));
+        let until = nudged.as_ref().map_or(0.0, |other| parted(base, other, block, HORIZON_ERROR));
+        let has_balance = matches!(config.reading, ReadingName::Pin | ReadingName::Full);
+        let before = std::mem::replace(&mut self.class, Class::Agree);
+        for ran in &all {
+            self.alone(ran, joint, has_balance);
+            self.work += ran.work;
+        }
+        for ran in all.iter().filter(|ran| ran.method != base.method) {
+            self.together(base, ran, block, until);
+        }
+        if self.class.is_found() {
+            self.lines.push(format!("joint {joint}: predictable up to {until:.6e} s"));
+            self.lines.extend(all.iter().map(|ran| told(ran, joint)));
+        }
+        self.class = self.class.max(before);
+    }
+
+    /// What a run shows by itself.
+    fn alone(&mut self, ran: &Ran, joint: usize, has_balance: bool) {
+        let who = format!("joint {joint}, {} at {:.6e} s", ran.method, ran.t);
+        match &ran.end {
+            End::Finished | End::Stopped => {}
+            End::Refused(why) => self.add(Class::Refused, format!("{who}: {why}")),
+            End::Failed(why) => self.add(Class::Failed, format!("{who}: {why}")),
+            End::Cut(by) => self.add(Class::Timeout, format!("{who}: more {by} than its budget")),
+        }
+        if !ran.is_finite() {
+            self.add(Class::Disagree, format!("{who}: numbers that are not finite"));
+        }
+        for (what, astray) in ran.audit.all() {
+            if astray.total_cmp(&MOST_ASTRAY).is_gt() {
+                self.add(Class::Disagree, format!("{who}: {what}: {astray:.1e}"));
+            }
+        }
+        if has_balance {
+            let residual = ran.balance.residual.abs() / energy_of(&ran.balance);
+            self.residual = self.residual.max(residual);
+            if residual.total_cmp(&MOST_RESIDUAL).is_gt() {
+                self.add(Class::Disagree, format!("{who}: energy residual {residual:.1e} of all"));
+            }
+        }
+    }
+
+    /// What two runs show beside each other, up to their horizon.
+    fn together(&mut self, a: &Ran, b: &Ran, block: &Block, until: f64) {
+        let apart = Apart::new(a, b, block, until);
+        let (unit, joint) = (block.unit_of_time(), block.joint);
+        self.e = self.e.max(apart.e);
+        self.modes_s = self.modes_s.max(apart.modes_s / unit);
+        let short = until.min(a.t).min(b.t);
+        if until < a.t.max(b.t) {
+            self.class = self.class.max(Class::Past);
+        }
+        let who = format!("joint {joint}, {} and {} up to {short:.6e} s", a.method, b.method);
+        if apart.e.total_cmp(&MOST_E).is_gt() {
+            self.add(Class::Disagree, format!("{who}: e {:.1e}", apart.e));
+        }
+        let late = apart.modes_s.max(apart.end_s);
+        if late > MOST_MODES * unit {
+            self.add(Class::Disagree, format!("{who}: modes differ for {late:.1e} s"));
+        }
+        let refused = |ran: &Ran| matches!(ran.end, End::Refused(_));
+        let one_alone = (refused(a) && b.is_complete()) || (refused(b) && a.is_complete());
+        if one_alone && a.t.min(b.t) < until {
+            self.add(Class::Disagree, format!("{who}: one alone is refused"));
+        }
+    }
+}
+
+/// A run in a line.
+fn told(ran: &Ran, joint: usize) -> String {
+    let events: usize = ran.joints.iter().map(|own| own.events.len()).sum();
+    let (balance, audit) = (&ran.balance, &ran.audit);
+    let end = match &ran.end {
+        End::Finished => "finished".to_owned(),
+        End::Stopped => "at 90 degrees".to_owned(),
+        End::Refused(why) => format!("refused, {why}"),
+        End::Failed(why) => format!("failed, {why}"),
+        End::Cut(by) => format!("more {by} than its budget"),
+    };
+    format!(
+        "joint {joint}, {}: {end}, t {:.6e} s, {events} events, work {:.2e} J, kinetic {:.2e}, elastic {:.2e}, \
+         dissipated {:.2e}, residual {:.1e}, deepest {:.1e} c, {:.1e} N",
+        ran.method,
+        ran.t,
+        balance.work,
+        balance.kinetic,
+        balance.elastic,
+        balance.dissipated,
+        balance.residual,
+        audit.deepest,
+        audit.force
+    )
+}
