@@ -18,13 +18,15 @@ mod drawn;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
 
 use drawn::audit::Budget;
+use drawn::draw::Draw;
 use drawn::verdict::Class;
 use drawn::{Judged, on_threads};
 
-/// What a run may cost: some seconds, of which time is for what no count foresees.
-const BUDGET: Budget = Budget { work: 3e7, wall_s: 60.0 };
+/// What a run may cost: some seconds; time is for what no count foresees.
+const BUDGET: Budget = Budget { work: 2e6, wall_s: 60.0 };
 
 /// The command line.
 struct Args {
@@ -61,16 +63,18 @@ fn main() {
     if let Some(dir) = &args.out {
         std::fs::create_dir_all(dir).expect("the directory can be made");
     }
-    let done = AtomicUsize::new(0);
+    let (done, start) = (AtomicUsize::new(0), Instant::now());
     let all = on_threads(args.n, args.threads, |i| {
-        let judged = Judged::new(args.seed, args.from + i as u64, BUDGET);
+        let i = args.from + i as u64;
+        let judged = Judged::new(Draw::new(args.seed, i), i, BUDGET);
         if let Some(dir) = args.out.as_ref().filter(|_| judged.verdict.class.is_found()) {
             let path = dir.join(format!("{}-{:04}.toml", args.seed, judged.i));
             std::fs::write(path, judged.toml()).expect("the directory can be written");
         }
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        if done.is_multiple_of(100) {
-            eprintln!("{done} of {}", args.n);
+        if done.is_multiple_of(20) || judged.verdict.class.is_found() {
+            let (i, class, took) = (judged.i, judged.verdict.class, start.elapsed().as_secs());
+            eprintln!("{done} of {} in {took} s: draw {i} {class}", args.n);
         }
         judged
     });
@@ -121,8 +125,9 @@ fn print_counts(key: &str, all: &[Judged]) {
 
 /// What the bounds of the verdict are chosen by.
 fn print_spread(all: &[Judged]) {
-    let kinds: [(&str, fn(&Judged) -> f64); 4] = [
+    let kinds: [(&str, fn(&Judged) -> f64); 5] = [
         ("e within the horizon", |judged| judged.verdict.e),
+        ("of what is allowed", |judged| judged.verdict.of_allowed),
         ("time in different modes", |judged| judged.verdict.modes_s),
         ("energy residual", |judged| judged.verdict.residual),
         ("work", |judged| judged.verdict.work),

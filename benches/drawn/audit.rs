@@ -52,7 +52,7 @@ impl Audit {
 /// A recorder of an [`Audit`].
 pub(crate) struct Auditor<'a, P> {
     part: &'a P,
-    /// Bristles give back what bends them.
+    /// Bristles give back what bends them, and a contact that pulls has its friction the other way round.
     friction_takes: bool,
     seen: Audit,
     speed: f64,
@@ -61,8 +61,9 @@ pub(crate) struct Auditor<'a, P> {
 impl<'a, P: Jointed> Auditor<'a, P> {
     pub(crate) fn new(part: &'a P) -> Self {
         let block = part.block();
-        let friction_takes =
-            block.reading.tangential_force != 0.0 && block.sliding.bristles().is_none();
+        let friction_takes = block.reading.tangential_force != 0.0
+            && block.sliding.bristles().is_none()
+            && !block.normal.adhesion;
         Self { part, friction_takes, seen: Audit::default(), speed: 0.0 }
     }
 

@@ -33,6 +33,16 @@ impl Draw {
         draw
     }
 
+    /// The same, of this part of its time.
+    pub(crate) fn shortened(mut self, part: f64) -> Self {
+        for (key, value) in &mut self.keys {
+            if let ("run.t_end" | "run.sample", Ok(x)) = (key.as_str(), value.parse::<f64>()) {
+                *value = format!("{:?}", part * x);
+            }
+        }
+        self
+    }
+
     /// The configuration.
     ///
     /// # Errors

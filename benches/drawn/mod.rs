@@ -23,9 +23,8 @@ pub(crate) struct Judged {
 }
 
 impl Judged {
-    /// Draw `i` of a seed.
-    pub(crate) fn new(seed: u64, i: u64, budget: Budget) -> Self {
-        let draw = Draw::new(seed, i);
+    /// A draw, number `i`.
+    pub(crate) fn new(draw: Draw, i: u64, budget: Budget) -> Self {
         let verdict = match draw.config() {
             Ok(config) => Verdict::of(&config, budget),
             Err(error) => Verdict::refused(error.to_string()),

@@ -116,53 +116,87 @@ pub(crate) fn energy_of(balance: &Balance) -> f64 {
     work.abs().max(kinetic + elastic).max(dissipated.abs()).max(f64::MIN_POSITIVE)
 }
 
+/// How far a run is predictable: what a change of its start in the last bit grows to.
+pub(crate) struct Growth {
+    /// The largest `e` so far at each sample, of all joints.
+    grown: Vec<f64>,
+    times: Vec<f64>,
+    /// The last time of both runs, where they end apart [s]; else infinite.
+    end: f64,
+}
+
+impl Growth {
+    /// From a run and one that was nudged.
+    pub(crate) fn new(a: &Ran, b: &Ran, block: &Block) -> Self {
+        let scale = ErrorScale::of(block, a.largest_angle());
+        let (mut grown, mut times) = (Vec::new(), Vec::new());
+        for (own, other) in a.joints.iter().zip(&b.joints) {
+            for (i, ((t, y), (_, z))) in own.samples.iter().zip(&other.samples).enumerate() {
+                if i == grown.len() {
+                    grown.push(0.0);
+                    times.push(*t);
+                }
+                grown[i] = worse(grown[i], sample_error(z, y, scale));
+            }
+        }
+        let mut most = 0.0;
+        for e in &mut grown {
+            most = worse(most, *e);
+            *e = most;
+        }
+        let ends_apart = a.end != b.end || (a.t - b.t).abs() > 1e-6 * a.t;
+        Self { grown, times, end: if ends_apart { a.t.min(b.t) } else { f64::INFINITY } }
+    }
+
+    /// The last sample time at which it is no more than `e` [s]; infinite where it nowhere is more.
+    pub(crate) fn until(&self, e: f64) -> f64 {
+        let lost = self.grown.iter().position(|own| own.total_cmp(&e).is_gt());
+        let last = lost.map(|i| if i == 0 { 0.0 } else { self.times[i - 1] });
+        last.unwrap_or(f64::INFINITY).min(self.end)
+    }
+}
+
 /// Two runs beside each other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Apart {
-    /// Largest `e` of the samples in the time compared.
+    /// Largest `e` of the samples up to the horizon.
     pub(crate) e: f64,
+    /// The same in units of what is allowed.
+    pub(crate) of_allowed: f64,
     /// Time that they are in different modes [s].
     pub(crate) modes_s: f64,
-    /// Difference of their last times, where both came to one in the time compared [s].
+    /// Difference of their last times, where both came to one [s].
     pub(crate) end_s: f64,
 }
 
 impl Apart {
-    /// What lies between `a` and `b` up to `until` [s].
-    pub(crate) fn new(a: &Ran, b: &Ran, block: &Block, until: f64) -> Self {
+    /// What lies between `a` and `b`: samples up to the horizon, where `allowed` of what has grown is allowed, modes and
+    /// ends as long as no more than `steady` has.
+    pub(crate) fn new(
+        (a, b): (&Ran, &Ran),
+        block: &Block,
+        growth: &Growth,
+        allowed: impl Fn(f64) -> f64,
+        [horizon, steady]: [f64; 2],
+    ) -> Self {
         let scale = ErrorScale::of(block, a.largest_angle().max(b.largest_angle()));
-        let until = until.min(a.t).min(b.t);
-        let mut apart = Self { e: 0.0, modes_s: 0.0, end_s: 0.0 };
+        let until = |most| growth.until(most).min(a.t).min(b.t);
+        let mut apart = Self { e: 0.0, of_allowed: 0.0, modes_s: 0.0, end_s: 0.0 };
         for (own, other) in a.joints.iter().zip(&b.joints) {
-            let pairs = own.samples.iter().zip(&other.samples);
-            for ((_, y), (_, z)) in pairs.take_while(|((t, _), _)| *t <= until) {
-                apart.e = worse(apart.e, sample_error(z, y, scale));
+            let pairs = own.samples.iter().zip(&other.samples).zip(&growth.grown);
+            let within = pairs.take_while(|(((t, _), _), _)| *t <= until(horizon));
+            for (((_, y), (_, z)), grown) in within {
+                let e = sample_error(z, y, scale);
+                apart.e = worse(apart.e, e);
+                apart.of_allowed = worse(apart.of_allowed, e / allowed(*grown));
             }
-            apart.modes_s += differing(own, other, until);
+            apart.modes_s += differing(own, other, until(steady));
         }
-        if a.is_complete() && b.is_complete() && a.t.min(b.t) <= until {
+        if a.is_complete() && b.is_complete() && a.t.min(b.t) <= until(steady) {
             apart.end_s = (a.t - b.t).abs();
         }
         apart
     }
-}
-
-/// The last sample time before that at which `a` and `b` differ by more than `most`; infinite where they nowhere do.
-pub(crate) fn parted(a: &Ran, b: &Ran, block: &Block, most: f64) -> f64 {
-    let scale = ErrorScale::of(block, a.largest_angle());
-    let mut until = f64::INFINITY;
-    for (own, other) in a.joints.iter().zip(&b.joints) {
-        let mut last = 0.0;
-        for ((t, y), (_, z)) in own.samples.iter().zip(&other.samples) {
-            if sample_error(z, y, scale).total_cmp(&most).is_gt() {
-                until = f64::min(until, last);
-                break;
-            }
-            last = *t;
-        }
-    }
-    let ends_apart = a.end != b.end || (a.t - b.t).abs() > 1e-6 * a.t;
-    if ends_apart { until.min(a.t).min(b.t) } else { until }
 }
 
 /// How long the modes of two runs differ up to `until` [s].
