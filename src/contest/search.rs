@@ -390,6 +390,7 @@ impl<'a> Search<'a> {
             implicit: method.is_implicit(),
             n_rhs: trial.stats.work.n_rhs,
             n_accepted: trial.stats.n_accepted,
+            n_implicit: method.chooses().then_some(trial.stats.n_implicit),
             mean_step_s: mean_step(trial.covered, &trial.stats).unwrap_or(f64::NAN),
             growth,
             bound_by_stability: self.is_bound_by_stability(trial, growth),

@@ -38,11 +38,12 @@ fn entry(entry: Option<&Entry>, accuracy: f64, reason: &str) -> Value {
     })
 }
 
-/// How far a runner-up is behind.
+/// How far a runner-up is behind, and what it is if it is `auto`.
 fn distance(first: Option<&Entry>, rival: &Entry) -> String {
+    let halves = rival.implicit_steps().map_or_else(String::new, |halves| format!("; {halves}"));
     first.map_or_else(String::new, |first| {
         format!(
-            "{:.2} times the time of {} {}",
+            "{:.2} times the time of {} {}{halves}",
             rival.wall_s / first.wall_s,
             first.method,
             first.events
@@ -104,7 +105,11 @@ fn ranking(answer: &Recommendation, first: &Entry) -> String {
         "\nmethod    events   setting          e        time [ms]  to first  wrong events\n",
     );
     let entries = &answer.standings.entries;
+    let mut halves = String::new();
     for entry in entries.iter().take(SHOWN) {
+        if let Some(own) = entry.implicit_steps() {
+            let _ = writeln!(halves, "{} {}: {own}", entry.method, entry.events);
+        }
         let _ = writeln!(
             text,
             "{:<9} {:<8} {:<15}  {:<7.1e}  {:>9}  {:>8.2}  {:>12}",
@@ -120,7 +125,7 @@ fn ranking(answer: &Recommendation, first: &Entry) -> String {
     if entries.len() > SHOWN {
         let _ = writeln!(text, "and {} more", entries.len() - SHOWN);
     }
-    text
+    text + &halves
 }
 
 fn milliseconds(wall_s: f64) -> String {

@@ -231,12 +231,30 @@ fn auto(cells: &[&Cell]) -> String {
         return "`auto` reaches it nowhere.".to_owned();
     };
     let near = ratios.iter().filter(|(ratio, _)| *ratio <= NEAR).count();
-    format!(
+    let mut text = format!(
         "`auto` takes at most {NEAR} times as long as the winner in {near} of {decided} cells, median \
          {median:.2}, at most {most:.2} ({}); in {} it does not arrive.",
         place(at),
         decided - ratios.len()
-    )
+    );
+    let is_alone = |cell: &&&Cell| cell.winner().is_some_and(Entry::is_auto);
+    let alone: Vec<String> = cells
+        .iter()
+        .filter(is_alone)
+        .map(|cell| {
+            let halves = cell.winner().and_then(Entry::implicit_steps);
+            format!("{}{}", place(cell), halves.map_or_else(String::new, |own| format!(", {own}")))
+        })
+        .collect();
+    if !alone.is_empty() {
+        let _ = write!(
+            text,
+            " It alone arrives in {}, where neither explicit nor implicit wins: {}.",
+            n_cells(alone.len()),
+            alone.join("; ")
+        );
+    }
+    text
 }
 
 /// Where does nothing reach the accuracy, and why?

@@ -129,34 +129,7 @@ fn reason(standings: &Standings, n_events: usize) -> String {
         return "no method reaches it".to_owned();
     };
     let mut reason = format!("{} {}", name(first), bound(first, n_events));
-    let other = standings.entries.iter().find(|entry| entry.implicit != first.implicit);
-    let kind = if first.implicit { "explicit" } else { "implicit" };
-    match other {
-        Some(other) => {
-            let a_step = |entry: &Entry| entry.wall_s / entry.n_accepted as f64;
-            let held = if other.bound_by_stability { " (held by stability)" } else { "" };
-            reason += &format!(
-                "; the best {kind} one, {} {}, takes {} steps{held} against {}, each at {} times the price",
-                name(other),
-                other.setting(),
-                other.n_accepted,
-                first.n_accepted,
-                factor(a_step(other) / a_step(first)),
-            );
-        }
-        None => {
-            let lost =
-                standings.failures.iter().filter(|failure| failure.implicit != first.implicit);
-            let step = lost.filter_map(|failure| failure.mean_step_s).fold(0.0, f64::max);
-            if step > 0.0 {
-                reason += &format!(
-                    "; no {kind} method comes within {CUT} times its work (mean steps of at most \
-                     {step:.1e} s against {:.1e} s)",
-                    first.mean_step_s
-                );
-            }
-        }
-    }
+    reason += &beside(standings, first);
     if first.events == Events::Blind && first.missed + first.spurious > 0 {
         reason += &format!(
             "; blind, it has {} of {n_events} events missed and {} spurious",
@@ -166,11 +139,49 @@ fn reason(standings: &Standings, n_events: usize) -> String {
     reason
 }
 
+/// How the best of the other kind does beside the first, or why there is none. `auto` is of no kind, being of both: it
+/// stands for none, and beside it stands the best that is the same throughout.
+fn beside(standings: &Standings, first: &Entry) -> String {
+    let (is_auto, first_implicit) = (first.is_auto(), first.implicit);
+    let is_other =
+        |of_auto: bool, implicit: bool| !of_auto && (is_auto || implicit != first_implicit);
+    let kind = match (is_auto, first_implicit) {
+        (true, _) => "other",
+        (false, true) => "explicit",
+        (false, false) => "implicit",
+    };
+    let mut entries = standings.entries.iter();
+    if let Some(other) = entries.find(|entry| is_other(entry.is_auto(), entry.implicit)) {
+        let a_step = |entry: &Entry| entry.wall_s / entry.n_accepted as f64;
+        let held = if other.bound_by_stability { " (held by stability)" } else { "" };
+        return format!(
+            "; the best {kind} one, {} {}, takes {} steps{held} against {}, each at {} times the price",
+            name(other),
+            other.setting(),
+            other.n_accepted,
+            first.n_accepted,
+            factor(a_step(other) / a_step(first)),
+        );
+    }
+    let failures = standings.failures.iter();
+    let lost = failures.filter(|failure| is_other(failure.is_auto(), failure.implicit));
+    let step = lost.filter_map(|failure| failure.mean_step_s).fold(0.0, f64::max);
+    if step > 0.0 {
+        format!(
+            "; no {kind} method comes within {CUT} times its work (mean steps of at most {step:.1e} s \
+             against {:.1e} s)",
+            first.mean_step_s
+        )
+    } else {
+        String::new()
+    }
+}
+
 fn name(entry: &Entry) -> String {
     format!("{} {}", entry.method, entry.events)
 }
 
-/// What its steps are bound by.
+/// What its steps are bound by; of `auto`, which half of it takes them.
 fn bound(entry: &Entry, n_events: usize) -> String {
     let steps = match n_events {
         0 => format!("{} steps, no event", entry.n_accepted),
@@ -179,8 +190,12 @@ fn bound(entry: &Entry, n_events: usize) -> String {
     let growth = entry.growth.map_or_else(String::new, |growth| {
         format!(", {growth:.2} times as many for a tenth of the tolerance")
     });
-    let by = if entry.bound_by_stability { "stability" } else { "accuracy" };
-    format!("is bound by {by}: {steps}{growth}")
+    let by = match (entry.implicit_steps(), entry.bound_by_stability) {
+        (Some(halves), _) => format!("takes {halves}"),
+        (None, true) => "is bound by stability".to_owned(),
+        (None, false) => "is bound by accuracy".to_owned(),
+    };
+    format!("{by}: {steps}{growth}")
 }
 
 /// A factor to two digits.
@@ -191,6 +206,51 @@ fn factor(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A contest of Table 1 up to 0.1 s at 1e-4.
+    fn standings(methods: &str) -> Standings {
+        let methods = format!("contest.methods={methods}");
+        let sets = ["run.t_end=0.1".to_owned(), "contest.repeats=1".to_owned(), methods];
+        let config = Config::load(None, &sets).unwrap();
+        recommend(&config, 1e-4, &AtomicBool::new(false), &|_| ()).standings
+    }
+
+    #[test]
+    fn auto_stands_for_no_kind_and_tells_its_implicit_steps() {
+        let mut all = standings("[\"auto\", \"rk45\", \"radau5\"]");
+        all.entries.sort_by_key(|entry| (!entry.implicit, !entry.is_auto()));
+        for entry in all.entries.iter_mut().filter(|entry| entry.is_auto()) {
+            (entry.n_accepted, entry.n_implicit) = (4704, Some(4007));
+        }
+        let names: Vec<&str> = all.entries.iter().map(|entry| entry.method.as_str()).collect();
+        assert!(names.starts_with(&["radau5"]) && names.contains(&"auto"), "{names:?}");
+        let beside_implicit = reason(&all, 2);
+        assert!(beside_implicit.contains("the best explicit one, rk45 "), "{beside_implicit}");
+        // Where auto alone stands beside it, no explicit one is named, nor among what was lost.
+        all.entries.retain(|entry| entry.implicit || entry.is_auto());
+        let alone = reason(&all, 2);
+        assert!(!alone.contains("explicit one") && !alone.contains("auto"), "{alone}");
+        all.failures.push(Failure {
+            method: "auto".to_owned(),
+            events: Events::Located,
+            implicit: false,
+            kind: FailureKind::Cut,
+            message: String::new(),
+            mean_step_s: Some(1e-3),
+        });
+        assert_eq!(reason(&all, 2), alone);
+
+        all.entries.sort_by_key(|entry| !entry.is_auto());
+        let first = reason(&all, 2);
+        assert!(
+            first.contains("takes 4007 of its 4704 steps implicit: 2352 steps an event"),
+            "{first}"
+        );
+        assert!(
+            first.contains("; the best other one, radau5 ") && !first.contains("bound by"),
+            "{first}"
+        );
+    }
 
     #[test]
     fn events_that_hang_on_the_tolerance_are_named_grazing() {
