@@ -1,6 +1,7 @@
 //! Tables to text: Markdown, CSV and the HTML page.
 
 pub mod audit;
+mod contact;
 pub mod html;
 pub mod laws;
 pub mod recommend;
@@ -115,6 +116,10 @@ pub fn study_markdown(config: &Config, table: &WorkPrecision, drawings: &[Drawin
     let warnings = restitution::warnings(config).into_iter().map(|warning| warning.message);
     for limit in reference.limits().into_iter().chain(warnings) {
         let _ = writeln!(text, "\n- {limit}");
+    }
+    text += "\n## Contact\n\n";
+    for (name, what) in contact::facts(config) {
+        let _ = writeln!(text, "- {name}: {what}.");
     }
     for drawing in drawings {
         let _ = write!(

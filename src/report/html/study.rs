@@ -3,10 +3,10 @@
 use deltazero_solvers::Method;
 
 use super::{Heading, Page, Part, Section, Table};
-use crate::config::{Config, FrictionLaw, JointConfig, MechanismName, SliderCrank};
+use crate::config::Config;
 use crate::figures::Picture;
 use crate::reference::{HORIZON_ERROR, ReferenceSummary};
-use crate::report::{ANSWER, answer_rows};
+use crate::report::{ANSWER, answer_rows, contact};
 use crate::study::columns::{COLUMNS, Column, Value};
 use crate::study::record::StudyRecord;
 use crate::study::restitution;
@@ -45,67 +45,7 @@ fn fact(name: &str, what: impl Into<String>) -> (String, String) {
 /// The contact, and what to know of it.
 fn contact_told(config: &Config) -> Vec<Part> {
     let warnings = restitution::warnings(config).into_iter().map(|w| Part::Text(w.message));
-    std::iter::once(Part::Facts(contact(config))).chain(warnings).collect()
-}
-
-fn contact(config: &Config) -> Vec<(String, String)> {
-    let [one, two] = &config.joints;
-    let time = fact("Time", format!("0 to {} s", config.run.t_end));
-    if config.mechanism == MechanismName::SliderCrank {
-        let mechanism = fact("Mechanism", slider_crank(&config.slider_crank));
-        return vec![mechanism, time, fact("Joint of rod and slider", joint(one))];
-    }
-    let mut facts = vec![fact("Reading", config.reading.name())];
-    if config.bays > 1 {
-        facts.push(fact("Bays", config.bays.to_string()));
-    }
-    facts.extend([
-        time,
-        fact("Torques", format!("M1 = {} N m, M4 = {} N m", config.drive.m1, config.drive.m4)),
-    ]);
-    if one == two {
-        facts.push(fact("Both joints", joint(one)));
-    } else {
-        facts.extend([fact("Joint 1", joint(one)), fact("Joint 2", joint(two))]);
-    }
-    facts
-}
-
-fn slider_crank(own: &SliderCrank) -> String {
-    format!(
-        "slider-crank: crank {} m at {} rad/s, rod {} m, {} kg, {} kg m², slider {} kg",
-        own.crank_length,
-        own.crank_speed,
-        own.rod_length,
-        own.rod_mass,
-        own.rod_inertia,
-        own.slider_mass
-    )
-}
-
-fn joint(JointConfig { joint, contact, friction }: &JointConfig) -> String {
-    let bristles = match friction.law {
-        FrictionLaw::Lugre => format!(
-            ", at rest μ_s = {}, v_S = {:e} m/s, bristles σ0 = {:e} 1/m, σ1 = {} s/m, σ2 = {} s/m",
-            friction.static_coefficient,
-            friction.stribeck_speed,
-            friction.bristle_stiffness,
-            friction.bristle_damping,
-            friction.viscosity
-        ),
-        _ => String::new(),
-    };
-    format!(
-        "clearance c = {:e} m, contact law {}, stiffness K = {:e} N/mⁿ, damping D = {} N s/m, \
-         exponent n = {}, friction law {}, coefficient μ = {}{bristles}",
-        joint.clearance,
-        contact.law,
-        contact.stiffness,
-        contact.damping,
-        contact.exponent,
-        friction.law,
-        friction.coefficient
-    )
+    std::iter::once(Part::Facts(contact::facts(config))).chain(warnings).collect()
 }
 
 fn answer(study: &StudyRecord) -> Vec<Part> {
