@@ -23,8 +23,9 @@ pub(super) fn whole(table: &WorkPrecision, histories: &[StepHistory]) -> Drawing
     let panels = shown.iter().map(draw).collect();
     let spreads: Vec<String> = shown.iter().map(|history| spread(history)).collect();
     let caption = format!(
-        "Accepted steps on joint 1{}, events located (ticks), each method at its cheapest setting with \
-         e ≤ {ACCURACY:e} and all events, or its most accurate; all on one scale, the smallest thousandth of the steps \
+        "Accepted steps on joint 1{}, events located (ticks), each method at the setting of least work with \
+         e ≤ {ACCURACY:e} and all events, or its most accurate (work: n_rhs and 5 for each linear system, a series of order p \
+         for 2 p); all on one scale, the smallest thousandth of the steps \
          may lie below. {}.",
         of_bays(&shown),
         spreads.join("; ")

@@ -2,10 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use deltazero_solvers::{Accepted, Event, Method, Needs, Record};
+use deltazero_solvers::{Accepted, Event, Method, Needs, Record, Work};
 use serde::{Deserialize, Serialize};
 
 use crate::config::{Config, Events};
+use crate::contest::work;
 use crate::model::{Jointed, Mechanism, Part};
 use crate::run::{Accuracy, Integrable, Limits, Price, Setting, integrate};
 use crate::study::work_precision::{Row, WorkPrecision};
@@ -120,8 +121,8 @@ impl StepHistory {
     }
 }
 
-/// The accepted steps of every method of the study on every part, part by part, at the cheapest
-/// located setting of `table` with `e` at most [`ACCURACY`] and the events of the reference, or the
+/// The accepted steps of every method of the study on every part, part by part, at the
+/// located setting of `table` of least [`work`] with `e` at most [`ACCURACY`] and the events of the reference, or the
 /// most accurate one where there is none; a method without a finished run is left out.
 pub fn step_histories(
     config: &Config,
@@ -145,17 +146,23 @@ pub fn step_histories(
     histories
 }
 
-/// The located run of a method at which it is compared with others; by right-hand sides, which do
-/// not change from one measurement to the next.
+/// The located run of a method at which it is compared with others: that of the least [`work`], which does not
+/// change from one measurement to the next, and counts a series for what it costs.
 fn comparable<'a>(rows: &'a [Row], method: &str) -> Option<&'a Row> {
     let own = || {
         let located = |row: &&Row| row.method == method && row.events == Events::Located;
         rows.iter().filter(located).filter_map(|row| Some((row, row.e?)))
     };
     let reaching = own().filter(|(row, e)| *e <= ACCURACY && row.events_are_right());
-    let cheapest = reaching.min_by_key(|(row, _)| row.n_rhs);
+    let cheapest = reaching.min_by(|a, b| cost(a.0).total_cmp(&cost(b.0)));
     let chosen = cheapest.or_else(|| own().min_by(|a, b| a.1.total_cmp(&b.1)));
     chosen.map(|(row, _)| row)
+}
+
+/// The work of a row; see [`work`].
+fn cost(row: &Row) -> f64 {
+    let counts = Work { n_rhs: row.n_rhs, n_lin_solves: row.n_lin_solves, ..Work::default() };
+    Method::named(&row.method).map_or(f64::INFINITY, |method| work(method, row.rtol, &counts))
 }
 
 /// The setting of a row.
