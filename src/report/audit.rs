@@ -6,7 +6,7 @@ use super::exact;
 use crate::config::{Config, Inertia, ReadingName};
 use crate::figures::Drawing;
 use crate::study::audit::{Audit, PATIENCE, RunRow};
-use crate::study::claims::{CLAIMS, ClaimRow, PAPER_FORCE, PAPER_X01, Verdict, contact_at};
+use crate::study::claims::{CLAIMS, ClaimRow, PAPER_FORCE, PAPER_X01, Verdict, contact_at, digits};
 use crate::study::course::{Quantity, coarser};
 use crate::study::ideal::{IdealRow, RIGHT_ANGLE};
 
@@ -27,12 +27,17 @@ const BINS_A_ROW: usize = 5;
 
 /// `audit.csv`: one row a claim and reading.
 pub fn csv(rows: &[ClaimRow]) -> String {
-    let mut csv = String::from("claim,paper,reading,measured,unit,verdict,horizon_s\n");
+    let mut csv =
+        String::from("claim,paper,reading,measured,unit,verdict,horizon_s,moved,beyond_horizon\n");
     for row in rows {
         let ClaimRow { claim, reading, unit, .. } = row;
         let (paper, measured) = (exact(row.paper), exact(row.measured));
         let (verdict, horizon) = (row.verdict.name(), exact(row.horizon_s));
-        let _ = writeln!(csv, "{claim},{paper},{reading},{measured},{unit},{verdict},{horizon}");
+        let (moved, beyond) = (exact(row.moved), row.beyond_horizon);
+        let _ = writeln!(
+            csv,
+            "{claim},{paper},{reading},{measured},{unit},{verdict},{horizon},{moved},{beyond}"
+        );
     }
     csv
 }
@@ -57,6 +62,9 @@ pub fn courses_csv(audit: &Audit) -> String {
     }
     csv
 }
+
+/// Digits of a table.
+pub(super) const DIGITS: usize = 4;
 
 /// A number to four digits.
 fn short(x: f64) -> String {
@@ -84,9 +92,32 @@ fn name(reading: Option<ReadingName>) -> &'static str {
     reading.map_or("ideal", ReadingName::name)
 }
 
+/// A number that is known to so many digits only: `~870`, `~8.7e-4`.
+fn vague(x: f64, digits: usize) -> String {
+    let rounded = rounded_to(x, digits);
+    if !(1e-2..1e5).contains(&rounded.abs()) {
+        return format!("~{x:.0$e}", digits - 1);
+    }
+    let decimals = digits as i32 - 1 - libm::floor(libm::log10(rounded.abs())) as i32;
+    format!("~{rounded:.0$}", usize::try_from(decimals).unwrap_or(0))
+}
+
+/// Rounded to so many digits.
+pub(super) fn rounded_to(x: f64, digits: usize) -> f64 {
+    format!("{x:.0$e}", digits - 1).parse().unwrap_or(x)
+}
+
+/// What `~` says.
+pub(super) const VAGUE: &str = "beyond the horizon, where the motion cannot be predicted: a change of the \
+    start's last bit moves it, and no more digits are shown than two such changes leave";
+
 /// What was measured; bold where it reproduces the paper.
 fn cell(row: &ClaimRow) -> String {
-    let value = maybe(row.measured, "never");
+    let value = match row.measured {
+        Some(value) if row.beyond_horizon => vague(value, row.digits(DIGITS)),
+        None if row.beyond_horizon => "~never".to_owned(),
+        measured => maybe(measured, "never"),
+    };
     match row.verdict {
         Verdict::Reproduced => format!("**{value}**"),
         Verdict::NotReproduced => value,
@@ -133,7 +164,7 @@ pub fn answer(rows: &[ClaimRow]) -> String {
 pub fn text(audit: &Audit) -> String {
     let count = |verdict| audit.rows.iter().filter(|row| row.verdict == verdict).count();
     format!(
-        "{}\nBold: reproduced, within 2 % or in the digits printed, or by the rule of the claim. Of {} rows {} \
+        "{}\nBold: reproduced, within 2 % or in the digits printed, or by the rule of the claim. ~: {VAGUE}. Of {} rows {} \
          are reproduced, {} not, {} impossible.\n",
         all(&audit.rows),
         audit.rows.len(),
@@ -218,7 +249,10 @@ fn beyond(run: &RunRow) -> Option<String> {
         name(run.reading),
         run.joint,
         short(run.force_before_horizon_n),
-        short(run.force_n)
+        run.force_moved_n.map_or_else(
+            || short(run.force_n),
+            |moved| vague(run.force_n, digits(run.force_n, moved, DIGITS))
+        )
     ))
 }
 
@@ -249,6 +283,10 @@ pub(super) const RUN_COLUMNS: [&str; 11] = [
     "work [J]",
     "energy from nowhere [J]",
 ];
+
+/// What is to be known of their digits.
+pub(super) const RUN_NOTE: &str = "Where digits are lost, all that is counted or summed up to the end is of this very \
+    run: mode changes, largest F_N, energies. A last-bit change of the start has others.";
 
 /// The runs in the columns of [`RUN_COLUMNS`].
 pub(super) fn run_lines(audit: &Audit) -> Vec<Vec<String>> {
@@ -328,7 +366,7 @@ pub fn markdown(config: &Config, audit: &Audit, drawings: &[Drawing]) -> String 
         "# The paper, claim by claim\n\nWhat \"Dynamic Analysis of Deployable Strut-Mechanism with Clearance \
          Root-Joints\" says of its deployment, and what comes out under each reading of its equations ({}, until \
          90° or {} times the ideal time). Bold: reproduced, that is within 2 % or equal in the digits printed, or \
-         by the rule of the claim below. `ideal`: without clearance.\n\n{}\n",
+         by the rule of the claim below. ~: {VAGUE}. `ideal`: without clearance.\n\n{}\n",
         audit.method,
         PATIENCE,
         all(&audit.rows)
@@ -337,7 +375,11 @@ pub fn markdown(config: &Config, audit: &Audit, drawings: &[Drawing]) -> String 
     for finding in findings(config, audit) {
         let _ = writeln!(text, "- {finding}");
     }
-    let _ = write!(text, "\n## The runs\n\n{}", table(&own(&RUN_COLUMNS), &run_lines(audit)));
+    let _ = write!(
+        text,
+        "\n## The runs\n\n{}\n{RUN_NOTE}\n",
+        table(&own(&RUN_COLUMNS), &run_lines(audit))
+    );
     let _ = write!(
         text,
         "\n## Without clearance, two ways\n\nBy quadrature of the energy integral, and by an integrator.\n\n{}",

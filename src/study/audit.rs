@@ -93,6 +93,9 @@ pub struct RunRow {
     pub force_before_horizon_n: f64,
     /// Largest normal force of the whole run [N].
     pub force_n: f64,
+    /// By how much last-bit changes of the start move that [N]; none where an earlier version did not say.
+    #[serde(default)]
+    pub force_moved_n: Option<f64>,
     /// Work of the torque [J].
     pub work_j: f64,
     /// Energy that nothing accounts for [J]: what an inconsistent reading feeds in.
@@ -110,6 +113,9 @@ pub struct Course {
     pub bins: Vec<Bin>,
     /// The state at its end, in the order of the block.
     pub end: State<f64>,
+    /// The same from starts moved by their last bit, up and down: what they do not share is beyond the horizon. They
+    /// have no such runs of their own.
+    pub nudged: Vec<Course>,
 }
 
 impl Course {
@@ -180,47 +186,67 @@ fn course(
     setting: &Setting,
     limits: Limits<'_>,
 ) -> Course {
-    let (y0, t_end) = (block.initial_state(), patience(block));
-    let samples = || Trajectory::on(Grid::uniform(SAMPLE_S, t_end));
+    let from = |y0| followed(reading, block, setting, y0, limits);
+    let nudges: [fn(f64) -> f64; 2] = [f64::next_up, f64::next_down];
+    let (mut own, trajectory) = from(block.initial_state());
+    let nudged = nudges.map(|nudge| from(block.start_nudged(nudge)));
+    own.run.horizon_s = lost_at(block, &trajectory, &nudged[0].1);
+    own.nudged = nudged.into_iter().map(|(course, _)| course).collect();
+
+    let moved = |t: f64| own.nudged[0].run.reached_90_s.map(|other| (other - t).abs());
+    own.run.moved_s = own.run.reached_90_s.and_then(moved);
+    let horizon = own.run.horizon_s.unwrap_or(f64::INFINITY);
+    own.run.force_before_horizon_n = largest_force(own.until(horizon));
+    let force = own.run.force_n;
+    let apart = own.nudged.iter().map(|other| (other.run.force_n - force).abs());
+    own.run.force_moved_n = Some(apart.fold(0.0, f64::max));
+    own
+}
+
+fn largest_force(bins: &[Bin]) -> f64 {
+    bins.iter().map(|bin| bin.of(Quantity::Force).most).fold(0.0, f64::max)
+}
+
+/// The run of `block` from `y0`, and its samples; what other runs tell of it is still to be said.
+fn followed(
+    reading: Option<ReadingName>,
+    block: &Block,
+    setting: &Setting,
+    y0: State<f64>,
+    limits: Limits<'_>,
+) -> (Course, BlockTrajectory) {
+    let t_end = patience(block);
+    let samples = Trajectory::on(Grid::uniform(SAMPLE_S, t_end));
     let balance = EnergyBalance::new(block, Events::Located, &y0);
-    let watch = || limits.watch(Price::of_setting(setting));
-    let mut record = ((Binning::new(block, BIN_S), balance), (samples(), watch()));
+    let mut record = ((Binning::new(block, BIN_S), balance), (samples, limits.watch(Price::of_setting(setting))));
     let run = integrate(block, setting, y0, t_end, &mut record);
     let ((binning, balance), (trajectory, watched)) = record;
 
-    let mut record = (samples(), watch());
-    let nudged = integrate(block, setting, block.start_nudged(f64::next_up), t_end, &mut record);
-    let horizon_s = lost_at(block, &trajectory, &record.0);
-
     let bins = binning.bins;
     let balance = balance.at(run.mode, &run.y);
-    let force =
-        |bins: &[Bin]| bins.iter().map(|bin| bin.of(Quantity::Force).most).fold(0.0, f64::max);
-    let before = |t: f64| bins.iter().take_while(|bin| bin.begin_s + bin.length_s <= t).count();
-    let n_before = horizon_s.map_or(bins.len(), before);
     let furthest = bins
         .iter()
         .max_by(|a, b| a.of(Quantity::Theta).most.total_cmp(&b.of(Quantity::Theta).most));
     let events = counted(&mode_changes(&trajectory), block);
-    let moved = |t: f64| nudged.reached_90().map(|other| (other - t).abs());
     let row = RunRow {
         reading,
         joint: block.joint,
         reached_90_s: run.reached_90(),
-        moved_s: run.reached_90().and_then(moved),
-        horizon_s,
+        moved_s: None,
+        horizon_s: None,
         end_s: run.t,
         theta_max_rad: furthest.map_or(0.0, |bin| bin.of(Quantity::Theta).most),
         theta_max_at_s: furthest.map_or(0.0, Bin::middle_s),
         n_events: events.len(),
         separations: events.iter().filter(|event| event.t <= 2.0 && event.after == 0).count(),
-        force_before_horizon_n: force(&bins[..n_before]),
-        force_n: force(&bins),
+        force_before_horizon_n: largest_force(&bins),
+        force_n: largest_force(&bins),
+        force_moved_n: None,
         work_j: balance.work,
         fed_in_j: -balance.residual,
         error: failure(&run, watched.cut.map(|limit| limits.told(limit))),
     };
-    Course { run: row, bins, end: run.y }
+    (Course { run: row, bins, end: run.y, nudged: Vec::new() }, trajectory)
 }
 
 /// Why a run ended before its time, if not by the limit that `cut` it.

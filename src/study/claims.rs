@@ -12,6 +12,7 @@ use super::audit::Course;
 use super::course::Quantity;
 use super::torque_ratio::TorqueRatio;
 use crate::config::{Config, ReadingName};
+use crate::reference::HORIZON_ERROR;
 
 /// A figure is reproduced within this part of it.
 const CLOSE: f64 = 0.02;
@@ -67,6 +68,32 @@ pub struct ClaimRow {
     pub verdict: Verdict,
     /// From when on the digits of a joint that it is about are lost [s]; none where they are not.
     pub horizon_s: Option<f64>,
+    /// By how much last-bit changes of the start move what comes out; none where nothing does, or one of them makes
+    /// or unmakes it.
+    #[serde(default)]
+    pub moved: Option<f64>,
+    /// Whether it hangs on motion beyond the horizon: last-bit changes of the start move it by more than
+    /// [`HORIZON_ERROR`] of it, or make or unmake it.
+    #[serde(default)]
+    pub beyond_horizon: bool,
+}
+
+impl ClaimRow {
+    /// Digits of what comes out, up to `most`, that last-bit changes of the start leave; at least one.
+    pub fn digits(&self, most: usize) -> usize {
+        match (self.beyond_horizon, self.measured, self.moved) {
+            (false, ..) => most,
+            (true, Some(value), Some(moved)) => digits(value, moved, most),
+            (true, ..) => 1,
+        }
+    }
+}
+
+/// Digits of `value`, one to `most`, that a change by twice `moved` leaves.
+pub fn digits(value: f64, moved: f64, most: usize) -> usize {
+    let sure = -libm::log10(2.0 * moved / value.abs());
+    // What is not a number, of zero over zero, has none that is sure.
+    if sure >= most as f64 { most } else { sure.max(1.0) as usize }
 }
 
 /// When a claim holds.
@@ -110,6 +137,7 @@ impl Claim {
 }
 
 /// One reading's deployment beside the ideal one.
+#[derive(Clone, Copy)]
 struct Deployment<'a> {
     config: &'a Config,
     own: [&'a Course; 2],
@@ -410,23 +438,56 @@ pub(super) fn claims(
     };
     let ratio = |reading| torque_ratio.curve(reading, config.strut.inertia)?.ratio;
     let Some(ideal) = pair(None) else { return Vec::new() };
-    let deployment = |reading| {
+    let deployments = |reading| {
         let (ratio, ideal_ratio) = (ratio(reading), ratio(None));
-        Some(Deployment { config, own: pair(reading)?, ideal, ratio, ideal_ratio })
+        let own = Deployment { config, own: pair(reading)?, ideal, ratio, ideal_ratio };
+        Some((own.nudged(), own))
     };
     let mut rows = Vec::new();
     for claim in CLAIMS {
         let about = |reading: &Option<ReadingName>| reading.is_none() == claim.is_ideal;
         let readings = std::iter::once(None).chain(ReadingName::ALL.iter().copied().map(Some));
-        let row = |reading| Some(claim.row(reading, &deployment(reading)?));
+        let row = |reading| {
+            let (nudged, own) = deployments(reading)?;
+            Some(claim.row(reading, &own, &nudged))
+        };
         rows.extend(readings.filter(about).filter_map(row));
     }
     rows
 }
 
+impl<'a> Deployment<'a> {
+    /// The same from starts moved by their last bit.
+    fn nudged(&self) -> Vec<Deployment<'a>> {
+        let [one, two] = self.own;
+        let pairs = one.nudged.iter().zip(&two.nudged);
+        let time = |course: &Course| course.run.reached_90_s;
+        pairs
+            .map(|(a, b)| {
+                // M1/M4 goes with the square of the time that AB takes.
+                let moved = time(a).zip(time(one)).map_or(1.0, |(a, t)| (a / t) * (a / t));
+                Deployment { own: [a, b], ratio: self.ratio.map(|ratio| ratio * moved), ..*self }
+            })
+            .collect()
+    }
+}
+
 impl Claim {
-    fn row(&self, reading: Option<ReadingName>, of: &Deployment<'_>) -> ClaimRow {
-        let measured = (self.value)(of).filter(|value| value.is_finite());
+    fn row(
+        &self,
+        reading: Option<ReadingName>,
+        of: &Deployment<'_>,
+        nudged: &[Deployment<'_>],
+    ) -> ClaimRow {
+        let value = |of| (self.value)(of).filter(|value| value.is_finite());
+        let measured = value(of);
+        let apart = nudged.iter().map(|other| match (measured, value(other)) {
+            (Some(own), Some(other)) => (other - own).abs(),
+            (None, None) => 0.0,
+            _ => f64::INFINITY,
+        });
+        let moved = apart.fold(0.0, f64::max);
+        let size = measured.map_or(0.0, f64::abs);
         let horizons = self.joints.iter().filter_map(|joint| of.own.get(joint - 1)?.run.horizon_s);
         ClaimRow {
             claim: self.name.to_owned(),
@@ -436,6 +497,8 @@ impl Claim {
             unit: self.unit.to_owned(),
             verdict: self.test.verdict(measured, of),
             horizon_s: horizons.reduce(f64::min),
+            moved: measured.and(moved.is_finite().then_some(moved)),
+            beyond_horizon: moved > HORIZON_ERROR * size,
         }
     }
 }
@@ -501,6 +564,20 @@ mod tests {
         }
         for (figure, value) in [("13.5", 13.22), ("9", 7.81), ("0.48", 0.44), ("0.00054", 5.0e-4)] {
             assert!(!is_figure(figure, value), "{figure} {value}");
+        }
+    }
+
+    #[test]
+    fn a_value_has_the_digits_that_its_changes_leave_and_at_least_one() {
+        // Twice 7e-3 s of 11.8 s is 1.2e-3, twice 0.17 of 8.7 is 0.04, twice 24 of 32 is more than all of it.
+        for (value, moved, n) in [
+            (11.82, 7e-3, 2),
+            (8.748e-4, 1.7e-5, 1),
+            (32.06, 24.0, 1),
+            (13.5, 1e-6, 4),
+            (0.0, 0.0, 1),
+        ] {
+            assert_eq!(digits(value, moved, 4), n, "{value} {moved}");
         }
     }
 

@@ -56,6 +56,20 @@ fn judged(rows: &[Value]) {
     assert_eq!((&never["measured"], &never["verdict"]), (&Value::Null, &"not_reproduced".into()));
     let horizon = row(rows, "clearance_theta1_90", "printed")["horizon_s"].as_f64().unwrap();
     assert!((3.0..8.0).contains(&horizon), "{horizon}");
+    let is_beyond =
+        |claim: &str, reading: &str| row(rows, claim, reading)["beyond_horizon"] == true;
+    // What is over before its digits are lost, and what is not; what is lost is marked, with fewer digits, everywhere.
+    for (claim, reading, beyond) in [
+        ("ideal_theta1_90", "ideal", false),
+        ("separations", "printed", false),
+        ("f_n1_settled", "printed", false),
+        ("x01_max", "pin", false),
+        ("x01_max", "printed", true),
+        ("f_n1_stays_settled", "printed", true),
+        ("clearance_theta1_90", "pin", true),
+    ] {
+        assert_eq!(is_beyond(claim, reading), beyond, "{}", row(rows, claim, reading));
+    }
     let papers = [
         ("ideal_theta1_90", 13.5),
         ("clearance_theta2_90", 9.0),

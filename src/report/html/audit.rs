@@ -4,7 +4,8 @@ use super::{Heading, Page, Part, Section, Table};
 use crate::config::Config;
 use crate::figures::Picture;
 use crate::report::audit::{
-    IDEAL_COLUMNS, RATIO_COLUMNS, RUN_COLUMNS, findings, ideal_lines, ratio_lines, run_lines,
+    DIGITS, IDEAL_COLUMNS, RATIO_COLUMNS, RUN_COLUMNS, RUN_NOTE, VAGUE, findings, ideal_lines,
+    ratio_lines, rounded_to, run_lines,
 };
 use crate::study::audit::Audit;
 use crate::study::claims::{CLAIMS, ClaimRow};
@@ -29,11 +30,10 @@ pub fn page(config: &Config, audit: &Audit, pictures: Vec<Picture>) -> Page {
                 "Claims",
                 vec![
                     claim_table(&audit.rows),
-                    Part::Text(
+                    Part::Text(format!(
                         "Reproduced: within 2 % of the paper's figure, equal in the digits that it prints, \
-                         or by the rule of the claim. Ideal: without clearance."
-                            .into(),
-                    ),
+                         or by the rule of the claim. ~: {VAGUE}. Ideal: without clearance."
+                    )),
                     Part::Folded("What is claimed, and what is measured".into(), vec![Part::Facts(claims.collect())]),
                 ],
             ),
@@ -42,6 +42,7 @@ pub fn page(config: &Config, audit: &Audit, pictures: Vec<Picture>) -> Page {
                 "Runs",
                 vec![
                     lines(&format!("Every run to 90°, {}", audit.method), &RUN_COLUMNS, run_lines(audit)),
+                    Part::Text(RUN_NOTE.into()),
                     lines("Without clearance: by quadrature and by an integrator", &IDEAL_COLUMNS, ideal_lines(audit)),
                 ],
             ),
@@ -75,14 +76,23 @@ fn claim_table(rows: &[ClaimRow]) -> Part {
             Value::Text(row.claim.clone()),
             Value::Text(row.reading.clone()),
             Value::Number(row.paper),
-            Value::Number(row.measured.map(to_four_digits)),
+            Value::Number(row.measured.map(|x| rounded_to(x, row.digits(DIGITS)))),
             Value::Text(row.unit.clone()),
             Value::Text(row.verdict.name().replace('_', " ")),
             Value::Number(row.horizon_s),
+            Value::Text(if row.beyond_horizon { "~" } else { "" }.into()),
         ]
     };
-    let columns =
-        ["claim", "reading", "paper", "measured", "unit", "verdict", "digits lost from [s]"];
+    let columns = [
+        "claim",
+        "reading",
+        "paper",
+        "measured",
+        "unit",
+        "verdict",
+        "digits lost from [s]",
+        "beyond the horizon",
+    ];
     Part::Table(Table {
         caption: "Each claim under each reading; the paper's figure is empty where it speaks in words, the \
                   measured one where it never happens"
@@ -90,11 +100,6 @@ fn claim_table(rows: &[ClaimRow]) -> Part {
         columns: columns.map(heading).into(),
         rows: rows.iter().map(cells).collect(),
     })
-}
-
-/// Rounded for reading.
-fn to_four_digits(x: f64) -> f64 {
-    format!("{x:.3e}").parse().unwrap_or(x)
 }
 
 fn lines(caption: &str, columns: &[&str], lines: Vec<Vec<String>>) -> Part {
