@@ -15,7 +15,7 @@ pub enum Cells {
     },
     /// One of a few names; no name leaves the cell grey.
     Categories {
-        /// What the legend says; the index is that of the palette's colour.
+        /// What the legend says of those that a cell has; the index is that of the palette's colour.
         names: Vec<String>,
         /// Index of the name, one a cell.
         indices: Vec<Option<usize>>,

@@ -20,14 +20,29 @@ pub enum Marker {
     Triangle,
     /// A square on its tip.
     Diamond,
+    /// A triangle, its tip down.
+    TriangleDown,
+    /// A triangle, its tip to the left.
+    TriangleLeft,
+    /// A triangle, its tip to the right.
+    TriangleRight,
     /// An oblique cross.
     Cross,
 }
 
 impl Marker {
-    /// The outlined signs in a fixed order, for series that have none chosen; an index wraps around.
+    /// The signs that can be hollow in a fixed order, for series that have none chosen; an index wraps around.
     pub fn cycle(index: usize) -> Self {
-        [Self::Circle, Self::Square, Self::Triangle, Self::Diamond, Self::Cross][index % 5]
+        const SIGNS: [Marker; 7] = [
+            Marker::Circle,
+            Marker::Square,
+            Marker::Triangle,
+            Marker::Diamond,
+            Marker::TriangleDown,
+            Marker::TriangleLeft,
+            Marker::TriangleRight,
+        ];
+        SIGNS[index % SIGNS.len()]
     }
 
     /// Corners of the polygons, in radii of a circle of like weight.
@@ -36,6 +51,9 @@ impl Marker {
             Self::Square => &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
             Self::Triangle => &[(0.0, -1.25), (1.15, 0.85), (-1.15, 0.85)],
             Self::Diamond => &[(0.0, -1.3), (1.3, 0.0), (0.0, 1.3), (-1.3, 0.0)],
+            Self::TriangleDown => &[(0.0, 1.25), (1.15, -0.85), (-1.15, -0.85)],
+            Self::TriangleLeft => &[(-1.25, 0.0), (0.85, 1.15), (0.85, -1.15)],
+            Self::TriangleRight => &[(1.25, 0.0), (-0.85, 1.15), (-0.85, -1.15)],
             _ => &[],
         }
     }
@@ -66,11 +84,17 @@ impl Marker {
                     );
                 }
             }
-            Self::Square | Self::Triangle | Self::Diamond => {
+            Self::Square
+            | Self::Diamond
+            | Self::Triangle
+            | Self::TriangleDown
+            | Self::TriangleLeft
+            | Self::TriangleRight => {
                 canvas.fill(polygon(RADIUS), color);
                 if hollow {
                     // The distance from the centre to a side is the least of the polygon's radii.
-                    let inradius = if self == Self::Triangle { 0.72 } else { 0.9 };
+                    let has_four = matches!(self, Self::Square | Self::Diamond);
+                    let inradius = if has_four { 0.9 } else { 0.72 };
                     canvas.fill(polygon(RADIUS - RIM / inradius), WHITE);
                 }
             }

@@ -29,9 +29,9 @@ impl Rgb {
 pub const PALETTE_LEN: usize = PALETTE.len();
 
 /// Okabe and Ito's palette ("Color Universal Design", 2008) without its yellow, which is too pale for
-/// thin lines on white, then three of Paul Tol's muted colours ("Colour schemes", SRON/EPS/TN/09-002,
-/// 2021).
-const PALETTE: [Rgb; 10] = [
+/// thin lines on white, then three of Paul Tol's muted colours and his vibrant magenta ("Colour schemes",
+/// SRON/EPS/TN/09-002, 2021), and three that are far from all of these.
+const PALETTE: [Rgb; 14] = [
     Rgb(0x00, 0x72, 0xB2), // blue
     Rgb(0xD5, 0x5E, 0x00), // vermilion
     Rgb(0x00, 0x9E, 0x73), // bluish green
@@ -42,6 +42,10 @@ const PALETTE: [Rgb; 10] = [
     Rgb(0x88, 0x22, 0x55), // wine
     Rgb(0x33, 0x22, 0x88), // indigo
     Rgb(0x99, 0x99, 0x33), // olive
+    Rgb(0xEE, 0x33, 0x77), // magenta
+    Rgb(0x8C, 0x51, 0x0A), // brown
+    Rgb(0x7F, 0x7F, 0x7F), // grey
+    Rgb(0x7A, 0xC9, 0x43), // light green
 ];
 
 /// The palette's colour of that index.
@@ -117,3 +121,22 @@ pub(crate) const DASH: (f64, f64) = (6.0, 4.0);
 pub(crate) const TICK_LENGTH: f64 = 4.0;
 /// Free border around the whole figure.
 pub(crate) const BORDER_ROOM: f64 = 12.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_colours_of_the_palette_are_alike() {
+        let apart = |a: Rgb, b: Rgb| {
+            let each = [(a.0, b.0), (a.1, b.1), (a.2, b.2)];
+            each.iter().map(|(a, b)| i32::from(a.abs_diff(*b))).sum::<i32>()
+        };
+        for (i, a) in PALETTE.iter().enumerate() {
+            for b in &PALETTE[..i] {
+                // Measured: at least 82, of orange and vermilion.
+                assert!(apart(*a, *b) > 60, "{a:?} {b:?}");
+            }
+        }
+    }
+}

@@ -192,13 +192,14 @@ impl Content for Tiles<'_> {
     }
 
     fn legend(&self) -> Vec<Entry> {
-        let Cells::Categories { names, .. } = &self.map.cells else {
+        let Cells::Categories { names, indices } = &self.map.cells else {
             return Vec::new();
         };
         let entry = |(i, name): (usize, &String)| Entry {
             label: name.clone(),
             sample: Sample::Swatch(category(i)),
         };
-        names.iter().enumerate().map(entry).collect()
+        let is_there = |(i, _): &(usize, &String)| indices.contains(&Some(*i));
+        names.iter().enumerate().filter(is_there).map(entry).collect()
     }
 }

@@ -18,6 +18,7 @@ mod work_precision;
 pub use work_precision::chosen_axes;
 
 use deltazero_plots::{Axis, Error, Figure, Marker, Series};
+use deltazero_solvers::METHODS;
 
 use crate::config::{Config, Events};
 use crate::study::motion::Motion;
@@ -80,10 +81,10 @@ pub fn of_study(
     let mut drawings = vec![
         work_precision::against_time(table),
         work_precision::against_rhs(table),
-        step_size::whole(table, &steps.histories),
-        step_size::zoom(table, &steps.histories),
+        step_size::whole(&steps.histories),
+        step_size::zoom(&steps.histories),
         step_histogram::drawing(&steps.histories, &steps.histogram),
-        stays::drawing(table, &steps.stays),
+        stays::drawing(&steps.stays),
         restarts::drawing(&steps.restarts, &steps.restart_costs),
     ];
     if let Some(motion) = motion {
@@ -99,11 +100,10 @@ pub fn of_study(
     drawings
 }
 
-/// The number of a method in the study, which is that of its colour and marker in every figure.
-fn number(table: &WorkPrecision, method: &str) -> usize {
-    let mut methods: Vec<&str> = table.rows.iter().map(|row| row.method.as_str()).collect();
-    methods.dedup();
-    methods.iter().position(|known| *known == method).unwrap_or(methods.len())
+/// The number of a method, which is that of its colour and marker in every figure and map: its place in the list
+/// of methods, whatever others are there.
+fn number(method: &str) -> usize {
+    METHODS.iter().position(|known| known.name == method).unwrap_or(METHODS.len())
 }
 
 /// The colour of a kind of modes.
@@ -131,10 +131,11 @@ fn size_axis(histories: &[StepHistory]) -> Axis {
     }
 }
 
-/// The curve of one method: filled and solid where events are located, hollow and dashed where
-/// they are not. `color` is the method's number.
-fn curve(method: &str, events: Events, color: usize, points: Vec<(f64, f64)>) -> Series {
+/// The curve of one method, in its look: filled and solid where events are located, hollow and dashed where
+/// they are not.
+fn curve(method: &str, events: Events, points: Vec<(f64, f64)>) -> Series {
     let label = format!("{method}, {events}");
+    let color = number(method);
     let marker = Marker::cycle(color);
     match events {
         Events::Located => Series::filled(label, color, marker, points),
@@ -154,4 +155,23 @@ fn groups(rows: &[Row]) -> Vec<(&str, Events, Vec<&Row>)> {
         }
     }
     groups
+}
+
+#[cfg(test)]
+mod tests {
+    use deltazero_plots::PALETTE_LEN;
+    use deltazero_solvers::Method;
+
+    use super::*;
+
+    #[test]
+    fn every_method_has_a_look_of_its_own() {
+        // A colour each; beyond that indices of the palette wrap around.
+        assert!(METHODS.len() <= PALETTE_LEN, "{} methods, {PALETTE_LEN} colours", METHODS.len());
+        let look = |method: &Method| curve(method.name, Events::Located, Vec::new()).color;
+        let looks: Vec<usize> = METHODS.iter().map(look).collect();
+        for (i, look) in looks.iter().enumerate() {
+            assert!(!looks[..i].contains(look), "{}", METHODS[i].name);
+        }
+    }
 }

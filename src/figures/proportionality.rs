@@ -2,7 +2,7 @@
 
 use deltazero_plots::{Axis, Figure, Guide, Level, LineChart, Panel, Series, Size};
 
-use super::{Drawing, curve, groups, number};
+use super::{Drawing, curve, groups};
 use crate::config::Events;
 use crate::study::proportionality::{Floor, ToleranceRow};
 use crate::study::work_precision::WorkPrecision;
@@ -43,7 +43,7 @@ fn panel(table: &WorkPrecision, rows: &[ToleranceRow], events: Events, names: bo
         if own == events && !points.is_empty() {
             series.push(Series {
                 label: if names { method.into() } else { String::new() },
-                ..curve(method, own, number(table, method), points)
+                ..curve(method, own, points)
             });
         }
     }

@@ -3,8 +3,9 @@
 use deltazero_plots::{
     Axis, Cells, Figure, Heatmap, Legend, LineChart, Marker, Panel, Scale, Series, Size, Upright,
 };
+use deltazero_solvers::METHODS;
 
-use super::Drawing;
+use super::{Drawing, number};
 use crate::config::{Events, ReadingName};
 use crate::study::regimes::{Cell, CellStatus, maps, of_map};
 
@@ -89,11 +90,11 @@ fn winners(cells: &[Cell]) -> Drawing {
     }
     names.sort();
     let colors = |grid: Vec<Option<&Cell>>| {
-        let index = |cell: &Option<&Cell>| {
-            let entry = cell.and_then(Cell::winner)?;
-            names.iter().position(|name| *name == entry.method)
-        };
-        Cells::Categories { names: names.clone(), indices: grid.iter().map(index).collect() }
+        let index = |cell: &Option<&Cell>| Some(number(&cell.and_then(Cell::winner)?.method));
+        let methods = METHODS.iter().map(|method| method.name.to_owned());
+        // That of a method which is no longer in the list.
+        let names = methods.chain(["another".to_owned()]).collect();
+        Cells::Categories { names, indices: grid.iter().map(index).collect() }
     };
     let text = |cell: &Cell| match (cell.winner(), cell.status) {
         (Some(entry), _) => match entry.events {

@@ -25,12 +25,11 @@ pub(super) fn drawing(table: &WorkPrecision) -> Drawing {
         if let Some(slope) = log_log_slope(&fitted) {
             slopes.push(format!("{events}: {slope:.2}"));
         }
-        let color = usize::from(events == Events::Blind);
         if let (Events::Located, Some(through)) = (events, fitted.get(fitted.len() / 2)) {
             let label = "order 4".to_owned();
             guides.push(Guide { slope: 4.0, through: *through, span: None, label });
         }
-        series.push(curve(method, events, color, points));
+        series.push(curve(method, events, points));
     }
     let caption = format!(
         "Error e of rk4 against its step h. Slope by least squares where {:.0e} ≤ e < {:.0e}: {}. \

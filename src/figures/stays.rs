@@ -5,11 +5,10 @@ use deltazero_plots::{Axis, Figure, Guide, LineChart, Marker, Series, Size};
 use super::{Drawing, number};
 use crate::study::stays::StayRow;
 use crate::study::step_size::quantile;
-use crate::study::work_precision::WorkPrecision;
 
 /// Steps per contact (filled) and per flight (hollow) of each method; what the end of the run cuts
 /// is left out, and what the run starts in.
-pub(super) fn drawing(table: &WorkPrecision, rows: &[StayRow]) -> Drawing {
+pub(super) fn drawing(rows: &[StayRow]) -> Drawing {
     let counted = |row: &&StayRow| row.is_whole && row.t_s > 0.0;
     let whole: Vec<&StayRow> = rows.iter().filter(counted).collect();
     let mut methods: Vec<&str> = Vec::new();
@@ -24,7 +23,7 @@ pub(super) fn drawing(table: &WorkPrecision, rows: &[StayRow]) -> Drawing {
             let own =
                 whole.iter().filter(|row| row.method == *method && row.is_contact == is_contact);
             let points = own.map(|row| (row.duration_s, row.n_steps as f64)).collect();
-            let (color, kind) = (number(table, method), kind(is_contact));
+            let (color, kind) = (number(method), kind(is_contact));
             let label = format!("{method}, {kind}");
             let marks = Series::scatter(label, color, Marker::cycle(color), points);
             series.push(Series { hollow: !is_contact, ..marks });

@@ -4,7 +4,6 @@ use deltazero_plots::{Axis, Band, Figure, Panel, StepHistory as Chart, StepLook}
 
 use super::{Drawing, kind_color, number, size_axis};
 use crate::study::step_size::{ACCURACY, StepHistory, StepRow, quantile};
-use crate::study::work_precision::WorkPrecision;
 
 /// Joint that is shown.
 const JOINT: usize = 1;
@@ -14,12 +13,12 @@ const MARGIN: f64 = 3.0;
 const FIRST_PART: f64 = 0.02;
 
 /// Step size of each method on joint 1 over the whole run.
-pub(super) fn whole(table: &WorkPrecision, histories: &[StepHistory]) -> Drawing {
+pub(super) fn whole(histories: &[StepHistory]) -> Drawing {
     let shown: Vec<&StepHistory> = of_joint(histories).collect();
     let ends = shown.iter().filter_map(|history| history.steps.last()).map(StepRow::end);
     let end = ends.fold(0.0, f64::max);
     let sizes = size_axis(histories);
-    let draw = |own: &&StepHistory| panel(table, own, (0.0, end), (&sizes, StepLook::Dots));
+    let draw = |own: &&StepHistory| panel(own, (0.0, end), (&sizes, StepLook::Dots));
     let panels = shown.iter().map(draw).collect();
     let spreads: Vec<String> = shown.iter().map(|history| spread(history)).collect();
     let caption = format!(
@@ -41,7 +40,7 @@ fn of_bays(shown: &[&StepHistory]) -> String {
 }
 
 /// The same around the first flight.
-pub(super) fn zoom(table: &WorkPrecision, histories: &[StepHistory]) -> Drawing {
+pub(super) fn zoom(histories: &[StepHistory]) -> Drawing {
     let shown: Vec<&StepHistory> = of_joint(histories).collect();
     let best = shown.iter().min_by(|a, b| a.e.total_cmp(&b.e));
     let flight = best.and_then(|history| first_flight(&history.steps));
@@ -51,7 +50,7 @@ pub(super) fn zoom(table: &WorkPrecision, histories: &[StepHistory]) -> Drawing 
         ((middle - margin).max(0.0), (middle + margin).min(end))
     });
     let sizes = size_axis(histories);
-    let draw = |own: &&StepHistory| panel(table, own, window, (&sizes, StepLook::Stairs));
+    let draw = |own: &&StepHistory| panel(own, window, (&sizes, StepLook::Stairs));
     let panels = shown.iter().map(draw).collect();
     let counts: Vec<String> = shown
         .iter()
@@ -80,12 +79,7 @@ fn of_joint(histories: &[StepHistory]) -> impl Iterator<Item = &StepHistory> {
     histories.iter().filter(|history| history.joint == JOINT)
 }
 
-fn panel(
-    table: &WorkPrecision,
-    history: &StepHistory,
-    window: (f64, f64),
-    (sizes, look): (&Axis, StepLook),
-) -> Panel {
+fn panel(history: &StepHistory, window: (f64, f64), (sizes, look): (&Axis, StepLook)) -> Panel {
     let overlaps = |step: &&StepRow| step.end() > window.0 && step.t_s < window.1;
     let steps: Vec<&StepRow> = history.steps.iter().filter(overlaps).collect();
     Chart {
@@ -95,7 +89,7 @@ fn panel(
         accepted: steps.iter().map(|step| (step.t_s, step.h_s)).collect(),
         events: history.events.clone(),
         bands: bands(&steps),
-        color: number(table, &history.method),
+        color: number(&history.method),
         look,
         ..Chart::default()
     }

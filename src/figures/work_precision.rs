@@ -3,15 +3,15 @@
 use deltazero_plots::{Axis, Figure, LineChart, Size};
 
 use super::{Drawing, curve, groups};
+use crate::config::Events;
 use crate::study::columns::Column;
 use crate::study::work_precision::{ACCURACIES, Row, WorkPrecision, cheapest};
 
 /// `e` against the shortest time of each run.
 pub(super) fn against_time(table: &WorkPrecision) -> Drawing {
     let x = Axis::log("time of the integration [ms]");
-    let chart = chart(table, x, Axis::log("error e"), |row| {
-        row.wall_s_min.map(|wall| 1e3 * wall).zip(row.e)
-    });
+    let chart =
+        chart(table, x, Axis::log("error e"), |row| row.wall_s_min.map(|wall| 1e3 * wall).zip(row.e));
     let winners: Vec<String> = ACCURACIES
         .iter()
         .filter(|e| table.can_decide(**e))
@@ -75,16 +75,10 @@ fn chart(
     y: Axis,
     at: impl Fn(&Row) -> Option<(f64, f64)>,
 ) -> LineChart {
-    let mut methods: Vec<&str> = Vec::new();
-    let mut series = Vec::new();
-    for (method, events, rows) in groups(&table.rows) {
-        let color = methods.iter().position(|known| *known == method).unwrap_or_else(|| {
-            methods.push(method);
-            methods.len() - 1
-        });
-        let points = rows.iter().filter_map(|row| at(row)).collect();
-        series.push(curve(method, events, color, points));
-    }
+    let own = |(method, events, rows): (&str, Events, Vec<&Row>)| {
+        curve(method, events, rows.iter().filter_map(|row| at(row)).collect())
+    };
+    let series = groups(&table.rows).into_iter().map(own).collect();
     LineChart { x, y, series, ..LineChart::default() }
 }
 
