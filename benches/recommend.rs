@@ -142,7 +142,7 @@ fn one(i: usize, config: &Config, sets: &[String], accuracy: f64, search: bool, 
         again.e,
         if holds { "reached" } else { "NOT REACHED" },
         answer.n_events,
-        1e3 * first.wall_s,
+        1e3 * first.time_s(),
         if !holds || ratio > 1.25 { format!(" | {}", sets.join(" ")) } else { String::new() },
     );
 }
@@ -195,7 +195,7 @@ fn exhaustive(
                     break;
                 }
                 if trial.e <= accuracy && accepts_events(accuracy, events, &trial) {
-                    reaching.push((trial.wall_s, setting));
+                    reaching.push((trial.took.cpu.as_secs_f64(), setting));
                     // Tighter ones cost more.
                     if trial.e < 1e-2 * accuracy {
                         break;
@@ -210,7 +210,12 @@ fn exhaustive(
     reaching.push((f64::INFINITY, own));
     for _ in 0..5 {
         for (wall, setting) in &mut reaching {
-            *wall = wall.min(Trial::new(arena, setting, Start::Exact, f64::INFINITY, stop).wall_s);
+            *wall = wall.min(
+                Trial::new(arena, setting, Start::Exact, f64::INFINITY, stop)
+                    .took
+                    .cpu
+                    .as_secs_f64(),
+            );
         }
     }
     let own = reaching.last().map_or(f64::NAN, |(wall, _)| *wall);

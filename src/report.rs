@@ -21,7 +21,7 @@ use crate::figures::Drawing;
 use crate::model::Body;
 use crate::run::JointHistory;
 use crate::study::restitution;
-use crate::study::work_precision::{ACCURACIES, WorkPrecision, cheapest};
+use crate::study::work_precision::{ACCURACIES, WorkPrecision, cheapest, doubt};
 
 /// A number as it reads back to the same bits; empty for none.
 fn exact(x: Option<f64>) -> String {
@@ -66,11 +66,11 @@ fn answer_rows(table: &WorkPrecision) -> Vec<[String; 7]> {
             row[1] = "not decidable".into();
             row[2] = format!("the reference is good to {:.1e}", table.reference.agreement);
         } else if let Some(best) = cheapest(&table.rows, e) {
-            row[1] = format!("{} {}", best.method, best.events);
+            row[1] = format!("{} {}{}", best.method, best.events, doubt(&table.rows, e));
             row[2] = best.setting();
             row[3] = rounded(best.e, 2);
             row[4] = format!("{}, {}", count(best.missed), count(best.spurious));
-            row[5] = format!("{:.2}", 1e3 * best.wall_s_min.unwrap_or(f64::NAN));
+            row[5] = format!("{:.2}", 1e3 * best.time_s().unwrap_or(f64::NAN));
             row[6] = best.n_rhs.to_string();
         } else {
             row[1] = "none reached it".into();

@@ -3,9 +3,9 @@
 mod integrate;
 mod joints;
 mod limits;
+mod stopwatch;
 
 use std::fmt;
-use std::time::Duration;
 
 use deltazero_solvers::{
     Control, Error, Grid, Method, Next, Outcome, Stats, Switch, Tolerance, Trajectory,
@@ -20,6 +20,7 @@ pub use integrate::{
 };
 pub use joints::{JointHistory, JointSample, OwnTrajectory, histories, switches, trajectories};
 pub use limits::{Clock, Limit, Limits, Price, SERIES, Watch};
+pub use stopwatch::Took;
 
 /// How accurate a method is asked to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -157,8 +158,8 @@ impl Run {
     }
 
     /// Time that the integration of all parts took.
-    pub fn wall(&self) -> Duration {
-        self.parts.iter().map(|part| part.wall).sum()
+    pub fn took(&self) -> Took {
+        self.parts.iter().map(|part| part.took).sum()
     }
 
     /// Whether a limit broke it off.

@@ -20,7 +20,8 @@ use deltazero::study::columns::{Column, Value};
 use deltazero::study::regimes::{Cell, CellStatus};
 use deltazero::study::step_tables::StepTables;
 use deltazero::study::work_precision::{
-    Progress, Row, Status, WorkPrecision, cheapest, sample_times, work_precision,
+    Progress, Row, Status, WorkPrecision, cheapest, doubt, sample_times, within_noise,
+    work_precision,
 };
 use deltazero::{figures, report};
 use deltazero_solvers::{Grid, METHODS, Method};
@@ -117,7 +118,9 @@ fn rows_do_not_depend_on_the_number_of_threads() {
     let strip = |mut table: WorkPrecision| {
         for row in &mut table.rows {
             (row.wall_s_min, row.wall_s_median, row.wall_s_max) = (None, None, None);
+            (row.cpu_s_min, row.cpu_s_median) = (None, None);
             row.walls_s.clear();
+            row.cpus_s.clear();
         }
         table
     };
@@ -378,10 +381,73 @@ fn a_contest_is_won_by_the_shortest_time_and_cuts_what_needs_ten_times_the_work(
     let first = &standings.entries[0];
     assert_eq!(first.method, "dop853");
     for entry in &standings.entries {
-        assert!(entry.work <= CUT * first.work && entry.wall_s >= first.wall_s, "{entry:?}");
+        assert!(entry.work <= CUT * first.work && entry.time_s() >= first.time_s(), "{entry:?}");
     }
     let cut = standings.failures.iter().filter(|failure| failure.kind == FailureKind::Cut);
     assert!(cut.clone().any(|failure| failure.method == "tr_bdf2"), "{standings:#?}");
+}
+
+/// The committed study of Table 1, its times as processor and wall have them in `times` for the runs named there.
+fn timed(times: &[(&str, Events, f64, [f64; 3], f64)]) -> Vec<Row> {
+    let file = format!("{}/docs/table1/study.json", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(file).unwrap();
+    let mut rows = serde_json::from_str::<WorkPrecision>(&text).unwrap().rows;
+    for row in &mut rows {
+        (row.wall_s_min, row.cpu_s_min) = (Some(1.0), Some(1.0));
+        (row.wall_s_median, row.cpu_s_median) = (Some(1.0), Some(1.0));
+        let own = |of: &&(&str, Events, f64, [f64; 3], f64)| {
+            (of.0, of.1, Some(of.2)) == (row.method.as_str(), row.events, row.rtol)
+        };
+        if let Some((_, _, _, [least, median, most], wall)) = times.iter().find(own) {
+            (row.cpu_s_min, row.cpu_s_median) = (Some(*least), Some(*median));
+            (row.wall_s_min, row.wall_s_median, row.wall_s_max) =
+                (Some(*wall), Some(*wall), Some(*most));
+        }
+    }
+    rows
+}
+
+#[test]
+fn what_disturbs_the_machine_names_no_winner_and_what_the_times_leave_open_is_told() {
+    let taylor = |times, wall| ("taylor", Events::Located, 1e-10, times, wall);
+    let vern98 = ("vern98", Events::Located, 1e-10, [3.5e-3; 3], 3.5e-3);
+    // Three repeats that waited for the processor: 7 ms on the wall, 3 ms of work.
+    let rows = timed(&[taylor([3e-3; 3], 7e-3), vern98]);
+    assert_eq!(cheapest(&rows, 1e-9).unwrap().method, "taylor");
+    assert!(within_noise(&rows, 1e-9).is_empty());
+    assert_eq!(doubt(&rows, 1e-9), "");
+    // Half of the repeats took as long as the other method: which is faster is open.
+    let rows = timed(&[taylor([3e-3, 4e-3, 4e-3], 3e-3), vern98]);
+    assert_eq!(cheapest(&rows, 1e-9).unwrap().method, "taylor");
+    assert_eq!(doubt(&rows, 1e-9), " (within the noise: also vern98 located)");
+    // The noise of a slower one, too, may have hidden that it is the faster one.
+    let rows = timed(&[taylor([3.6e-3, 4e-3, 5e-3], 3e-3), vern98]);
+    assert_eq!(cheapest(&rows, 1e-9).unwrap().method, "vern98");
+    assert_eq!(doubt(&rows, 1e-9), " (within the noise: also taylor located)");
+    // Without times of the processor, as an earlier version kept them, those on the wall rank.
+    let mut rows = timed(&[taylor([3e-3; 3], 7e-3), vern98]);
+    rows.iter_mut().for_each(|row| row.cpu_s_min = None);
+    assert_eq!(cheapest(&rows, 1e-9).unwrap().method, "vern98");
+}
+
+#[test]
+fn the_finals_tell_who_is_within_the_noise() {
+    let (_, standings) = contest(&["rk45", "dop853"], 1e-5);
+    let first = &standings.entries[0];
+    assert!(standings.entries.iter().all(|entry| entry.noise.is_some() == entry.timed));
+    assert!(first.cpu_s.is_some_and(|cpu| cpu > 0.0) && first.noise >= Some(1.0), "{first:?}");
+    let with = |time: f64, noise: f64| Entry {
+        cpu_s: Some(time),
+        noise: Some(noise),
+        timed: true,
+        ..first.clone()
+    };
+    let best = with(3e-3, 1.0);
+    assert!(!with(3.5e-3, 1.0).is_within_noise_of(&best));
+    assert!(with(3.5e-3, 1.2).is_within_noise_of(&best));
+    assert!(with(3.5e-3, 1.0).is_within_noise_of(&with(3e-3, 1.2)));
+    let untimed = Entry { timed: false, ..with(3.5e-3, 1.2) };
+    assert!(!untimed.is_within_noise_of(&best));
 }
 
 #[test]

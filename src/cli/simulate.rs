@@ -133,7 +133,7 @@ fn simulate<'a, P: Integrable>(
     let mut record = ((trajectory(), balance), ((time, (watch, rows)), (work, contacts)));
     let run = integrate(part, setting, y0.clone(), t_end, &mut record);
     let ((kept, balance), ((_, (_, rows)), (work, contacts))) = record;
-    let alone = || integrate(part, setting, y0, t_end, &mut trajectory()).wall;
+    let alone = || integrate(part, setting, y0, t_end, &mut trajectory()).took.wall;
     let events = switches(part, &kept.events);
     let last = kept.events.last().filter(|event| event.after == Next::Stop);
     let reached_90 =
@@ -142,7 +142,7 @@ fn simulate<'a, P: Integrable>(
         joints: histories(part, &kept, part.n_joints()),
         contacts: contacts.lists(),
         n_at_floor: events.iter().map(|own| contacts_at_floor(part.block(), own)).sum(),
-        wall: wall(&run.outcome, run.wall, alone),
+        wall: wall(&run.outcome, run.took.wall, alone),
         mode: format!("{:?}", run.mode),
         reached_90,
         failed_bay: run.failed_joint(part).map(|k| k + 1),

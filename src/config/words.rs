@@ -30,6 +30,8 @@ pub const AXES: &[&str] = &[
     "wall_s_min",
     "wall_s_median",
     "wall_s_max",
+    "cpu_s_min",
+    "cpu_s_median",
     "n_rhs",
     "n_rhs_flight",
     "n_rhs_contact",

@@ -131,6 +131,14 @@ pub struct Entry {
     /// Shortest time of its runs [s].
     #[serde(with = "json_number::one")]
     pub wall_s: f64,
+    /// Shortest time of the processor of its runs [s], by which entries are ranked; none where an earlier version did
+    /// not say, and the shortest time ranks.
+    #[serde(default)]
+    pub cpu_s: Option<f64>,
+    /// How uncertain that is, as a factor: the median of those in turns over the shortest; none where there were no
+    /// turns.
+    #[serde(default)]
+    pub noise: Option<f64>,
     /// Whether a tighter setting has the events wrong.
     pub grazes: bool,
     /// Whether it was timed in turns with the fastest.
@@ -141,6 +149,17 @@ impl Entry {
     /// Whether it is the method that chooses between others as it goes.
     pub fn is_auto(&self) -> bool {
         chooses(&self.method)
+    }
+
+    /// The time that ranks [s]: of the processor, or on the wall where that is all that is known.
+    pub fn time_s(&self) -> f64 {
+        self.cpu_s.unwrap_or(self.wall_s)
+    }
+
+    /// Whether the noise of their times leaves open which of it and the faster `first` is the faster one.
+    pub fn is_within_noise_of(&self, first: &Self) -> bool {
+        let noise = |entry: &Self| entry.noise.unwrap_or(1.0);
+        self.timed && self.time_s() <= first.time_s() * noise(self).max(noise(first))
     }
 
     /// What `auto` is here, as text: `4007 of its 4704 steps implicit`; none of another method.

@@ -395,7 +395,9 @@ impl<'a> Search<'a> {
             growth,
             bound_by_stability: self.is_bound_by_stability(trial, growth),
             work: trial.work,
-            wall_s: trial.wall_s,
+            wall_s: trial.took.wall.as_secs_f64(),
+            cpu_s: Some(trial.took.cpu.as_secs_f64()),
+            noise: None,
             grazes: self.grazes(rung),
             timed: false,
         };

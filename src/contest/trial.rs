@@ -11,7 +11,7 @@ use super::arena::Arena;
 use crate::metrics::worse;
 use crate::model::{Jointed, Part};
 use crate::reference::JointReference;
-use crate::run::{Clock, Integrable, Price, SERIES, Setting, integrate, trajectories};
+use crate::run::{Clock, Integrable, Price, SERIES, Setting, Took, integrate, trajectories};
 
 /// A linear system of one block costs about this many right-hand sides: rodas5p, radau5, bdf and
 /// esdirk34 take 4.2 to 7.5 times the time of an explicit method's for each of theirs (Table 1). Of a chain it is
@@ -82,8 +82,8 @@ pub struct Trial {
     pub work: f64,
     /// Time that the parts came far, added [s].
     pub covered: f64,
-    /// Time that it took [s].
-    pub wall_s: f64,
+    /// Time that it took.
+    pub took: Took,
 }
 
 impl Trial {
@@ -104,7 +104,7 @@ impl Trial {
             stats: Stats::default(),
             work: 0.0,
             covered: 0.0,
-            wall_s: 0.0,
+            took: Took::default(),
         };
         for (part, joints) in arena.reference.of_parts(&arena.mechanism) {
             match part {
@@ -132,7 +132,7 @@ impl Trial {
         stop: &AtomicBool,
     ) {
         let (work_before, t_before, whole) = (self.work, self.covered, arena.whole());
-        let clock = Clock::of(arena.max_seconds - self.wall_s);
+        let clock = Clock::of(arena.max_seconds - self.took.wall.as_secs_f64());
         let cut = None;
         let watch = WorkLimit {
             setting,
@@ -150,7 +150,7 @@ impl Trial {
         self.stats += run.stats;
         self.work += work(setting.method, setting.rtol(), &run.stats.work);
         self.covered += run.t;
-        self.wall_s += run.wall.as_secs_f64();
+        self.took = self.took + run.took;
         self.end = match run.outcome {
             Err(error) => TrialEnd::Failed(error),
             Ok(Outcome::Interrupted) => record.1.cut.unwrap_or(TrialEnd::Interrupted),

@@ -139,9 +139,10 @@ fn margin(cells: &[Cell]) -> Drawing {
     margins.sort_by(f64::total_cmp);
     let median = margins.get(margins.len() / 2).copied().unwrap_or(f64::NAN);
     let close = margins.iter().filter(|margin| **margin < 1.1).count();
+    let open = cells.iter().filter(|cell| !cell.within_noise().is_empty()).count();
     let caption = format!(
         "Time of the second over that of the first, median {median:.2}, largest {most:.2}; in {close} of {} \
-         cells the two are within a tenth, where noise may change their order.",
+         cells the two are within a tenth, in {open} the winner is within the noise of the times.",
         margins.len()
     );
     Drawing { name: "margin", caption, figure }
@@ -161,7 +162,7 @@ fn cost(cells: &[Cell]) -> Drawing {
             let curve = |implicit: bool| -> Vec<(f64, f64)> {
                 let point = |cell: &&Cell| {
                     let best = cell.best(|entry| entry.implicit == implicit);
-                    (cell.stiffness, best.map_or(f64::NAN, |entry| 1e3 * entry.wall_s))
+                    (cell.stiffness, best.map_or(f64::NAN, |entry| 1e3 * entry.time_s()))
                 };
                 own.iter().map(point).collect()
             };

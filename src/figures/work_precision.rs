@@ -5,13 +5,13 @@ use deltazero_plots::{Axis, Figure, LineChart, Size};
 use super::{Drawing, curve, groups};
 use crate::config::Events;
 use crate::study::columns::Column;
-use crate::study::work_precision::{ACCURACIES, Row, WorkPrecision, cheapest};
+use crate::study::work_precision::{ACCURACIES, Row, WorkPrecision, cheapest, doubt};
 
 /// `e` against the shortest time of each run.
 pub(super) fn against_time(table: &WorkPrecision) -> Drawing {
     let x = Axis::log("time of the integration [ms]");
     let chart =
-        chart(table, x, Axis::log("error e"), |row| row.wall_s_min.map(|wall| 1e3 * wall).zip(row.e));
+        chart(table, x, Axis::log("error e"), |row| row.time_s().map(|time| 1e3 * time).zip(row.e));
     let winners: Vec<String> = ACCURACIES
         .iter()
         .filter(|e| table.can_decide(**e))
@@ -86,11 +86,12 @@ fn winner(rows: &[Row], e: f64) -> String {
     match cheapest(rows, e) {
         None => format!("at e ≤ {e:e}: none"),
         Some(row) => format!(
-            "at e ≤ {e:e}: {} {}, {}, {:.2} ms",
+            "at e ≤ {e:e}: {} {}, {}, {:.2} ms{}",
             row.method,
             row.events,
             row.setting(),
-            1e3 * row.wall_s_min.unwrap_or(f64::NAN)
+            1e3 * row.time_s().unwrap_or(f64::NAN),
+            doubt(rows, e)
         ),
     }
 }

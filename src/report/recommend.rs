@@ -42,9 +42,10 @@ fn entry(entry: Option<&Entry>, accuracy: f64, reason: &str) -> Value {
 fn distance(first: Option<&Entry>, rival: &Entry) -> String {
     let halves = rival.implicit_steps().map_or_else(String::new, |halves| format!("; {halves}"));
     first.map_or_else(String::new, |first| {
+        let near = if rival.is_within_noise_of(first) { ", within the noise" } else { "" };
         format!(
-            "{:.2} times the time of {} {}{halves}",
-            rival.wall_s / first.wall_s,
+            "{:.2} times the time of {} {}{near}{halves}",
+            rival.time_s() / first.time_s(),
             first.method,
             first.events
         )
@@ -77,7 +78,7 @@ pub fn text(answer: &Recommendation) -> String {
                 text,
                 "\nexpected: e = {:.1e} ({least:.1e} to {most:.1e} beside it), {} ms, n_rhs = {}\n",
                 first.e,
-                milliseconds(first.wall_s),
+                milliseconds(first.time_s()),
                 first.n_rhs
             );
             text += &wrapped(&format!("why: {}.", answer.reason), "     ");
@@ -117,8 +118,8 @@ fn ranking(answer: &Recommendation, first: &Entry) -> String {
             entry.events.name(),
             entry.setting(),
             entry.e,
-            milliseconds(entry.wall_s),
-            entry.wall_s / first.wall_s,
+            milliseconds(entry.time_s()),
+            entry.time_s() / first.time_s(),
             entry.missed + entry.spurious,
         );
     }
@@ -128,8 +129,8 @@ fn ranking(answer: &Recommendation, first: &Entry) -> String {
     text + &halves
 }
 
-fn milliseconds(wall_s: f64) -> String {
-    format!("{:.2}", 1e3 * wall_s)
+fn milliseconds(time_s: f64) -> String {
+    format!("{:.2}", 1e3 * time_s)
 }
 
 /// Text in lines of at most [`WIDTH`] columns, all but the first begun with `indent`.

@@ -17,7 +17,7 @@ pub fn csv(cells: &[Cell]) -> String {
         "reading,stiffness,damping_ratio,accuracy,status,t_end_s,horizon_s,n_events,method,events,rtol,\
          step,e,e_least,e_most,missed,spurious,wall_s,n_rhs,n_accepted,second,second_events,\
          second_wall_s,explicit,explicit_wall_s,implicit,implicit_wall_s,located,located_wall_s,blind,\
-         blind_wall_s,auto_over_winner,failures,error\n",
+         blind_wall_s,auto_over_winner,failures,error,cpu_s,second_cpu_s,within_noise\n",
     );
     for cell in cells {
         let first = cell.winner();
@@ -69,6 +69,10 @@ pub fn csv(cells: &[Cell]) -> String {
             .collect();
         fields.push(field(&failures.join("; ")));
         fields.push(field(cell.error.as_deref().unwrap_or_default()));
+        fields.push(exact(first.and_then(|entry| entry.cpu_s)));
+        fields.push(exact(second.and_then(|entry| entry.cpu_s)));
+        let near: Vec<String> = cell.within_noise().into_iter().map(name).collect();
+        fields.push(field(&near.join("; ")));
         let _ = writeln!(csv, "{}", fields.join(","));
     }
     csv
@@ -112,9 +116,25 @@ fn name(entry: &Entry) -> String {
 }
 
 /// What follows from the cells of one map, a sentence or two each: where implicit wins, where locating events
-/// pays, what `auto` costs, where nothing arrives.
-pub fn findings(cells: &[&Cell]) -> [String; 4] {
-    [implicit(cells), location(cells), auto(cells), nothing(cells)]
+/// pays, what `auto` costs, where nothing arrives, where noise leaves the winner open.
+pub fn findings(cells: &[&Cell]) -> Vec<String> {
+    let all = [implicit(cells), location(cells), auto(cells), nothing(cells)];
+    all.into_iter().chain(noise(cells)).collect()
+}
+
+/// Where do the times not tell who wins? None where they do.
+fn noise(cells: &[&Cell]) -> Option<String> {
+    let open = |cell: &&Cell| {
+        let near: Vec<String> = cell.within_noise().into_iter().map(name).collect();
+        let winner = name(cell.winner()?);
+        (!near.is_empty()).then(|| format!("{} ({winner} or {})", place(cell), near.join(", ")))
+    };
+    let places: Vec<String> = cells.iter().filter_map(open).collect();
+    let is_any = !places.is_empty();
+    is_any.then(|| {
+        let n = n_cells(places.len());
+        format!("The winner is within the noise of the times in {n}: {}.", places.join("; "))
+    })
 }
 
 fn place(cell: &Cell) -> String {
@@ -312,7 +332,7 @@ fn table(cells: &[&Cell]) -> String {
                     " {}, {}, {:.2} ms{} |",
                     name(entry),
                     entry.setting(),
-                    1e3 * entry.wall_s,
+                    1e3 * entry.time_s(),
                     cell.margin().map_or_else(String::new, |margin| format!(", × {margin:.2}"))
                 ),
                 (None, Some(cell)) => write!(text, " {} |", cell.status.name()),

@@ -1,6 +1,4 @@
-//! The run of one part: the integration, and the one stopwatch.
-
-use std::time::{Duration, Instant};
+//! The run of one part: the integration, timed.
 
 use deltazero_solvers::taylor::ExtendedIntegration;
 use deltazero_solvers::{
@@ -8,6 +6,7 @@ use deltazero_solvers::{
     Unblind,
 };
 
+use super::stopwatch::{Stopwatch, Took};
 use super::{BlockTrajectory, Setting};
 use crate::config::Events;
 use crate::model::{Block, Chain, Jointed, Mode, State};
@@ -28,7 +27,7 @@ pub struct PartRun<Y = State<f64>, M = Mode> {
     /// Work; an evaluation of the right-hand side is one of all joints of the part.
     pub stats: Stats,
     /// Time that the integration took.
-    pub wall: Duration,
+    pub took: Took,
 }
 
 /// What became of one block.
@@ -68,7 +67,7 @@ impl<Y, M> PartRun<Y, M> {
             y: part.joint_states(&self.y),
             mode: part.joint_modes(&self.mode),
             stats: self.stats,
-            wall: self.wall,
+            took: self.took,
         }
     }
 }
@@ -103,7 +102,7 @@ impl Integrable for Block {
         t_end: f64,
         record: &mut dyn Record<Self>,
     ) -> BlockRun {
-        let start = Instant::now();
+        let watch = Stopwatch::start();
         let blind = Blind(self);
         let mut run = Integration::new(&blind, 0.0, y0);
         let mut record = Unblind::new(self, 0.0, &y0, record);
@@ -113,7 +112,7 @@ impl Integrable for Block {
         });
         let mode = self.mode_of_state(run.point.t, &run.point.y);
         let end = Point { t: run.point.t, y: run.point.y, mode };
-        finished(self, end, run.stats, outcome, start.elapsed())
+        finished(self, end, run.stats, outcome, watch.took())
     }
 
     fn integrate_extended(
@@ -123,12 +122,12 @@ impl Integrable for Block {
         t_end: f64,
         record: &mut dyn Record<Self>,
     ) -> BlockRun {
-        let start = Instant::now();
+        let watch = Stopwatch::start();
         let atol = self.scale().map(|scale| rtol * scale).to_vec();
         let mut run = ExtendedIntegration::new(self, 0.0, &y0, Tolerance { rtol, atol });
         let outcome = self.check().and_then(|()| run.run(t_end, record));
         let end = Point { t: run.t.value(), y: run.rounded(), mode: run.mode };
-        finished(self, end, run.stats, outcome, start.elapsed())
+        finished(self, end, run.stats, outcome, watch.took())
     }
 }
 
@@ -162,7 +161,7 @@ fn not_built<P: Jointed>(part: &P, y0: P::State<f64>, reason: &str) -> OwnRun<P>
     let error =
         Error::OutsideModel { t: 0.0, mode: format!("{mode:?}"), reason: reason.to_owned() };
     let end = Point { t: 0.0, y: y0, mode };
-    finished(part, end, Stats::default(), Err(error), Duration::ZERO)
+    finished(part, end, Stats::default(), Err(error), Took::default())
 }
 
 /// Where a run ended.
@@ -177,17 +176,17 @@ fn finished<P: Jointed>(
     end: Point<P::State<f64>, P::Mode>,
     stats: Stats,
     outcome: Result<Outcome, Error>,
-    wall: Duration,
+    took: Took,
 ) -> OwnRun<P> {
     let Point { t, y, mode } = end;
     let (block, k) = (part.block(), part.nearest_end(&mode, &y));
     let outcome = block.judged(outcome, t, P::joint_mode(&mode, k), &part.joint_state(&y, k));
-    PartRun { joint: block.joint, outcome, t, y, mode, stats, wall }
+    PartRun { joint: block.joint, outcome, t, y, mode, stats, took }
 }
 
 /// Integrates `part` from `y0` at t = 0 to `t_end`, shown to `record`.
 ///
-/// The one stopwatch is here: [`PartRun::wall`] is the time of the integration with its recorder.
+/// The one stopwatch is here: [`PartRun::took`] is the time of the integration with its recorder.
 pub fn integrate<P: Integrable>(
     part: &P,
     setting: &Setting,
@@ -198,24 +197,24 @@ pub fn integrate<P: Integrable>(
     if setting.events == Events::Blind {
         return part.integrate_blind(setting, y0, t_end, record);
     }
-    let start = Instant::now();
+    let watch = Stopwatch::start();
     let mut run = Integration::new(part, 0.0, y0);
     let outcome = part.check().and_then(|()| {
         let mut solver = setting.method.solver(part, setting.control(part))?;
         run.run(t_end, &mut *solver, record)
     });
-    ended(part, run, outcome, start.elapsed())
+    ended(part, run, outcome, watch.took())
 }
 
-/// What became of an integration that took the time `wall`.
+/// What became of an integration that took so long.
 fn ended<P: Jointed>(
     part: &P,
     run: Integration<'_, P>,
     outcome: Result<Outcome, Error>,
-    wall: Duration,
+    took: Took,
 ) -> OwnRun<P> {
     let end = Point { t: run.point.t, y: run.point.y, mode: run.point.mode };
-    finished(part, end, run.stats, outcome, wall)
+    finished(part, end, run.stats, outcome, took)
 }
 
 /// Integrates two joints as [`integrate`] does, with the same bits, [both at once](Method::run_pair) where events
@@ -236,13 +235,13 @@ pub fn integrate_pair<R: Record<Block>>(
             integrate(blocks[1], setting, starts[1], t_end, second),
         ];
     }
-    let start = Instant::now();
+    let watch = Stopwatch::start();
     let controls = blocks.map(|block| setting.control(block));
     let mut runs = [0, 1].map(|i| Integration::new(blocks[i], 0.0, starts[i]));
     let [first, second] = &mut runs;
     let ends = setting.method.run_pair([first, second], t_end, controls.each_ref(), records);
     let [end_1, end_2] = ends.unwrap_or_else(|error| [Err(error.clone()), Err(error)]);
-    let (share, [run_1, run_2]) = (start.elapsed().div_f64(2.0), runs);
+    let (share, [run_1, run_2]) = (watch.took().share(2), runs);
     [ended(blocks[0], run_1, end_1, share), ended(blocks[1], run_2, end_2, share)]
 }
 
@@ -259,7 +258,7 @@ pub fn integrate_many(
     trajectories: &mut [BlockTrajectory],
 ) -> Vec<BlockRun> {
     assert!(trajectories.len() >= starts.len(), "a trajectory for each start is needed");
-    let start = Instant::now();
+    let watch = Stopwatch::start();
     let mut runs: Vec<_> = starts.iter().map(|y| Integration::new(block, 0.0, *y)).collect();
     let control = setting.control(block);
     let ends = match setting.events {
@@ -272,7 +271,7 @@ pub fn integrate_many(
         }
     };
     let ends = ends.unwrap_or_else(|error| vec![Err(error); runs.len()]);
-    let share = start.elapsed().div_f64(runs.len().max(1) as f64);
+    let share = watch.took().share(runs.len());
     let pairs = runs.into_iter().zip(ends);
     pairs.map(|(run, outcome)| ended(block, run, outcome, share)).collect()
 }

@@ -50,7 +50,7 @@ impl<'a> Limits<'a> {
     pub fn after<Y, M>(self, part: &PartRun<Y, M>, price: Price) -> Self {
         Self {
             max_rhs: self.max_rhs.saturating_sub(price.of(&part.stats) as u64),
-            max_seconds: self.max_seconds - part.wall.as_secs_f64(),
+            max_seconds: self.max_seconds - part.took.wall.as_secs_f64(),
             ..self
         }
     }

@@ -125,6 +125,12 @@ pub const COLUMNS: &[Column] = &[
     column("wall_s_min", "s", "shortest time of the repeats", |row| Number(row.wall_s_min)),
     column("wall_s_median", "s", "median time of the repeats", |row| Number(row.wall_s_median)),
     column("wall_s_max", "s", "longest time of the repeats", |row| Number(row.wall_s_max)),
+    column("cpu_s_min", "s", "shortest processor time of the repeats, which ranks", |row| {
+        Number(row.cpu_s_min)
+    }),
+    column("cpu_s_median", "s", "median processor time of the repeats", |row| {
+        Number(row.cpu_s_median)
+    }),
     column("n_retaken", "", "steps retaken to land on events", |row| count(row.n_retaken)),
     column("n_factorisations", "", "factorisations of an iteration matrix", |row| {
         count(row.n_factorisations)

@@ -136,6 +136,12 @@ fn reason(standings: &Standings, n_events: usize) -> String {
             first.missed, first.spurious
         );
     }
+    let rivals = standings.entries.iter().skip(1);
+    let near: Vec<String> =
+        rivals.filter(|rival| rival.is_within_noise_of(first)).map(name).collect();
+    if !near.is_empty() {
+        reason += &format!("; within the noise of the times: also {}", near.join(", "));
+    }
     reason
 }
 
@@ -152,7 +158,7 @@ fn beside(standings: &Standings, first: &Entry) -> String {
     };
     let mut entries = standings.entries.iter();
     if let Some(other) = entries.find(|entry| is_other(entry.is_auto(), entry.implicit)) {
-        let a_step = |entry: &Entry| entry.wall_s / entry.n_accepted as f64;
+        let a_step = |entry: &Entry| entry.time_s() / entry.n_accepted as f64;
         let held = if other.bound_by_stability { " (held by stability)" } else { "" };
         return format!(
             "; the best {kind} one, {} {}, takes {} steps{held} against {}, each at {} times the price",

@@ -89,32 +89,38 @@ impl Cell {
         self.fixed().nth(1).filter(|entry| entry.timed)
     }
 
+    /// Those that the noise of the times does not tell from the winner.
+    pub fn within_noise(&self) -> Vec<&Entry> {
+        let Some(first) = self.winner() else { return Vec::new() };
+        self.fixed().skip(1).filter(|entry| entry.is_within_noise_of(first)).collect()
+    }
+
     /// Time of `auto` over that of the winner, each by whichever of located and blind is faster for it.
     pub fn auto_over_winner(&self) -> Option<f64> {
         let own = self.standings.entries.iter().find(|entry| entry.is_auto())?;
-        Some(own.wall_s / self.winner()?.wall_s)
+        Some(own.time_s() / self.winner()?.time_s())
     }
 
     /// The fastest of those that `of` is true for.
     pub fn best(&self, of: impl Fn(&Entry) -> bool) -> Option<&Entry> {
         let own = self.fixed().filter(|entry| of(entry));
-        own.min_by(|a, b| a.wall_s.total_cmp(&b.wall_s))
+        own.min_by(|a, b| a.time_s().total_cmp(&b.time_s()))
     }
 
     /// Time of the second over that of the winner.
     pub fn margin(&self) -> Option<f64> {
-        Some(self.second()?.wall_s / self.winner()?.wall_s)
+        Some(self.second()?.time_s() / self.winner()?.time_s())
     }
 
     /// Time of the best explicit method over that of the best implicit one.
     pub fn explicit_over_implicit(&self) -> Option<f64> {
-        let time = |implicit| self.best(|entry| entry.implicit == implicit).map(|e| e.wall_s);
+        let time = |implicit| self.best(|entry| entry.implicit == implicit).map(Entry::time_s);
         Some(time(false)? / time(true)?)
     }
 
     /// Time of the best blind run over that of the best located one.
     pub fn blind_over_located(&self) -> Option<f64> {
-        let time = |events| self.best(|entry| entry.events == events).map(|e| e.wall_s);
+        let time = |events| self.best(|entry| entry.events == events).map(Entry::time_s);
         Some(time(Events::Blind)? / time(Events::Located)?)
     }
 }

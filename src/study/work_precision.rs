@@ -13,7 +13,7 @@ use crate::json_number;
 use crate::metrics::work::WorkByPhase;
 use crate::model::Mechanism;
 use crate::reference::{Reference, ReferenceError, ReferenceSummary};
-use crate::run::{Accuracy, Limits, Run, Setting};
+use crate::run::{Accuracy, Limits, Run, Setting, Took};
 
 /// Sample times of a study whose configuration asks for none.
 const DEFAULT_SAMPLES: u32 = 200;
@@ -97,10 +97,20 @@ pub struct Row {
     pub n_rhs_location: u64,
     /// Longest time of the repeats [s].
     pub wall_s_max: Option<f64>,
+    /// Shortest time of the processor of the repeats [s], by which runs are ranked; none where an earlier version did
+    /// not say, and the shortest time ranks.
+    #[serde(default)]
+    pub cpu_s_min: Option<f64>,
+    /// Median of it [s].
+    #[serde(default)]
+    pub cpu_s_median: Option<f64>,
     /// Times of the repeats in their order [s]: those of a run that reached its end, as many as were made before
     /// an interruption; none where an earlier version did not keep them.
     #[serde(default)]
     pub walls_s: Vec<f64>,
+    /// The same of the processor [s].
+    #[serde(default)]
+    pub cpus_s: Vec<f64>,
     /// Further errors.
     #[serde(flatten)]
     pub errors: Errors,
@@ -123,12 +133,27 @@ impl Row {
         accuracy.map_or_else(String::new, |accuracy| accuracy.to_string())
     }
 
-    /// Takes the time of one more repeat [s].
-    fn take_wall(&mut self, wall: f64) {
-        self.walls_s.push(wall);
-        let mut walls = self.walls_s.clone();
-        let [min, median, max] = [0.0, 0.5, 1.0].map(|fraction| quantile(&mut walls, fraction));
-        (self.wall_s_min, self.wall_s_median, self.wall_s_max) = (min, median, max);
+    /// The time that ranks [s]: of the processor, or on the wall where that is all that is known.
+    pub fn time_s(&self) -> Option<f64> {
+        self.cpu_s_min.or(self.wall_s_min)
+    }
+
+    /// How uncertain that is, as a factor: the median of the repeats over the shortest.
+    pub fn noise(&self) -> f64 {
+        let median = self.cpu_s_min.and(self.cpu_s_median).or(self.wall_s_median);
+        median.zip(self.time_s()).map_or(1.0, |(median, least)| median / least)
+    }
+
+    /// Takes the time of one more repeat.
+    fn take(&mut self, Took { wall, cpu }: Took) {
+        self.walls_s.push(wall.as_secs_f64());
+        self.cpus_s.push(cpu.as_secs_f64());
+        let of = |times: &[f64]| {
+            let mut times = times.to_vec();
+            [0.0, 0.5, 1.0].map(|fraction| quantile(&mut times, fraction))
+        };
+        [self.wall_s_min, self.wall_s_median, self.wall_s_max] = of(&self.walls_s);
+        [self.cpu_s_min, self.cpu_s_median, _] = of(&self.cpus_s);
     }
 
     /// Whether it is of the same run as another row.
@@ -258,8 +283,8 @@ pub fn against(
         rows = in_parallel(&jobs, config.study.threads, |(setting, row)| {
             let is_due = row.status == Status::Ok && row.walls_s.len() <= turn;
             let mut row = (*row).clone();
-            if let Some(wall) = is_due.then(|| contest.wall_s(setting)).flatten() {
-                row.take_wall(wall);
+            if let Some(took) = is_due.then(|| contest.took(setting)).flatten() {
+                row.take(took);
                 report(&row, progress);
             }
             progress(Progress::Done(setting.to_string()));
@@ -327,6 +352,9 @@ impl Contest<'_> {
             wall_s_median: None,
             wall_s_max: None,
             walls_s: Vec::new(),
+            cpu_s_min: None,
+            cpu_s_median: None,
+            cpus_s: Vec::new(),
             n_retaken: stats.n_retaken,
             n_factorisations: stats.work.n_factorisations,
             n_rhs_restart: stats.restart.n_rhs,
@@ -337,11 +365,11 @@ impl Contest<'_> {
         }
     }
 
-    /// The time that the run takes once more [s]; none where it is broken off, which is no time.
-    fn wall_s(&self, setting: &Setting) -> Option<f64> {
+    /// The time that the run takes once more; none where it is broken off, which is no time.
+    fn took(&self, setting: &Setting) -> Option<Took> {
         let t_end = self.config.run.t_end;
         let repeat = Run::new(self.mechanism, setting, t_end, &self.grid, self.limits);
-        (!repeat.is_broken_off()).then(|| repeat.wall().as_secs_f64())
+        (!repeat.is_broken_off()).then(|| repeat.took())
     }
 }
 
@@ -355,9 +383,44 @@ impl WorkPrecision {
     }
 }
 
-/// The cheapest run, by shortest time, among those whose error is at most `e`.
+/// The runs whose error is at most `e`, with their times.
+fn reaching(rows: &[Row], e: f64) -> impl Iterator<Item = (&Row, f64)> {
+    let reaching = rows.iter().filter(move |row| row.e.is_some_and(|own| own <= e));
+    reaching.filter_map(|row| row.time_s().map(|time| (row, time)))
+}
+
+/// The cheapest run, by shortest [time](Row::time_s), among those whose error is at most `e`.
 pub fn cheapest(rows: &[Row], e: f64) -> Option<&Row> {
-    let reaching = rows.iter().filter(|row| row.e.is_some_and(|own| own <= e));
-    let timed = reaching.filter_map(|row| row.wall_s_min.map(|wall| (row, wall)));
-    timed.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
+    reaching(rows, e).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
+}
+
+/// The runs that the [noise](Row::noise) of their times, or of the cheapest's, does not tell from it: of each other
+/// method and treatment of events the fastest whose error is at most `e`.
+pub fn within_noise(rows: &[Row], e: f64) -> Vec<&Row> {
+    let Some(best) = cheapest(rows, e) else { return Vec::new() };
+    let same = |a: &Row, b: &Row| (&a.method, a.events) == (&b.method, b.events);
+    let is_near = |row: &Row, time: f64| {
+        best.time_s().is_some_and(|least| time <= least * row.noise().max(best.noise()))
+    };
+    let mut near: Vec<(&Row, f64)> =
+        reaching(rows, e).filter(|(row, time)| !same(row, best) && is_near(row, *time)).collect();
+    near.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut fastest: Vec<&Row> = Vec::new();
+    for (row, _) in near {
+        if !fastest.iter().any(|known| same(known, row)) {
+            fastest.push(row);
+        }
+    }
+    fastest
+}
+
+/// Who else may be the cheapest at an accuracy, where the times do not tell: ` (within the noise: also taylor located)`.
+pub fn doubt(rows: &[Row], e: f64) -> String {
+    let near = within_noise(rows, e);
+    if near.is_empty() {
+        return String::new();
+    }
+    let names: Vec<String> =
+        near.iter().map(|row| format!("{} {}", row.method, row.events)).collect();
+    format!(" (within the noise: also {})", names.join(", "))
 }

@@ -37,7 +37,9 @@ const SHORT: [&str; 5] = [
 
 /// The rows without what differs from one measurement to the next.
 fn without_times(table: &Table) -> Vec<Vec<(&String, &String)>> {
-    let timeless = |(column, _): &(&String, &String)| !column.starts_with("wall_");
+    let timeless = |(column, _): &(&String, &String)| {
+        !column.starts_with("wall_") && !column.starts_with("cpu_")
+    };
     let rows = table.rows.iter();
     rows.map(|row| row.iter().filter(timeless).collect()).collect()
 }

@@ -54,7 +54,7 @@ fn answer(study: &StudyRecord) -> Vec<Part> {
     let cells = answer_rows(&study.table).into_iter();
     vec![
         Part::Table(Table {
-            caption: "The run of the shortest time among those whose error e is at most so large"
+            caption: "The run of the shortest processor time among those whose error e is at most so large"
                 .into(),
             columns: ANSWER.iter().map(|name| heading(name, "")).collect(),
             rows: cells.map(|row| row.into_iter().map(Value::Text).collect()).collect(),
@@ -132,7 +132,7 @@ fn method(study: &StudyRecord) -> Vec<Part> {
         Part::Text(format!(
             "The error e is the worst sample's larger of pin error over clearance and angle error over \
              the largest angle, {:.4} rad. Events pair in order with those of the reference; missed and \
-             spurious are those without a partner. The time of a run is the shortest of its repeats, {} each in \
+             spurious are those without a partner. The time of a run is that of its thread on the processor, the shortest of its repeats, {} each in \
              turns round all runs, with {} runs at the same time.",
             study.table.reference.theta_scale_rad, asked.repeats, asked.threads
         )),
