@@ -1,4 +1,4 @@
-//! The energy balance of a run: a recorder that integrates powers over each step.
+//! The energy balance of a run: a recorder that integrates powers over each step, and what it tells of the run.
 
 use std::ops::ControlFlow;
 
@@ -9,6 +9,7 @@ use crate::config::Events;
 use crate::json_number;
 use crate::model::{Block, Jointed};
 use crate::quadrature::GAUSS;
+use crate::self_check::SelfCheck;
 
 /// Where the energy went, all in J, summed over parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -50,6 +51,8 @@ pub struct EnergyBalance<'a, P = Block> {
     start: f64,
     work: f64,
     dissipated: f64,
+    /// What it says of the run.
+    pub check: SelfCheck,
 }
 
 impl<'a, P: Jointed> EnergyBalance<'a, P> {
@@ -57,7 +60,8 @@ impl<'a, P: Jointed> EnergyBalance<'a, P> {
     pub fn new(problem: &'a P, events: Events, y0: &P::State<f64>) -> Self {
         let energy = problem.energies(&problem.initial_mode(0.0, y0), y0);
         let start = energy.kinetic + energy.elastic;
-        Self { problem, events, start, work: 0.0, dissipated: 0.0 }
+        let check = SelfCheck::of(problem.block(), start);
+        Self { problem, events, start, work: 0.0, dissipated: 0.0, check }
     }
 
     /// The balance at the end of the run, at `y` in `mode`.
@@ -81,10 +85,21 @@ impl<P: Jointed> Record<P> for EnergyBalance<'_, P> {
             step.interpolate(t, &mut y);
             let mode = self.problem.mode_inside(self.events, &accepted.mode, t, &y);
             let power = self.problem.powers(&mode, &y);
-            self.dissipated += weight * h * power.dissipated;
+            self.dissipated += weight * h * power.dissipated();
+            self.check.dissipated(weight * h * power.damping, weight * h * power.friction);
             if drive_work.is_none() {
                 self.work += weight * h * power.drive;
             }
+        }
+        let mode = self.problem.mode_inside(self.events, &accepted.mode, step.t1(), step.y1());
+        self.check.reached(step.t1(), &self.at(mode.clone(), step.y1()));
+        for k in 0..self.problem.n_joints() {
+            self.check.penetrated(
+                step.t1(),
+                P::joint_mode(&mode, k),
+                &self.problem.joint_state(step.y1(), k),
+                self.problem.block(),
+            );
         }
         ControlFlow::Continue(())
     }

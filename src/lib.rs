@@ -60,5 +60,6 @@ mod quadrature;
 pub mod reference;
 pub mod report;
 pub mod run;
+pub mod self_check;
 pub mod study;
 pub mod warning;

@@ -14,9 +14,20 @@ pub enum Code {
     Chatter,
     /// A contact law that delivers another restitution than it is asked for.
     Restitution,
+    /// The energy of a run does not balance.
+    Energy,
+    /// What only takes energy has given some.
+    Dissipation,
+    /// A pin deeper in its bush than the clearance is wide.
+    Penetration,
 }
 
 impl Code {
+    /// Whether it is about a run whose numbers are wrong, and not about a motion that is hard.
+    pub fn is_of_a_wrong_run(self) -> bool {
+        matches!(self, Self::Energy | Self::Dissipation)
+    }
+
     /// As the JSON writes it.
     pub fn name(self) -> &'static str {
         match self {
@@ -24,6 +35,9 @@ impl Code {
             Self::Grazing => "grazing",
             Self::Chatter => "chatter",
             Self::Restitution => "restitution",
+            Self::Energy => "energy",
+            Self::Dissipation => "dissipation",
+            Self::Penetration => "penetration",
         }
     }
 }

@@ -111,7 +111,8 @@ fn the_step_figures_of_the_committed_study_are_of_the_setting_that_its_answer_na
     let best = cheapest(&table.rows, ACCURACY).unwrap();
     assert!(best.events == Events::Located && best.events_are_right(), "{best:?}");
     let config = Config::load(None, &[format!("study.methods=[\"{}\"]", best.method)]).unwrap();
-    let limits = Limits { max_rhs: u64::MAX, stop: &AtomicBool::new(false) };
+    let stop = AtomicBool::new(false);
+    let limits = Limits::none(&stop);
     let histories = step_histories(&config, &table, limits);
     assert_eq!(histories.len(), 2);
     assert!(histories.iter().all(|history| history.setting == best.setting()), "{best:?}");

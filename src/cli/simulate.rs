@@ -147,10 +147,10 @@ fn simulate<'a, P: Integrable>(
         reached_90,
         failed_bay: run.failed_joint(part).map(|k| k + 1),
         too_long: rows.complaint(run.t),
+        warnings: balance.check.warnings(setting.rtol()),
         balance: balance.at(run.mode.clone(), &run.y),
         run: run.by_joint(part),
         work: work.kinds,
-        warnings: Vec::new(),
     }
 }
 

@@ -49,8 +49,6 @@ pub const EVENTS_FROM: f64 = 1e-6;
 const FIRST_BUDGET: f64 = 5e4;
 /// Growth of the budget while no candidate has arrived.
 const BUDGET_GROWTH: f64 = 4.0;
-/// The reference decides on an accuracy that is at least this many times its own error.
-const DECIDES_FROM: f64 = 10.0;
 
 /// A method with what it does about events; the contest finds its setting.
 #[derive(Clone, Copy, Debug)]
@@ -262,7 +260,7 @@ impl<'a> Contest<'a> {
 impl Contest<'_> {
     /// Whether the reference is good enough to tell who reaches the accuracy.
     pub fn is_decidable(&self) -> bool {
-        DECIDES_FROM * self.arena.reference.summary.agreement <= self.accuracy
+        self.arena.reference.summary.can_decide(self.accuracy)
     }
 
     /// Runs the contest between `candidates`; `progress` hears of each that is through.

@@ -18,8 +18,17 @@ pub struct Energy {
 pub struct Power {
     /// Of the drive torque, `M θ̇`, or of that which holds the crank's speed.
     pub drive: f64,
-    /// Taken by damping and friction; friction as a torque alone may give as well.
-    pub dissipated: f64,
+    /// Taken by the normal law, by damping or hysteresis.
+    pub damping: f64,
+    /// Taken by friction; as a torque alone, by bristles, or where the contact pulls it may give as well.
+    pub friction: f64,
+}
+
+impl Power {
+    /// Taken by damping and friction.
+    pub fn dissipated(&self) -> f64 {
+        self.damping + self.friction
+    }
 }
 
 impl Block {
@@ -73,13 +82,12 @@ impl Block {
         let torque = self.slider(mode, y, forces).map_or(self.torque, |slider| slider.torque);
         let drive = torque * y[5];
         let (Some(touch), true) = (mode.touch(), mode.is_contact()) else {
-            return Power { drive, dissipated: 0.0 };
+            return Power { drive, damping: 0.0, friction: 0.0 };
         };
         let pose = self.pose(y);
         let damping = self.normal.loss(pose.delta, pose.delta_dot, touch);
         let turning = self.pin_radius * self.body.held().spin(y);
         let speed = turning + self.reading.tangential_force * pose.w([y[3], y[4]]);
-        let friction = forces.tangential * speed;
-        Power { drive, dissipated: damping - friction }
+        Power { drive, damping, friction: -(forces.tangential * speed) }
     }
 }

@@ -19,6 +19,11 @@ pub struct Reading {
 }
 
 impl Reading {
+    /// Whether energy is conserved: the normal force acts where the pin is, and signs are as derived.
+    pub fn is_consistent(&self) -> bool {
+        self.normal_moment == [0.0, 0.0] && self.centrifugal == 1.0
+    }
+
     /// The contact force acts at the pin, friction is a torque only, signs are as derived.
     pub const AT_PIN: Self =
         Self { normal_moment: [0.0, 0.0], tangential_force: 0.0, centrifugal: 1.0 };

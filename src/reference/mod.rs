@@ -14,6 +14,7 @@ use crate::metrics::dense::Node;
 use crate::metrics::{ErrorScale, EventMatch, match_events, sample_error, worse};
 use crate::model::{Block, Mechanism, Part, State};
 use crate::run::{BlockTrajectory, Limits, ModeChange, mode_changes};
+use crate::warning::Warning;
 
 pub(crate) use solve::settings;
 pub use solve::{HORIZON_ERROR, RECIPE};
@@ -150,6 +151,9 @@ pub struct ReferenceSummary {
     /// Energy balance, all joints together.
     #[serde(default)]
     pub energy: Balance,
+    /// What its runs tell of themselves.
+    #[serde(default)]
+    pub warnings: Vec<Warning>,
 }
 
 /// The events of a joint that count: all but the one of a start on the surface, where the pin
@@ -214,7 +218,7 @@ impl Reference {
         let mut energy = Balance::default();
         let of_joints = |text: fn(&Solved) -> &String| joined_text(solved.iter().map(text));
         let (method, check) = (of_joints(|s| &s.method), of_joints(|s| &s.check_method));
-        let mut joints = Vec::new();
+        let (mut joints, mut warnings) = (Vec::new(), Vec::new());
         for (block, solved) in mechanism.blocks().into_iter().zip(solved) {
             let scale = ErrorScale::of(block, theta);
             let lost_at = solved.lost_at(scale);
@@ -222,6 +226,7 @@ impl Reference {
             agreement = worse(agreement, e);
             event_agreement = event_agreement.zip(times).map(|(a, b)| a.max(b));
             energy += solved.path.balance;
+            warnings.extend_from_slice(&solved.path.warnings);
             joints.extend(JointReference::all(solved, scale, lost_at));
         }
         let events = mechanism.joints().into_iter().zip(&joints);
@@ -238,6 +243,7 @@ impl Reference {
             n_events: events.map(|((_, block), own)| counted(&own.events, block).len()).collect(),
             impulse_n_s: joints.iter().map(|joint| total_impulse(&joint.contacts)).collect(),
             energy,
+            warnings,
         };
         Self { joints, summary }
     }
@@ -292,7 +298,28 @@ fn joined_text<'a>(mut of_joints: impl Iterator<Item = &'a String> + Clone) -> S
 impl ReferenceSummary {
     /// Whether the reference is good enough to tell which runs reach an error `e`.
     pub fn can_decide(&self, e: f64) -> bool {
-        self.agreement <= 0.1 * e
+        self.unsound().is_none() && self.agreement <= 0.1 * e
+    }
+
+    /// The warning by which its runs are wrong, if they are.
+    fn unsound(&self) -> Option<&Warning> {
+        self.warnings.iter().find(|warning| warning.code.is_of_a_wrong_run())
+    }
+
+    /// Why it does not decide on some error, in words.
+    pub fn undecided(&self) -> String {
+        match self.unsound() {
+            Some(warning) => {
+                format!("the reference is wrong, by its own account: {}", warning.message)
+            }
+            None => format!("the reference is good to e = {:.1e} only", self.agreement),
+        }
+    }
+
+    /// Those of the `warnings` of another run that the reference does not have: what both have is the motion's.
+    pub fn not_shared(&self, mut warnings: Vec<Warning>) -> Vec<Warning> {
+        warnings.retain(|warning| self.warnings.iter().all(|own| own.code != warning.code));
+        warnings
     }
 
     /// Number and bay of the joint at place `i`; a summary of one bay may have been written without them.
@@ -310,7 +337,8 @@ impl ReferenceSummary {
     /// What it cannot serve for, a sentence each.
     pub fn limits(&self) -> Vec<String> {
         let mut limits = Vec::new();
-        if !self.can_decide(1e-9) {
+        limits.extend(self.warnings.iter().map(|warning| warning.message.clone()));
+        if self.agreement > 1e-10 {
             let good = self.agreement;
             limits.push(format!(
                 "the reference is good to e = {good:.1e}: it decides nothing below ten times that"

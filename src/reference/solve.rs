@@ -20,6 +20,7 @@ use crate::run::{
     Accuracy, BlockTrajectory, Integrable, JointsRun, Limit, Limits, ModeChange, OwnRun, Price,
     Setting, integrate, trajectories,
 };
+use crate::warning::Warning;
 
 /// Changes with whatever changes results: what is kept on disk of a reference, a study or a map that is not
 /// finished is then made anew.
@@ -65,6 +66,8 @@ pub(super) struct Path {
     pub(super) run: JointsRun,
     pub(super) joints: Vec<JointPath>,
     pub(super) balance: Balance,
+    /// What it tells of itself.
+    pub(super) warnings: Vec<Warning>,
 }
 
 /// What it keeps of one joint.
@@ -150,7 +153,7 @@ pub(super) fn solve<P: Integrable>(
                 let theta = solved.path.largest_angle();
                 let scale = ErrorScale::of(part.block(), theta);
                 let (e, times) = solved.disagreement(part.block(), scale, solved.lost_at(scale));
-                if e <= AGREED && times.is_some() {
+                if e <= AGREED && times.is_some() && solved.path.is_sound() {
                     return Ok(solved);
                 }
                 if best.as_ref().is_none_or(|(least, _)| e < *least) {
@@ -232,6 +235,14 @@ impl Maker {
         }
     }
 
+    /// Its relative tolerance; the members of a pair all have one.
+    fn rtol(&self) -> f64 {
+        match self {
+            Self::Method(setting) => setting.rtol().unwrap_or(f64::INFINITY),
+            Self::Extended(rtol) => *rtol,
+        }
+    }
+
     /// Order of its series, where it has one.
     fn series_order(&self) -> Option<usize> {
         match self {
@@ -310,6 +321,7 @@ fn path<P: Integrable>(
                 contacts,
             };
             Ok(Path {
+                warnings: balance.check.warnings(Some(maker.rtol())),
                 balance: balance.at(run.mode.clone(), &run.y),
                 joints: joints.map(joint).collect(),
                 run: run.by_joint(part),
@@ -319,6 +331,11 @@ fn path<P: Integrable>(
 }
 
 impl Path {
+    /// Whether nothing that it tells of itself makes it wrong.
+    fn is_sound(&self) -> bool {
+        !self.warnings.iter().any(|warning| warning.code.is_of_a_wrong_run())
+    }
+
     /// Largest |θ| of the samples [rad].
     pub(super) fn largest_angle(&self) -> f64 {
         let samples = self.joints.iter().flat_map(|joint| &joint.trajectory.samples);

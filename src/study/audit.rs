@@ -218,7 +218,10 @@ fn followed(
     let t_end = patience(block);
     let samples = Trajectory::on(Grid::uniform(SAMPLE_S, t_end));
     let balance = EnergyBalance::new(block, Events::Located, &y0);
-    let mut record = ((Binning::new(block, BIN_S), balance), (samples, limits.watch(Price::of_setting(setting))));
+    let mut record = (
+        (Binning::new(block, BIN_S), balance),
+        (samples, limits.watch(Price::of_setting(setting))),
+    );
     let run = integrate(block, setting, y0, t_end, &mut record);
     let ((binning, balance), (trajectory, watched)) = record;
 

@@ -216,4 +216,8 @@ pub const COLUMNS: &[Column] = &[
     column("error", "", "why it failed, or what cut it", |row| {
         Text(row.error.clone().unwrap_or_default())
     }),
+    column("warnings", "", "codes of what it tells of itself and the reference does not", |row| {
+        let codes: Vec<_> = row.warnings.iter().map(|warning| warning.code.name()).collect();
+        Text(codes.join(" "))
+    }),
 ];

@@ -209,7 +209,7 @@ mod tests {
         for sets in [&["contact.damping=0"][..], &["reading=full", "run.t_end=0.3"]] {
             let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
             let config = Config::load(None, &sets).unwrap();
-            let limits = Limits { max_rhs: u64::MAX, stop: &RUNNING };
+            let limits = Limits::none(&RUNNING);
             let (times, t_end) = (sample_times(&config), config.run.t_end);
             let reference =
                 Reference::new(&Mechanism::new(&config), t_end, &times, limits).unwrap();

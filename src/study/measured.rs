@@ -12,6 +12,7 @@ use crate::metrics::worse;
 use crate::model::{Mechanism, Part, State};
 use crate::reference::{JointReference, Reference, counted};
 use crate::run::{Integrable, Limits, Price, Run, Setting, integrate, mode_changes, trajectories};
+use crate::warning::Warning;
 
 /// Errors of a run beside `e`, the worst of all joints. Up to the horizon, but for those of impulse and
 /// dissipation, which are of the whole run.
@@ -80,6 +81,8 @@ pub struct Measured {
     audits: Vec<Audit>,
     /// All parts together.
     balance: Balance,
+    /// What the run tells of itself.
+    pub warnings: Vec<Warning>,
 }
 
 /// What is recorded of one joint.
@@ -105,7 +108,7 @@ impl Measured {
         let (mut left, price) = (limits, Price::of_setting(setting));
         let run = Run { parts: Vec::new(), trajectories: Vec::new(), cut: None };
         let (work, audits) = (WorkByPhase::default(), Vec::new());
-        let mut all = Self { run, work, audits, balance: Balance::default() };
+        let mut all = Self { run, work, audits, balance: Balance::default(), warnings: Vec::new() };
         let mut kinds = Vec::new();
         for (part, joints) in reference.of_parts(mechanism) {
             kinds.extend(match part {
@@ -140,6 +143,7 @@ impl Measured {
         let run = integrate(part, setting, y0, t_end, &mut record);
         let ((trajectory, watch), ((distance, contacts), (balance, kinds))) = record;
         self.run.cut = self.run.cut.or(watch.cut);
+        self.warnings.extend(balance.check.warnings(setting.rtol()));
         self.balance += balance.at(run.mode.clone(), &run.y);
         let run = run.by_joint(part);
         let kept = distance.joints.iter().zip(contacts.lists()).zip(&run.y);

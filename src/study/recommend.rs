@@ -65,6 +65,7 @@ pub fn recommend(
         );
         warnings.push(Warning { code: Code::Horizon, message });
     }
+    warnings.extend_from_slice(&arena.reference.summary.warnings);
     if let Some(reason) = arena.ill_posed() {
         let reason = format!("ill-posed: {reason}");
         return Recommendation::none(accuracy, arena.t_end, reason, warnings);
@@ -77,10 +78,7 @@ pub fn recommend(
     }
     let contest = Contest::of(config, &arena, accuracy, stop);
     if !contest.is_decidable() {
-        let reason = format!(
-            "not decidable: the reference is good to e = {:.1e} only",
-            arena.reference.summary.agreement
-        );
+        let reason = format!("not decidable: {}", arena.reference.summary.undecided());
         return Recommendation::none(accuracy, arena.t_end, reason, warnings);
     }
     let candidates =

@@ -330,8 +330,7 @@ fn cells(config: &Config, site: &Site, stop: &AtomicBool) -> Vec<Cell> {
             return Cell { status: CellStatus::IllPosed, error: Some(reason), ..cell };
         }
         if !contest.is_decidable() {
-            let good = arena.reference.summary.agreement;
-            let error = Some(format!("the reference is good to e = {good:.1e}"));
+            let error = Some(arena.reference.summary.undecided());
             return Cell { status: CellStatus::Undecidable, error, ..cell };
         }
         let standings = contest.run(&candidates, &|_| {});

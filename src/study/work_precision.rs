@@ -14,6 +14,7 @@ use crate::metrics::work::WorkByPhase;
 use crate::model::Mechanism;
 use crate::reference::{Reference, ReferenceError, ReferenceSummary};
 use crate::run::{Accuracy, Limits, Run, Setting, Took};
+use crate::warning::Warning;
 
 /// Sample times of a study whose configuration asks for none.
 const DEFAULT_SAMPLES: u32 = 200;
@@ -117,6 +118,9 @@ pub struct Row {
     /// Where the work went.
     #[serde(default)]
     pub work_by_phase: WorkByPhase,
+    /// What it tells of itself that the reference does not: such a run is never the cheapest.
+    #[serde(default)]
+    pub warnings: Vec<Warning>,
     /// Why it failed, or what cut it.
     pub error: Option<String>,
 }
@@ -361,6 +365,7 @@ impl Contest<'_> {
             n_rhs_location: stats.location.n_rhs,
             errors: compared.map(|compared| compared.errors).unwrap_or_default(),
             work_by_phase: measured.work,
+            warnings: self.reference.summary.not_shared(measured.warnings),
             error: run.error().map(ToString::to_string).or(cut_by),
         }
     }
@@ -385,8 +390,9 @@ impl WorkPrecision {
 
 /// The runs whose error is at most `e`, with their times.
 fn reaching(rows: &[Row], e: f64) -> impl Iterator<Item = (&Row, f64)> {
+    let is_trusted = |row: &&Row| row.warnings.is_empty();
     let reaching = rows.iter().filter(move |row| row.e.is_some_and(|own| own <= e));
-    reaching.filter_map(|row| row.time_s().map(|time| (row, time)))
+    reaching.filter(is_trusted).filter_map(|row| row.time_s().map(|time| (row, time)))
 }
 
 /// The cheapest run, by shortest [time](Row::time_s), among those whose error is at most `e`.

@@ -27,7 +27,8 @@ impl Chain {
         self.along(modes, y, 0..self.bays, |k, motion| {
             let power = self.bay.power_under(modes[k], &motion.y, motion.forces());
             sum.drive += power.drive;
-            sum.dissipated += power.dissipated;
+            sum.damping += power.damping;
+            sum.friction += power.friction;
         });
         sum
     }

@@ -1,0 +1,121 @@
+//! What a run tells of itself, without a reference: whether its energy balances, whether what only takes energy
+//! gave some, and whether the pin stayed where a bush can hold it.
+//!
+//! A speed beyond what the energy allows is a residual of the balance, too.
+
+use crate::energy_balance::Balance;
+use crate::model::{Block, Mode, State};
+use crate::warning::{Code, Warning};
+
+/// What the tolerance of a run explains of its energy: this many times the relative tolerance. Measured: up to 400
+/// times, by bdf on the slider-crank (`docs/slider_crank/study.csv`).
+const EXPLAINED: f64 = 1e4;
+/// The least that is told: the balance of long steps is a quadrature, good to 4e-8 where a law is not smooth.
+const LEAST: f64 = 1e-5;
+/// What is told of any run, by a fixed step too.
+const MOST: f64 = 0.1;
+
+/// What was seen of the run of one part so far; see [`warnings`](Self::warnings).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SelfCheck {
+    /// Whether the equations conserve energy.
+    is_consistent: bool,
+    /// Whether friction only takes energy: it acts as a force, without bristles, on a contact that never pulls.
+    friction_takes: bool,
+    /// Largest energy or work [J].
+    scale: f64,
+    /// Largest residual of the balance [J], and when [s].
+    residual: (f64, f64),
+    /// What damping gave, and friction [J].
+    given: [f64; 2],
+    /// Largest penetration over the clearance, when [s], and both [m].
+    depth: (f64, f64, [f64; 2]),
+}
+
+impl SelfCheck {
+    /// Of a run of joints like `block` that starts with this energy [J].
+    pub fn of(block: &Block, start: f64) -> Self {
+        let friction_takes = block.reading.tangential_force == 1.0
+            && !block.normal.adhesion
+            && block.sliding.bristles().is_none();
+        Self {
+            is_consistent: block.reading.is_consistent(),
+            friction_takes,
+            scale: start,
+            residual: (0.0, 0.0),
+            given: [0.0; 2],
+            depth: (0.0, 0.0, [0.0; 2]),
+        }
+    }
+
+    /// What damping and friction took over a part of a step [J].
+    pub(crate) fn dissipated(&mut self, damping: f64, friction: f64) {
+        for (given, took) in self.given.iter_mut().zip([damping, friction]) {
+            if exceeds(0.0, took) {
+                *given -= took;
+            }
+        }
+    }
+
+    /// The balance at the end of a step, at `t` [s].
+    pub(crate) fn reached(&mut self, t: f64, balance: &Balance) {
+        let energy = balance.kinetic + balance.elastic;
+        self.scale = self.scale.max(energy).max(balance.work.abs());
+        if exceeds(balance.residual.abs(), self.residual.0) {
+            self.residual = (balance.residual.abs(), t);
+        }
+    }
+
+    /// A joint like `block` at the end of a step, at `t` [s].
+    pub(crate) fn penetrated(&mut self, t: f64, mode: Mode, y: &State<f64>, block: &Block) {
+        if block.clearance == 0.0 || !mode.is_contact() {
+            return;
+        }
+        let delta = block.pose(y).delta;
+        if exceeds(delta / block.clearance, self.depth.0) {
+            self.depth = (delta / block.clearance, t, [delta, block.clearance]);
+        }
+    }
+
+    /// What to know of a run at the relative tolerance `rtol`, if it has one: an energy that does not balance
+    /// (readings `pin` and `full`), damping or friction that gave energy, each beyond what the tolerance explains; a
+    /// penetration beyond the clearance.
+    pub fn warnings(&self, rtol: Option<f64>) -> Vec<Warning> {
+        let explained = rtol.map_or(MOST, |rtol| (EXPLAINED * rtol).clamp(LEAST, MOST));
+        let bound = explained * self.scale;
+        let (scale, mut warnings) = (self.scale, Vec::new());
+        let mut warn = |code, message| warnings.push(Warning { code, message });
+        let (residual, t) = self.residual;
+        if self.is_consistent && exceeds(residual, bound) {
+            let message = format!(
+                "the energy balance is off by {residual:.1e} J at t = {t:e} s, of {scale:.1e} J that moved: do not \
+                 trust this run; take a tighter tolerance, a smaller step or another method"
+            );
+            warn(Code::Energy, message);
+        }
+        let givers = [("the damping of the normal law", true), ("friction", self.friction_takes)];
+        for (given, (giver, is_told)) in self.given.into_iter().zip(givers) {
+            if is_told && exceeds(given, bound) {
+                let message = format!(
+                    "{giver} gave {given:.1e} J, of {scale:.1e} J that moved, where it can only take: do not trust \
+                     this run; locate events, or take a tighter tolerance"
+                );
+                warn(Code::Dissipation, message);
+            }
+        }
+        let (ratio, t, [delta, clearance]) = self.depth;
+        if exceeds(ratio, 1.0) {
+            let message = format!(
+                "the pin is {delta:.2e} m deep in its bush at t = {t:e} s, beyond the clearance of {clearance:e} m: \
+                 laws of contact hold for penetrations that are small beside it; take a stiffer contact"
+            );
+            warn(Code::Penetration, message);
+        }
+        warnings
+    }
+}
+
+/// Whether `x` is above `bound`, as is what is not a number.
+fn exceeds(x: f64, bound: f64) -> bool {
+    x > bound || x.is_nan() || bound.is_nan()
+}
