@@ -49,7 +49,7 @@ impl SelfCheck {
     }
 
     /// What damping and friction took over a part of a step [J].
-    pub(crate) fn dissipated(&mut self, damping: f64, friction: f64) {
+    pub fn dissipated(&mut self, damping: f64, friction: f64) {
         for (given, took) in self.given.iter_mut().zip([damping, friction]) {
             if exceeds(0.0, took) {
                 *given -= took;
@@ -58,7 +58,7 @@ impl SelfCheck {
     }
 
     /// The balance at the end of a step, at `t` [s].
-    pub(crate) fn reached(&mut self, t: f64, balance: &Balance) {
+    pub fn reached(&mut self, t: f64, balance: &Balance) {
         let energy = balance.kinetic + balance.elastic;
         self.scale = self.scale.max(energy).max(balance.work.abs());
         if exceeds(balance.residual.abs(), self.residual.0) {
@@ -67,7 +67,7 @@ impl SelfCheck {
     }
 
     /// A joint like `block` at the end of a step, at `t` [s].
-    pub(crate) fn penetrated(&mut self, t: f64, mode: Mode, y: &State<f64>, block: &Block) {
+    pub fn penetrated(&mut self, t: f64, mode: Mode, y: &State<f64>, block: &Block) {
         if block.clearance == 0.0 || !mode.is_contact() {
             return;
         }

@@ -13,6 +13,7 @@ use deltazero::run::{
     Accuracy, Integrable, Limits, ModeChange, OwnTrajectory, Run, Setting, integrate, mode_changes,
     trajectories,
 };
+use deltazero::warning::Warning;
 use deltazero_solvers::{Grid, Method, Trajectory};
 
 /// A golden run: states and mode changes of each joint, in the paper's order of coordinates.
@@ -139,21 +140,28 @@ pub fn run(config: &Config, setting: &Setting) -> (Mechanism, Run) {
 
 /// The energy balance of a run, all parts together.
 pub fn balance(config: &Config, setting: &Setting) -> Balance {
-    fn of<P: Integrable>(part: &P, config: &Config, setting: &Setting) -> Balance {
+    audited(config, setting).0
+}
+
+/// The same with what the run tells of itself.
+pub fn audited(config: &Config, setting: &Setting) -> (Balance, Vec<Warning>) {
+    fn of<P: Integrable>(part: &P, config: &Config, setting: &Setting) -> (Balance, Vec<Warning>) {
         let y0 = part.start();
         let mut record = EnergyBalance::new(part, setting.events, &y0);
         let run = integrate(part, setting, y0, config.run.t_end, &mut record);
         assert!(run.outcome.is_ok(), "{:?}", run.outcome);
-        record.at(run.mode, &run.y)
+        (record.at(run.mode, &run.y), record.check.warnings(setting.rtol()))
     }
-    let mut sum = Balance::default();
+    let (mut sum, mut warnings) = (Balance::default(), Vec::new());
     for part in &Mechanism::new(config).parts {
-        sum += match part {
+        let (balance, own) = match part {
             Part::Block(block) => of(block, config, setting),
             Part::Chain(chain) => of(chain, config, setting),
         };
+        sum += balance;
+        warnings.extend(own);
     }
-    sum
+    (sum, warnings)
 }
 
 /// `e` of two runs of one configuration, both sampled alike.
