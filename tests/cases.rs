@@ -1,0 +1,51 @@
+//! Configurations that once went wrong: `tests/cases/README.md` says how.
+#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
+
+#[path = "../benches/drawn/mod.rs"]
+mod drawn;
+
+use std::path::Path;
+
+use deltazero::config::Config;
+use drawn::audit::Budget;
+use drawn::verdict::{Class, Verdict};
+
+const BUDGET: Budget = Budget { work: 5e6, wall_s: 60.0 };
+
+/// What is wrong with these cases.
+fn wrong(names: &[&str]) -> Vec<String> {
+    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases");
+    let verdict = |name: &&str| {
+        let config = Config::load(Some(&dir.join(format!("{name}.toml"))), &[]).unwrap();
+        let verdict = Verdict::of(&config, BUDGET);
+        let is_wrong = verdict.class > Class::Refused;
+        is_wrong.then(|| format!("{name}: {}\n  {}", verdict.class, verdict.lines.join("\n  ")))
+    };
+    names.iter().filter_map(verdict).collect()
+}
+
+fn assert_right(names: &[&str]) {
+    let wrong = wrong(names);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn a_contact_without_adhesion_ends_where_its_pin_leaves_the_bush() {
+    assert_right(&["flores", "hunt-crossley"]);
+}
+
+#[test]
+fn a_contact_without_adhesion_ends_in_five_bays_too() {
+    assert_right(&["p1-97"]);
+}
+
+#[test]
+fn cylinders_by_logarithm_run_by_every_method() {
+    assert_right(&["p1-0", "p1-41", "p1-96", "p1-143", "p2-17", "p2-70"]);
+    assert_right(&["p2-73", "p2-74", "p2-77", "p2-91", "p2-103", "p2-144"]);
+}
+
+#[test]
+fn a_slip_between_pieces_of_friction_comes_to_its_end() {
+    assert_right(&["p2-63"]);
+}
