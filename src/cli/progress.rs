@@ -4,6 +4,7 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::time::Duration;
 
+use super::say;
 use deltazero::study::work_precision::Progress;
 use deltazero_solvers::{Accepted, Event, Needs, Record, System};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -12,6 +13,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Steps between two looks at the clock: some hundred microseconds.
 const STEPS_A_LOOK: u32 = 1024;
+
+/// A time as one would say it.
+pub(super) fn spoken(time: Duration) -> String {
+    let seconds = time.as_secs_f64();
+    if seconds < 100.0 { format!("{seconds:.0} s") } else { format!("{:.0} min", seconds / 60.0) }
+}
 
 /// A bar on standard error that appears once the work takes long; none where that is no terminal,
 /// or by wish.
@@ -23,7 +30,8 @@ pub(super) struct Bar {
 impl Bar {
     pub(super) fn new(quiet: bool) -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
-        if let Ok(style) = ProgressStyle::with_template("{elapsed:>4} {wide_bar} {pos}/{len} {msg}")
+        if let Ok(style) =
+            ProgressStyle::with_template("{elapsed:>4} {bar:20} {pos}/{len} {wide_msg}")
         {
             bar.set_style(style);
         }
@@ -39,8 +47,32 @@ impl Bar {
                 self.bar.set_message(what);
             }
         }
+        self.appear();
+    }
+
+    fn appear(&self) {
         if !self.quiet && self.bar.is_hidden() && self.bar.elapsed() >= PATIENCE {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
+        }
+    }
+
+    /// So many of so many are done; `what` is under way.
+    pub(super) fn show_part(&self, n: usize, of: usize, what: String) {
+        self.bar.set_length(of as u64);
+        self.bar.set_position(n as u64);
+        self.bar.set_message(what);
+        self.appear();
+    }
+
+    /// Has the time go on while nothing is reported.
+    pub(super) fn tick(&self) {
+        self.bar.enable_steady_tick(PATIENCE);
+    }
+
+    /// Says a line on standard error, above the bar.
+    pub(super) fn line(&self, text: &str) {
+        if !self.quiet {
+            self.bar.suspend(|| say(text));
         }
     }
 
@@ -65,7 +97,8 @@ pub(super) struct TimeBar {
 impl TimeBar {
     pub(super) fn new(quiet: bool) -> Self {
         let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::hidden());
-        if let Ok(style) = ProgressStyle::with_template("{elapsed:>4} {wide_bar} {percent}% {msg}")
+        if let Ok(style) =
+            ProgressStyle::with_template("{elapsed:>4} {bar:20} {percent}% {wide_msg}")
         {
             bar.set_style(style);
         }

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 use clap::Args;
 use deltazero::config::Config;
@@ -11,10 +10,12 @@ use deltazero::figures;
 use deltazero::reference::RECIPE;
 use deltazero::report::html::regimes_page;
 use deltazero::report::regimes::{csv, markdown};
-use deltazero::study::regimes::{Cell, Site, estimate, quick, regimes, sites};
+use deltazero::study::forecast::Forecast;
+use deltazero::study::regimes::{Cell, Done, estimate, quick, regimes, sites};
 use serde_json::{Value, json};
 
 use super::output::{Output, hash, is_current};
+use super::progress::{Bar, spoken};
 use super::{Failure, RunArgs, note_left_out, print, say, struts_only};
 
 #[derive(Args)]
@@ -45,15 +46,25 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     }
     let known = known(&output);
     note_left_out(&config, &config.contest.events, args.run.quiet);
-    announce(&config, &known, args.run.quiet, stop);
+    let forecast = Mutex::new(announce(&config, &known, args.run.quiet, stop));
 
     let n_sites = sites(&config).len();
     let failed: Mutex<Option<Failure>> = Mutex::new(None);
     let n_accuracies = config.regimes.accuracy.len();
-    let done = |site: &Site, cells: &[Cell]| {
-        if !args.run.quiet {
-            say(&format!("{} of {n_sites}: {site}", cells.len() / n_accuracies));
-        }
+    let bar = Bar::new(args.run.quiet);
+    bar.show_part(known.len() / n_accuracies, n_sites, String::new());
+    bar.tick();
+    let done = |&Done { site, place, took, cells }: &Done<'_>| {
+        let n = cells.len() / n_accuracies;
+        let left = forecast.lock().ok().and_then(|mut forecast| {
+            let forecast = forecast.as_mut()?;
+            forecast.done(place, took);
+            Some(format!("some {} left", spoken(forecast.left())))
+        });
+        let left = left.filter(|_| n < n_sites).unwrap_or_default();
+        let comma = if left.is_empty() { "" } else { "; " };
+        bar.line(&format!("{n} of {n_sites}: {site}{comma}{left}"));
+        bar.show_part(n, n_sites, left);
         if let Err(error) = write_json(&output, &config, cells) {
             stop.store(true, Ordering::Relaxed);
             if let Ok(mut failed) = failed.lock() {
@@ -62,6 +73,7 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
         }
     };
     let cells = regimes(&config, known, stop, &done);
+    drop(bar);
     if let Some(error) = failed.into_inner().ok().flatten() {
         return Err(error);
     }
@@ -96,10 +108,10 @@ fn json_without_threads(config: &Config) -> Value {
     config.to_json()
 }
 
-/// Says how long it will take.
-fn announce(config: &Config, known: &[Cell], quiet: bool, stop: &AtomicBool) {
+/// Says how long it will take, after short trials; none where nobody is told, or it was interrupted.
+fn announce(config: &Config, known: &[Cell], quiet: bool, stop: &AtomicBool) -> Option<Forecast> {
     if quiet {
-        return;
+        return None;
     }
     let grid = &config.regimes;
     say(&format!(
@@ -111,13 +123,14 @@ fn announce(config: &Config, known: &[Cell], quiet: bool, stop: &AtomicBool) {
         config.run.t_end,
         known.len()
     ));
-    let time = estimate(config, known, stop);
-    say(&format!("by short trials it will take some {} on {} threads", spoken(time), grid.threads));
-}
-
-fn spoken(time: Duration) -> String {
-    let seconds = time.as_secs_f64();
-    if seconds < 100.0 { format!("{seconds:.0} s") } else { format!("{:.0} min", seconds / 60.0) }
+    say("short trials, to tell how long it will take");
+    let bar = Bar::new(quiet);
+    let shown = |n, of| bar.show_part(n, of, "short trials".to_owned());
+    let forecast = estimate(config, known, stop, &shown)?;
+    drop(bar);
+    let time = spoken(forecast.left());
+    say(&format!("it will take some {time} on {} threads", grid.threads));
+    Some(forecast)
 }
 
 /// The cells of an earlier run of the same configuration.

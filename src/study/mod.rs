@@ -4,6 +4,7 @@ pub mod audit;
 pub mod claims;
 pub mod columns;
 pub mod course;
+pub mod forecast;
 pub mod friction;
 pub mod horizon;
 pub mod ideal;

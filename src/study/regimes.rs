@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
+use super::forecast::Forecast;
 use super::work_precision::sample_times;
 use crate::config::{Config, Events, ReadingName};
 use crate::contest::{Arena, Candidate, Contest, Entry, Standings};
@@ -193,9 +194,17 @@ pub fn quick(config: &Config) -> Config {
     quick
 }
 
-/// The time that the sites not in `known` will take on `threads`: from short runs at both ends of the
-/// stiffness, every damping ratio, interpolated by a power law between them.
-pub fn estimate(config: &Config, known: &[Cell], stop: &AtomicBool) -> Duration {
+/// Shown how far something has come: so many of so many.
+pub type Shown<'a> = &'a (dyn Fn(usize, usize) + Sync);
+
+/// What the sites not in `known` will take: from short runs at both ends of the stiffness, every damping ratio,
+/// interpolated by a power law between them. None once `stop` is set; `shown` hears of each short run.
+pub fn estimate(
+    config: &Config,
+    known: &[Cell],
+    stop: &AtomicBool,
+    shown: Shown<'_>,
+) -> Option<Forecast> {
     let missing: Vec<Site> = missing(config, known);
     let mut short = config.clone();
     short.run.t_end = (TRIAL_PART * config.run.t_end).max(TRIAL_LEAST_S).min(config.run.t_end);
@@ -203,51 +212,70 @@ pub fn estimate(config: &Config, known: &[Cell], stop: &AtomicBool) -> Duration 
     let stiffness = || missing.iter().map(|site| site.stiffness);
     let (low, high) =
         (stiffness().fold(f64::INFINITY, f64::min), stiffness().fold(0.0_f64, f64::max));
-    let mut total = 0.0;
-    let mut measured: Vec<(f64, [f64; 2])> = Vec::new();
-    for site in &missing {
-        let zeta = site.damping_ratio;
-        let ends = measured.iter().find(|(known, _)| *known == zeta).map(|(_, ends)| *ends);
-        let ends = ends.unwrap_or_else(|| {
-            let ends = [low, high].map(|stiffness| {
-                let start = Instant::now();
-                cells(&short, &Site { stiffness, ..*site }, stop);
-                start.elapsed().as_secs_f64()
-            });
-            measured.push((zeta, ends));
-            ends
-        });
+    let mut ratios: Vec<f64> = missing.iter().map(|site| site.damping_ratio).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios.dedup();
+    let trials: Vec<(f64, f64)> =
+        ratios.iter().flat_map(|&ratio| [(ratio, low), (ratio, high)]).collect();
+    let mut measured: Vec<f64> = Vec::new();
+    for (n, &(damping_ratio, stiffness)) in trials.iter().enumerate() {
+        shown(n, trials.len());
+        let start = Instant::now();
+        cells(&short, &Site { stiffness, damping_ratio, ..*missing.first()? }, stop);
+        if stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        measured.push(start.elapsed().as_secs_f64());
+    }
+    shown(trials.len(), trials.len());
+    let expected = |site: &Site| {
+        let ratio = ratios.iter().position(|ratio| *ratio == site.damping_ratio)?;
+        let (soft, stiff) = (measured.get(2 * ratio)?, measured.get(2 * ratio + 1)?);
         let part =
             if high > low { libm::log(site.stiffness / low) / libm::log(high / low) } else { 0.0 };
-        total += times * ends[0] * libm::pow(ends[1] / ends[0], part);
-    }
-    let threads = config.regimes.threads.min(missing.len()).max(1);
-    Duration::from_secs_f64(total / threads as f64)
+        Some(times * soft * libm::pow(stiff / soft, part))
+    };
+    let expected = missing.iter().map(|site| expected(site).unwrap_or(0.0)).collect();
+    Some(Forecast::new(expected, config.regimes.threads))
 }
 
-/// The sites of which a cell is not known.
+/// The sites of which a cell is not known, the stiffest first: they take longest, and none of them is left for the end.
 fn missing(config: &Config, known: &[Cell]) -> Vec<Site> {
     let n = config.regimes.accuracy.len();
     let is_missing = |site: &Site| known.iter().filter(|cell| site.holds(cell)).count() < n;
-    sites(config).into_iter().filter(is_missing).collect()
+    let mut missing: Vec<Site> = sites(config).into_iter().filter(is_missing).collect();
+    missing.sort_by(|a, b| b.stiffness.total_cmp(&a.stiffness));
+    missing
 }
 
-/// Runs the contest in every cell that is not `known`; `done` is shown all cells so far after each
-/// site. Returns the cells in the order of the grid; once `stop` is set, those that were finished.
+/// A site that is done.
+pub struct Done<'a> {
+    /// Which.
+    pub site: &'a Site,
+    /// Its place among those that were to be done.
+    pub place: usize,
+    /// What it took.
+    pub took: Duration,
+    /// All cells so far.
+    pub cells: &'a [Cell],
+}
+
+/// Runs the contest in every cell that is not `known`; `done` is shown each site that is. Returns the cells in the order of the grid; once `stop` is set, those that were finished.
 pub fn regimes(
     config: &Config,
     known: Vec<Cell>,
     stop: &AtomicBool,
-    done: &(dyn Fn(&Site, &[Cell]) + Sync),
+    done: &(dyn Fn(&Done<'_>) + Sync),
 ) -> Vec<Cell> {
-    // The stiffest first: they take longest, and none of them is left for the end.
-    let mut missing = missing(config, &known);
-    missing.sort_by(|a, b| b.stiffness.total_cmp(&a.stiffness));
+    let missing = missing(config, &known);
     let (next, cells_so_far) = (AtomicUsize::new(0), Mutex::new(known));
     std::thread::scope(|scope| {
         for _ in 0..config.regimes.threads.min(missing.len()) {
             scope.spawn(|| {
-                while let Some(site) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
+                loop {
+                    let place = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(site) = missing.get(place) else { break };
+                    let start = Instant::now();
                     let own = cells(config, site, stop);
                     if stop.load(Ordering::Relaxed) {
                         break;
@@ -256,7 +284,7 @@ pub fn regimes(
                         all.retain(|cell| !site.holds(cell));
                         all.extend(own);
                         sort(config, &mut all);
-                        done(site, &all);
+                        done(&Done { site, place, took: start.elapsed(), cells: &all });
                     }
                 }
             });
