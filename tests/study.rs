@@ -140,7 +140,7 @@ fn repeats_go_in_turns_round_all_runs_and_an_interrupted_turn_is_gone_on_with() 
             match progress {
                 Progress::Runs(n) => done.0 = n,
                 Progress::Done(what) => done.1.push(what),
-                Progress::Row(_) => {}
+                Progress::Row(_) | Progress::Left(_) => {}
             }
             stop.store(done.1.len() >= stop_after, Ordering::Relaxed);
         });

@@ -42,6 +42,10 @@ impl Bar {
         match progress {
             Progress::Runs(n) => self.bar.set_length(n as u64),
             Progress::Row(_) => {}
+            Progress::Left(left) => {
+                let message = format!("some {} left: {}", spoken(left), self.bar.message());
+                self.bar.set_message(message);
+            }
             Progress::Done(what) => {
                 self.bar.inc(1);
                 self.bar.set_message(what);
