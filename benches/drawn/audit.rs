@@ -115,7 +115,7 @@ impl<'a, P: Jointed> Auditor<'a, P> {
             loss += own;
         }
         if self.friction_takes {
-            let friction = self.part.powers(mode, y).dissipated - loss;
+            let friction = self.part.powers(mode, y).dissipated() - loss;
             self.seen.friction_gave += dt * (-friction).max(0.0);
         }
     }
