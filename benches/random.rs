@@ -123,9 +123,12 @@ fn print_counts(key: &str, all: &[Judged]) {
     }
 }
 
+/// A number of a draw.
+type Of = fn(&Judged) -> f64;
+
 /// What the bounds of the verdict are chosen by.
 fn print_spread(all: &[Judged]) {
-    let kinds: [(&str, fn(&Judged) -> f64); 5] = [
+    let kinds: [(&str, Of); 5] = [
         ("e within the horizon", |judged| judged.verdict.e),
         ("of what is allowed", |judged| judged.verdict.of_allowed),
         ("time in different modes", |judged| judged.verdict.modes_s),
