@@ -25,9 +25,9 @@ const MOST_STATES: usize = 100_000;
 
 /// Each of the two runs takes at most this many times the work of the run asked about, all methods that are tried
 /// together.
-const SHARE: f64 = 16.0;
-/// Right-hand sides, times joints, that it may take in any case: a second.
-const LEAST_WORK: f64 = 8e6;
+const SHARE: f64 = 8.0;
+/// Right-hand sides, times joints, that it may take in any case: a tenth of a second.
+const LEAST_WORK: f64 = 4e6;
 
 /// How far a motion is predictable.
 #[derive(Clone, Copy, Debug, PartialEq)]
