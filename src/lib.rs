@@ -61,5 +61,6 @@ pub mod reference;
 pub mod report;
 pub mod run;
 pub mod self_check;
+pub mod stiffness;
 pub mod study;
 pub mod warning;

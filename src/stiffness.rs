@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use deltazero_solvers::{Accepted, Event, Needs, Record, System as _};
+use deltazero_solvers::{Accepted, Event, Needs, Record};
 
 use crate::model::Jointed;
 use crate::warning::{Code, Warning};

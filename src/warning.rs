@@ -20,6 +20,8 @@ pub enum Code {
     Dissipation,
     /// A pin deeper in its bush than the clearance is wide.
     Penetration,
+    /// An explicit method on a contact that damps so strongly that stability bounds its steps.
+    Stiff,
 }
 
 impl Code {
@@ -38,6 +40,7 @@ impl Code {
             Self::Energy => "energy",
             Self::Dissipation => "dissipation",
             Self::Penetration => "penetration",
+            Self::Stiff => "stiff",
         }
     }
 }

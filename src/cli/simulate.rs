@@ -18,6 +18,7 @@ use deltazero::run::{
     Integrable, JointHistory, JointsRun, Limits, Price, Setting, contacts_at_floor, histories,
     integrate, switches,
 };
+use deltazero::stiffness::Stiffness;
 use deltazero::study::horizon::{Horizon, Span, horizon};
 use deltazero::study::restitution;
 use deltazero::warning::{Code, Warning};
@@ -130,9 +131,11 @@ fn simulate<'a, P: Integrable>(
     let watch = Limits::none(stop).watch(Price::of_setting(setting));
     let work = WorkByKind::new(|mode: P::Mode| P::foremost(&mode).phase());
     let contacts = Contacts::new(part, setting.events);
-    let mut record = ((trajectory(), balance), ((time, (watch, rows)), (work, contacts)));
+    let audit = (balance, Stiffness::new(part));
+    let mut record = ((trajectory(), audit), ((time, (watch, rows)), (work, contacts)));
     let run = integrate(part, setting, y0.clone(), t_end, &mut record);
-    let ((kept, balance), ((_, (_, rows)), (work, contacts))) = record;
+    let ((kept, (balance, stiffness)), ((_, (_, rows)), (work, contacts))) = record;
+    let stiff = stiffness.warning().filter(|_| !setting.method.is_implicit());
     let alone = || integrate(part, setting, y0, t_end, &mut trajectory()).took.wall;
     let events = switches(part, &kept.events);
     let last = kept.events.last().filter(|event| event.after == Next::Stop);
@@ -147,7 +150,7 @@ fn simulate<'a, P: Integrable>(
         reached_90,
         failed_bay: run.failed_joint(part).map(|k| k + 1),
         too_long: rows.complaint(run.t),
-        warnings: balance.check.warnings(setting.rtol()),
+        warnings: balance.check.warnings(setting.rtol()).into_iter().chain(stiff).collect(),
         balance: balance.at(run.mode.clone(), &run.y),
         run: run.by_joint(part),
         work: work.kinds,

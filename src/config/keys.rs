@@ -106,8 +106,8 @@ pub const KEYS: &[Key] = &[
     },
     Key {
         path: "bays",
-        // Work grows with their square: 1000 leave the start after 5 s of computing, 10 000 after minutes, at 0.2 GB.
-        kind: Kind::Integer(1, 10_000),
+        // Work grows with their square: 1000 leave the start after 5 s of computing, 2000 after 19 s, 10 000 after minutes.
+        kind: Kind::Integer(1, 2_000),
         default: Toml("1"),
         unit: "",
         doc: "Side frames in the chain, work growing with their square; more than one: reading \"pin\" and located events only, and not `audit`",

@@ -66,7 +66,7 @@ fn a_bad_argument_of_set_is_refused_by_its_own_text() {
         ("joint2.strut.length=1", &["joint2.strut.length", "cannot differ for one joint"]),
         ("reading=pinned", &["reading = \"pinned\"", "pin, full"]),
         ("run.sample=1e-7", &["4.0e7 rows", "8.0e9 bytes", "raise run.sample above 8.00e-7 s"]),
-        ("bays=1000000", &["bays = 1000000 is out of range: from 1 to 10000"]),
+        ("bays=1000000", &["bays = 1000000 is out of range: from 1 to 2000"]),
         ("contact.stiffness", &["expected key=value"]),
         ("run.t_end=", &["expected key=value"]),
     ];

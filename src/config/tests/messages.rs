@@ -203,7 +203,7 @@ fn values_that_do_not_go_together_are_refused() {
          events = \"located\""
     );
     for bays in ["0", "1000000"] {
-        let text = format!("bad.toml:1: bays = {bays} is out of range: from 1 to 10000");
+        let text = format!("bad.toml:1: bays = {bays} is out of range: from 1 to 2000");
         assert_eq!(refusal(&format!("bays = {bays}")), text);
     }
     let text = "run.sample = 1e-2 s up to run.t_end = 1e9 s makes 2.0e11 rows of \
