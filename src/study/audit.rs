@@ -119,6 +119,19 @@ pub struct Course {
 }
 
 impl Course {
+    /// What there is of it up to `t` [s]: its motion, and whether it has arrived by then.
+    pub(super) fn cut(&self, t: f64) -> Self {
+        let RunRow { reached_90_s, end_s, .. } = self.run;
+        let run = RunRow {
+            reached_90_s: reached_90_s.filter(|at| *at <= t),
+            end_s: end_s.min(t),
+            // Counted over 2 s: of a shorter part there is no such number.
+            separations: if t < 2.0 { usize::MAX } else { self.run.separations },
+            ..self.run.clone()
+        };
+        Self { run, bins: self.until(t).to_vec(), end: self.end, nudged: Vec::new() }
+    }
+
     /// The part that lies before `t` [s].
     pub fn until(&self, t: f64) -> &[Bin] {
         let n = self.bins.iter().take_while(|bin| bin.begin_s + bin.length_s <= t).count();

@@ -12,7 +12,6 @@ use super::audit::Course;
 use super::course::Quantity;
 use super::torque_ratio::TorqueRatio;
 use crate::config::{Config, ReadingName};
-use crate::reference::HORIZON_ERROR;
 
 /// A figure is reproduced within this part of it.
 const CLOSE: f64 = 0.02;
@@ -72,8 +71,8 @@ pub struct ClaimRow {
     /// or unmakes it.
     #[serde(default)]
     pub moved: Option<f64>,
-    /// Whether it hangs on motion beyond the horizon: last-bit changes of the start move it by more than
-    /// [`HORIZON_ERROR`] of it, or make or unmake it.
+    /// Whether it hangs on motion beyond the horizon: without that something else comes out, of this run or of one
+    /// from a start moved by its last bit.
     #[serde(default)]
     pub beyond_horizon: bool,
 }
@@ -457,6 +456,14 @@ pub(super) fn claims(
 }
 
 impl<'a> Deployment<'a> {
+    /// What there is of its courses up to these times [s].
+    fn until(&self, times: [Option<f64>; 2]) -> [Course; 2] {
+        [0, 1].map(|i| match times[i] {
+            Some(t) => self.own[i].cut(t),
+            None => self.own[i].clone(),
+        })
+    }
+
     /// The same from starts moved by their last bit.
     fn nudged(&self) -> Vec<Deployment<'a>> {
         let [one, two] = self.own;
@@ -479,7 +486,7 @@ impl Claim {
         of: &Deployment<'_>,
         nudged: &[Deployment<'_>],
     ) -> ClaimRow {
-        let value = |of| (self.value)(of).filter(|value| value.is_finite());
+        let value = |of: &Deployment<'_>| (self.value)(of).filter(|value| value.is_finite());
         let measured = value(of);
         let apart = nudged.iter().map(|other| match (measured, value(other)) {
             (Some(own), Some(other)) => (other - own).abs(),
@@ -487,7 +494,13 @@ impl Claim {
             _ => f64::INFINITY,
         });
         let moved = apart.fold(0.0, f64::max);
-        let size = measured.map_or(0.0, f64::abs);
+        let hangs = |all: &Deployment<'_>| {
+            let until = all.until(of.own.map(|course| course.run.horizon_s));
+            let [one, two] = &until;
+            let ratio = all.ratio.filter(|_| one.run.reached_90_s.is_some());
+            value(&Deployment { own: [one, two], ratio, ..*all }) != value(all)
+        };
+        let beyond_horizon = std::iter::once(of).chain(nudged).any(hangs);
         let horizons = self.joints.iter().filter_map(|joint| of.own.get(joint - 1)?.run.horizon_s);
         ClaimRow {
             claim: self.name.to_owned(),
@@ -498,7 +511,7 @@ impl Claim {
             verdict: self.test.verdict(measured, of),
             horizon_s: horizons.reduce(f64::min),
             moved: measured.and(moved.is_finite().then_some(moved)),
-            beyond_horizon: moved > HORIZON_ERROR * size,
+            beyond_horizon,
         }
     }
 }

@@ -63,7 +63,7 @@ fn judged(rows: &[Value]) {
         ("ideal_theta1_90", "ideal", false),
         ("separations", "printed", false),
         ("f_n1_settled", "printed", false),
-        ("x01_max", "pin", false),
+        ("x01_max", "full", false),
         ("x01_max", "printed", true),
         ("f_n1_stays_settled", "printed", true),
         ("clearance_theta1_90", "pin", true),
