@@ -168,7 +168,8 @@ impl Logarithmic {
         let mut l = 1.0 + (2.0 * u).sqrt() + u;
         loop {
             let next = l - (l - libm::log(l) - target) / (1.0 - 1.0 / l);
-            if next >= l {
+            // Of what is not a number there is no end to come to.
+            if next >= l || next.is_nan() {
                 return l;
             }
             l = next;
@@ -308,6 +309,13 @@ mod tests {
                 assert!(is_finite && law.slope(delta).is_finite(), "{law:?} at {delta:e}: {force}");
                 assert!((0.0..=1e-8).contains(&force.re), "{law:?} at {delta:e}: {force}");
             }
+        }
+    }
+
+    #[test]
+    fn the_force_of_no_number_is_none() {
+        for law in relations() {
+            assert!(law.force(f64::NAN).is_nan() && law.slope(f64::NAN).is_nan(), "{law:?}");
         }
     }
 
