@@ -94,7 +94,7 @@ impl Bristles {
     #[inline(always)]
     pub(super) fn bent<S: Real>(&self, (mu, piece): (f64, u8), sigma: f64, v_t: S, z: S) -> (S, S) {
         let s = v_t * sigma;
-        let g = s.apart(&Piece { shape: self.without_viscosity(), mu, piece });
+        let g = s.apart(&Piece { shape: self.without_viscosity(), mu, piece: Self::of_g(piece) });
         let z_dot = v_t - z * s * self.stiffness / g;
         (z * self.stiffness + z_dot * self.damping + v_t * self.viscosity, z_dot)
     }
@@ -102,6 +102,11 @@ impl Bristles {
     /// `g/σ0` at rest [m].
     pub(super) fn most_deflection(&self, mu: f64) -> f64 {
         (mu + self.excess.max(0.0)) / self.stiffness
+    }
+
+    /// The piece of g that a piece of the whole is: two of the latter divide the first of the former.
+    fn of_g(piece: u8) -> u8 {
+        piece.saturating_sub(1)
     }
 
     /// g as a shape.
@@ -161,7 +166,8 @@ impl Shape {
                 [STRIBECK_SETTLED * speed, f64::INFINITY]
             }
             Self::Tanh { speed } => [TANH_SETTLED * speed, f64::INFINITY],
-            Self::Lugre(own) => own.without_viscosity().ends(),
+            // g enters ż with a factor |v_T|, so a step from 6 v_S to v_T = 0 sees nothing of it at either end.
+            Self::Lugre(own) if own.excess != 0.0 => [own.speed, STRIBECK_SETTLED * own.speed],
             _ => [f64::INFINITY; 2],
         }
     }
@@ -199,7 +205,7 @@ impl Shape {
                 -2.0 * excess * part / speed * libm::exp(-part * part)
             }
             (Self::Lugre(own), piece) => {
-                own.without_viscosity().slope(mu, piece, s) + own.viscosity
+                own.without_viscosity().slope(mu, Bristles::of_g(piece), s) + own.viscosity
             }
             (Self::Tanh { speed }, 0) => {
                 let cosh = libm::cosh(s / speed);
@@ -228,7 +234,7 @@ impl Function for Piece {
                 (-(part * part)).exp() * excess + mu
             }
             (Shape::Lugre(own), piece) => {
-                let shape = own.without_viscosity();
+                let (shape, piece) = (own.without_viscosity(), Bristles::of_g(piece));
                 Self { shape, mu, piece }.of(s) + s * own.viscosity
             }
             (Shape::Tanh { speed }, 0) => {
