@@ -312,7 +312,7 @@ impl Block {
     }
 
     /// `outcome` of a run that ended at `(t, y)`; an error where what stopped it was not 90° but the range of
-    /// the contact law.
+    /// the contact law, and another one where a run fails with the pin deep in its bush.
     pub fn judged(
         &self,
         outcome: Result<Outcome, Error>,
@@ -326,6 +326,15 @@ impl Block {
                 let reason = format!(
                     "penetration δ = {delta:.6e} m is where contact.law ends, at {most:.3e} N; take a longer \
                      contact, a stiffer material, or a larger clearance"
+                );
+                Err(Error::OutsideModel { t, mode: mode.to_string(), reason })
+            }
+            (Err(error), None) if mode.is_contact() && self.pose(y).delta > self.pin_radius => {
+                let reason = format!(
+                    "penetration δ = {:.6e} m is deeper than the pin's radius of {} m, where no law of contact means \
+                     anything ({error}); take a stiffer contact",
+                    self.pose(y).delta,
+                    self.pin_radius
                 );
                 Err(Error::OutsideModel { t, mode: mode.to_string(), reason })
             }

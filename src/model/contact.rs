@@ -78,6 +78,13 @@ impl NormalLaw {
         self.hysteresis != 0.0 && !self.adhesion
     }
 
+    /// Whether a contact ends at δ = 0, whatever else ends it: F_N is not what is guarded. Where F(δ) is flat at the
+    /// surface the rounding of F_N would be a long way of δ.
+    #[inline(always)]
+    pub fn ends_at_surface(&self) -> bool {
+        self.adhesion || self.hysteresis != 0.0 || self.damping == 0.0
+    }
+
     /// `1 + χ δ̇/δ̇₋`, by which a law with hysteresis multiplies F(δ).
     #[inline(always)]
     pub fn factor<S: Real>(&self, delta_dot: S, touch: Touch) -> S {

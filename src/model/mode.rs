@@ -161,7 +161,7 @@ impl Block {
             Mode::SlipPlus(touch) | Mode::SlipMinus(touch) | Mode::Stick(touch) => {
                 let pose = self.pose(y);
                 let by_factor = self.normal.releases_by_factor();
-                g[GUARD_CONTACT] = if self.normal.adhesion || by_factor {
+                g[GUARD_CONTACT] = if self.normal.ends_at_surface() {
                     pose.delta
                 } else {
                     self.normal.force(pose.delta, pose.delta_dot, touch)
@@ -263,7 +263,7 @@ impl Block {
             bounds[GUARD_CONTACT] = match mode {
                 Mode::Relaxing(_) if by_factor => factor,
                 Mode::Relaxing(_) => force,
-                _ if by_factor || self.normal.adhesion => delta,
+                _ if self.normal.ends_at_surface() => delta,
                 _ => force,
             };
             if by_factor {
