@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::path::Path;
+
 use common::{audited, balance, config, located, run, run_chain, setting};
 use deltazero::config::{Config, ContactLaw, Events, ReadingName};
 use deltazero::energy_balance::EnergyBalance;
@@ -11,10 +13,11 @@ use deltazero::metrics::{ErrorScale, log_log_slope, sample_error};
 use deltazero::model::chain::Modes;
 use deltazero::model::contact::Touch;
 use deltazero::model::{Body, Chain, Jointed, Mechanism, Mode};
-use deltazero::run::{Accuracy, Setting, integrate};
+use deltazero::run::{Accuracy, Integrable, Setting, integrate};
 use deltazero::self_check::SelfCheck;
+use deltazero::stiffness::Stiffness;
 use deltazero::study::ideal::ideal;
-use deltazero::warning::Code;
+use deltazero::warning::{Code, Warning};
 use deltazero_solvers::{Grid, Next, Outcome, Trajectory};
 
 #[test]
@@ -55,6 +58,27 @@ fn a_run_whose_energy_does_not_balance_says_so() {
     }
     // An inconsistent reading feeds energy in by itself.
     assert_eq!(told(&["reading=centroid"], &located("rk45", 1e-10)), []);
+}
+
+/// The stiffness told of a run of `part` to `t_end`.
+fn stiffness<P: Integrable>(part: &P, method: &str, t_end: f64) -> Option<Warning> {
+    let mut record = Stiffness::new(part, &|_| ());
+    let run = integrate(part, &located(method, 1e-8), part.start(), t_end, &mut record);
+    assert!(run.outcome.is_ok(), "{:?}", run.outcome);
+    record.warning()
+}
+
+#[test]
+fn a_contact_that_begins_slowly_under_hysteresis_is_told_to_be_stiff() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases/p2-63.toml");
+    let slow = Chain::new(&Config::load(Some(&path), &[]).unwrap());
+    let warning = stiffness(&slow, "vern98", 0.02).unwrap();
+    assert!(warning.code == Code::Stiff && warning.message.contains("radau5"), "{warning:?}");
+    // The stiff springs of Table 1 are followed, not held.
+    let block = Mechanism::new(&config(&[])).blocks()[0].clone();
+    for method in ["rk45", "taylor", "vern98"] {
+        assert_eq!(stiffness(&block, method, 2.0), None, "{method}");
+    }
 }
 
 #[test]

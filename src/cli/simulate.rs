@@ -80,8 +80,12 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     let parts = mechanism.parts.iter().map(|part| {
         let time = time(part.block().joint);
         match part {
-            Part::Block(block) => simulate(block, &setting, &config, (time, rows), stop),
-            Part::Chain(chain) => simulate(chain, &setting, &config, (time, rows), stop),
+            Part::Block(block) => {
+                simulate(block, &setting, &config, (time, rows), (args.run.quiet, stop))
+            }
+            Part::Chain(chain) => {
+                simulate(chain, &setting, &config, (time, rows), (args.run.quiet, stop))
+            }
         }
     });
     let parts: Vec<_> = parts.collect();
@@ -123,7 +127,7 @@ fn simulate<'a, P: Integrable>(
     setting: &Setting,
     config: &Config,
     (time, rows): (TimeOf<'_>, Rows),
-    stop: &AtomicBool,
+    (quiet, stop): (bool, &AtomicBool),
 ) -> Simulated<'a> {
     let (y0, t_end) = (part.start(), config.run.t_end);
     let balance = EnergyBalance::new(part, setting.events, &y0);
@@ -131,11 +135,13 @@ fn simulate<'a, P: Integrable>(
     let watch = Limits::none(stop).watch(Price::of_setting(setting));
     let work = WorkByKind::new(|mode: P::Mode| P::foremost(&mode).phase());
     let contacts = Contacts::new(part, setting.events);
-    let audit = (balance, Stiffness::new(part));
+    let is_explicit = !setting.method.is_implicit() && !setting.method.chooses();
+    let tell = |warning: &Warning| warn(std::slice::from_ref(warning), quiet || !is_explicit);
+    let audit = (balance, Stiffness::new(part, &tell));
     let mut record = ((trajectory(), audit), ((time, (watch, rows)), (work, contacts)));
     let run = integrate(part, setting, y0.clone(), t_end, &mut record);
     let ((kept, (balance, stiffness)), ((_, (_, rows)), (work, contacts))) = record;
-    let stiff = stiffness.warning().filter(|_| !setting.method.is_implicit());
+    let stiff = stiffness.warning().filter(|_| is_explicit);
     let alone = || integrate(part, setting, y0, t_end, &mut trajectory()).took.wall;
     let events = switches(part, &kept.events);
     let last = kept.events.last().filter(|event| event.after == Next::Stop);
