@@ -64,7 +64,7 @@ fn answer_rows(table: &WorkPrecision) -> Vec<[String; 7]> {
         row[0] = format!("{e:e}");
         if !table.can_decide(e) {
             row[1] = "not decidable".into();
-            row[2] = format!("the reference is good to {:.1e}", table.reference.agreement);
+            row[2] = table.reference.undecided();
         } else if let Some(best) = cheapest(&table.rows, e) {
             row[1] = format!("{} {}{}", best.method, best.events, doubt(&table.rows, e));
             row[2] = best.setting();

@@ -20,6 +20,9 @@ pub(super) fn spoken(time: Duration) -> String {
     if seconds < 100.0 { format!("{seconds:.0} s") } else { format!("{:.0} min", seconds / 60.0) }
 }
 
+/// Stands between the time left and what was done last.
+const LEFT: &str = " left: ";
+
 /// A bar on standard error that appears once the work takes long; none where that is no terminal,
 /// or by wish.
 pub(super) struct Bar {
@@ -43,8 +46,9 @@ impl Bar {
             Progress::Runs(n) => self.bar.set_length(n as u64),
             Progress::Row(_) => {}
             Progress::Left(left) => {
-                let message = format!("some {} left: {}", spoken(left), self.bar.message());
-                self.bar.set_message(message);
+                let before = self.bar.message();
+                let what = before.split_once(LEFT).map_or(before.as_str(), |(_, what)| what);
+                self.bar.set_message(format!("some {}{LEFT}{what}", spoken(left)));
             }
             Progress::Done(what) => {
                 self.bar.inc(1);

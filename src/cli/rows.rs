@@ -46,8 +46,7 @@ impl Rows {
     pub(super) fn complaint(&self, t: f64) -> Option<String> {
         (self.n_steps > self.most_steps).then(|| {
             format!(
-                "run.sample = 0 keeps every step, and they made {:.1e} of {MOST_ROWS:e} rows by t = {t:e} s; {WAY_OUT}",
-                self.n_steps
+                "run.sample = 0 keeps every step, and they made more than {MOST_ROWS:e} rows of all joints by t = {t:e} s; {WAY_OUT}"
             )
         })
     }

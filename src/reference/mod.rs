@@ -312,13 +312,16 @@ impl ReferenceSummary {
             Some(warning) => {
                 format!("the reference is wrong, by its own account: {}", warning.message)
             }
-            None => format!("the reference is good to e = {:.1e} only", self.agreement),
+            None => format!("the reference is good to {:.1e}", self.agreement),
         }
     }
 
-    /// Those of the `warnings` of another run that the reference does not have: what both have is the motion's.
+    /// Those of the `warnings` of another run that are its own: that it is wrong, or what the reference does not have,
+    /// as what both have is the motion's.
     pub fn not_shared(&self, mut warnings: Vec<Warning>) -> Vec<Warning> {
-        warnings.retain(|warning| self.warnings.iter().all(|own| own.code != warning.code));
+        let is_shared =
+            |warning: &Warning| self.warnings.iter().any(|own| own.code == warning.code);
+        warnings.retain(|warning| warning.code.is_of_a_wrong_run() || !is_shared(warning));
         warnings
     }
 
