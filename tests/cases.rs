@@ -30,6 +30,21 @@ fn assert_right(names: &[&str]) {
 }
 
 #[test]
+fn no_step_passes_over_what_bristles_feel_before_they_stop() {
+    assert_right(&["r1-480"]);
+}
+
+#[test]
+fn a_flat_force_ends_where_its_penetration_does() {
+    assert_right(&["r1-565"]);
+}
+
+#[test]
+fn a_pin_deeper_than_its_radius_is_beyond_the_model() {
+    assert_right(&["r1-928"]);
+}
+
+#[test]
 fn a_contact_without_adhesion_ends_where_its_pin_leaves_the_bush() {
     assert_right(&["flores", "hunt-crossley"]);
 }

@@ -16,14 +16,15 @@ const METHODS: [&str; 3] = ["vern98", "radau5", "taylor"];
 /// Tolerance of the runs.
 const RTOL: f64 = 1e-12;
 /// Two runs agree whose samples differ by no more than this in `e`, and this many times what a change in the last bit
-/// has grown to: a run at `RTOL` makes errors of ten thousand times the last bit. Of 100 draws the largest difference
-/// was 2.3e-10 in the median and 5.5e-5 at most, where it was 0.09 of what is allowed.
+/// has grown to: a step at `RTOL` makes errors of ten thousand times the last bit, and there are thousands of steps. Of
+/// 1160 draws four differ by more than a million times that growth, by 5.2 million at most.
 const MOST_E: f64 = 1e-6;
-const MOST_OF_GROWTH: f64 = 1e6;
+const MOST_OF_GROWTH: f64 = 1e7;
 /// Modes and ends are compared as long as no more has grown, and differ for no longer than this, in units of the
-/// mechanism's time: a pin that grazes its bush is in it by one run and not by the other, for microseconds.
+/// mechanism's time: a pin that grazes its bush is in it by one run and not by the other. Of 1160 draws six are longer
+/// apart than 1e-4, by 5.3e-4 at most, all at impacts of some µm/s.
 const STEADY: f64 = 1e-11;
-const MOST_MODES: f64 = 1e-4;
+const MOST_MODES: f64 = 1e-3;
 /// A balance holds to this part of the energy; at most 2.3e-8 of 100 draws, by `radau5`.
 const MOST_RESIDUAL: f64 = 1e-6;
 /// What a run may go astray, as a part of what is usual in it; see `Audit`.
@@ -159,6 +160,12 @@ impl Verdict {
         }
         for ran in all.iter().filter(|ran| ran.method != base.method) {
             self.together((base, ran), block, &growth);
+        }
+        let is_buried = |ran: &Ran| ran.audit.deepest * block.clearance > block.pin_radius;
+        if self.class.is_found() && all.iter().any(is_buried) {
+            self.class = Class::Refused;
+            self.lines
+                .push(format!("joint {joint}: deeper than the pin's radius, of which a run warns"));
         }
         if self.class.is_found() {
             let until = growth.until(HORIZON_ERROR);
