@@ -168,7 +168,7 @@ impl Logarithmic {
         let mut l = 1.0 + (2.0 * u).sqrt() + u;
         loop {
             let next = l - (l - libm::log(l) - target) / (1.0 - 1.0 / l);
-            // Of what is not a number there is no end to come to.
+            // Where δ is not a number no iterate is below another, and the loop would not end.
             if next >= l || next.is_nan() {
                 return l;
             }
@@ -313,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn the_force_of_no_number_is_none() {
+    fn a_penetration_that_is_not_a_number_gives_no_number() {
         for law in relations() {
             assert!(law.force(f64::NAN).is_nan() && law.slope(f64::NAN).is_nan(), "{law:?}");
         }

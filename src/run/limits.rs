@@ -36,7 +36,7 @@ impl<'a> Limits<'a> {
         Self { max_rhs: config.study.max_rhs, max_seconds: config.study.max_seconds, stop }
     }
 
-    /// None but from outside.
+    /// No limit but the flag that interrupts it.
     pub fn none(stop: &'a AtomicBool) -> Self {
         Self { max_rhs: u64::MAX, max_seconds: f64::INFINITY, stop }
     }

@@ -1,0 +1,115 @@
+//! Guards against what a mode means.
+
+use deltazero_solvers::System;
+
+use super::*;
+use crate::config::{Config, ContactLaw, FrictionLaw};
+use crate::model::Mechanism;
+
+/// xorshift64: numbers from −1 to 1.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        2.0 * (self.0 >> 11) as f64 / (1_u64 << 53) as f64 - 1.0
+    }
+}
+
+/// Whether `y` is a state of `mode`, by what the mode means and not by its guards.
+fn is_inside(block: &Block, mode: Mode, y: &State<f64>) -> bool {
+    let (pose, normal) = (block.pose(y), &block.normal);
+    if block.stop_at_90 && y[2] > FRAC_PI_2 {
+        return false;
+    }
+    let Some(touch) = mode.touch() else { return pose.delta < 0.0 };
+    let force = normal.force(pose.delta, pose.delta_dot, touch);
+    // A force that damping alone makes positive outside pushes the pin back in at once.
+    let presses = force > 0.0 && (pose.delta > 0.0 || normal.hysteresis == 0.0);
+    if let Mode::Relaxing(_) = mode {
+        return pose.delta > 0.0 && !presses;
+    }
+    let is_touching = if normal.adhesion { pose.delta > 0.0 } else { presses };
+    let is_in_range = normal.elastic.deepest().is_none_or(|deepest| pose.delta < deepest);
+    let slides = match mode.sigma() {
+        Some(sigma) => {
+            let s = sigma * block.v_t(&pose, y);
+            let [low, high] = block.sliding.span(touch.piece);
+            low < s && s < high
+        }
+        None => {
+            let forces = block.forces(mode, y, &pose);
+            forces.tangential.abs() < block.sliding.at_rest(block.mu) * forces.normal
+        }
+    };
+    is_touching && is_in_range && slides
+}
+
+/// A state near the surface of contact, or far beyond it, and up to and past 90°.
+fn state(block: &Block, random: &mut Random) -> State<f64> {
+    let depth = 10_f64.powf(-2.0 + 2.0 * random.next()) * random.next().signum();
+    let (rho, phi) = (block.clearance * (1.0 + 0.9 * depth), 3.0 * random.next());
+    let mut y = [rho * phi.cos(), rho * phi.sin(), 0.0, 0.0, 0.0, 0.0];
+    y[2] = 1.7 * random.next();
+    let speed = 10_f64.powf(-3.0 + 2.0 * random.next());
+    for y in &mut y[3..] {
+        *y = speed * random.next();
+    }
+    y
+}
+
+#[test]
+fn guards_are_positive_inside_their_mode_and_nowhere_else() {
+    let mut random = Random(88_172_645_463_325_252);
+    for law in ContactLaw::ALL {
+        for friction in FrictionLaw::ALL {
+            for adhesion in [true, false] {
+                let sets = [
+                    format!("contact.law={law}"),
+                    format!("friction.law={friction}"),
+                    format!("contact.adhesion={adhesion}"),
+                    "contact.young_modulus=1e8".to_owned(),
+                    "contact.length=1e-3".to_owned(),
+                    "reading=full".to_owned(),
+                ];
+                let config = Config::load(None, &sets).unwrap();
+                let mechanism = Mechanism::new(&config);
+                for block in mechanism.blocks() {
+                    for _ in 0..200 {
+                        check(block, &state(block, &mut random), &mut random);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Compares the guards of every mode at `y` with what the mode means.
+fn check(block: &Block, y: &State<f64>, random: &mut Random) {
+    let mut touch = block.normal.touch(1e-3 * (1.0 + random.next()));
+    touch = block.sliding.begun_at((1e-2 * random.next()).abs(), touch);
+    let mut modes = vec![Mode::Apart, Mode::SlipPlus(touch), Mode::SlipMinus(touch)];
+    if !block.normal.adhesion {
+        modes.push(Mode::Relaxing(touch));
+    }
+    if block.sliding.sticks() {
+        modes.push(Mode::Stick(touch));
+    }
+    for mode in modes {
+        let (mut g, mut bounds) = ([0.0; N_GUARDS], [0.0; N_GUARDS]);
+        block.guards(mode, 0.0, y, &mut g);
+        block.guard_bounds(mode, 0.0, y, &mut bounds);
+        if g.iter().zip(bounds).any(|(g, bound)| g.abs() <= bound) {
+            continue;
+        }
+        let holds = g.iter().all(|g| *g > 0.0);
+        assert_eq!(
+            holds,
+            is_inside(block, mode, y),
+            "{mode} of {:?} at {y:?}: guards {g:?}",
+            block.normal
+        );
+    }
+}
