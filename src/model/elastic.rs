@@ -316,7 +316,7 @@ mod tests {
     fn a_penetration_that_is_not_a_number_gives_no_number() {
         for law in relations() {
             assert!(law.force(f64::NAN).is_nan(), "{law:?}");
-            assert!(law.slope(f64::NAN).is_nan() || matches!(law, Elastic::Linear { .. }));
+            assert!(!law.slope(f64::NAN).is_finite() || matches!(law, Elastic::Linear { .. }));
         }
     }
 
