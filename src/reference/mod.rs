@@ -16,6 +16,7 @@ use crate::model::{Block, Mechanism, Part, State};
 use crate::run::{BlockTrajectory, Limits, ModeChange, mode_changes};
 use crate::warning::Warning;
 
+pub(crate) use solve::parted_at;
 pub(crate) use solve::settings;
 pub use solve::{HORIZON_ERROR, RECIPE};
 use solve::{JointPath, Path, Solved, solve, solve_extended};

@@ -15,7 +15,7 @@ use crate::energy_balance::{Balance, EnergyBalance};
 use crate::metrics::contacts::{Contact, Contacts};
 use crate::metrics::dense::{Node, Nodes};
 use crate::metrics::{ErrorScale, match_events, sample_error, worse};
-use crate::model::{Block, Jointed, State};
+use crate::model::{Block, Jointed};
 use crate::run::{
     Accuracy, BlockTrajectory, Integrable, JointsRun, Limit, Limits, ModeChange, OwnRun, Price,
     Setting, integrate, trajectories,
@@ -60,6 +60,17 @@ const AGREED: f64 = 1e-8;
 /// A last-bit change of the start that grows beyond this `e` ends the horizon.
 pub const HORIZON_ERROR: f64 = 1e-9;
 
+/// The first sample time at which two runs of a joint differ by more than [`HORIZON_ERROR`] [s].
+pub(crate) fn parted_at(
+    own: &BlockTrajectory,
+    other: &BlockTrajectory,
+    scale: ErrorScale,
+) -> Option<f64> {
+    let is_lost = |a, b| sample_error(b, a, scale).total_cmp(&HORIZON_ERROR).is_gt();
+    let mut pairs = own.samples.iter().zip(&other.samples);
+    pairs.find(|(a, b)| is_lost(&a.y, &b.y)).map(|(a, _)| a.t)
+}
+
 /// One run of a part, and what a reference keeps of it.
 #[derive(Clone, Debug)]
 pub(super) struct Path {
@@ -97,13 +108,8 @@ impl Solved {
     /// The first sample time at which a last-bit change of the start exceeds [`HORIZON_ERROR`] in any joint
     /// [s]; infinite where none does.
     pub(super) fn lost_at(&self, scale: ErrorScale) -> f64 {
-        let is_lost =
-            |a: &State<f64>, b| sample_error(b, a, scale).total_cmp(&HORIZON_ERROR).is_gt();
         let joints = self.path.joints.iter().zip(&self.nudged);
-        let lost = joints.filter_map(|(own, nudged)| {
-            let mut pairs = own.trajectory.samples.iter().zip(&nudged.samples);
-            pairs.find(|(a, b)| is_lost(&a.y, &b.y)).map(|(a, _)| a.t)
-        });
+        let lost = joints.filter_map(|(own, nudged)| parted_at(&own.trajectory, nudged, scale));
         lost.fold(f64::INFINITY, f64::min)
     }
 

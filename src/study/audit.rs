@@ -13,9 +13,9 @@ use super::torque_ratio::{TorqueRatio, torque_ratio};
 use super::work_precision::Progress;
 use crate::config::{Config, Events, ReadingName};
 use crate::energy_balance::EnergyBalance;
-use crate::metrics::{ErrorScale, sample_error};
+use crate::metrics::ErrorScale;
 use crate::model::{Block, Jointed, Mechanism, State};
-use crate::reference::{HORIZON_ERROR, counted};
+use crate::reference::{counted, parted_at};
 use crate::run::{
     Accuracy, BlockRun, BlockTrajectory, Limits, Price, Setting, integrate, mode_changes,
 };
@@ -273,12 +273,9 @@ fn failure(run: &BlockRun, cut: Option<String>) -> Option<String> {
     }
 }
 
-/// The first sample time at which two runs differ by more than [`HORIZON_ERROR`] [s].
+/// The first sample time at which two runs differ by more than [`HORIZON_ERROR`](crate::reference::HORIZON_ERROR) [s].
 fn lost_at(block: &Block, one: &BlockTrajectory, other: &BlockTrajectory) -> Option<f64> {
     let theta =
         one.samples.iter().map(|sample| sample.y[2].abs()).fold(f64::MIN_POSITIVE, f64::max);
-    let scale = ErrorScale::of(block, theta);
-    let mut pairs = one.samples.iter().zip(&other.samples);
-    let is_lost = |a, b| sample_error(b, a, scale).total_cmp(&HORIZON_ERROR).is_gt();
-    pairs.find(|(a, b)| is_lost(&a.y, &b.y)).map(|(a, _)| a.t)
+    parted_at(one, other, ErrorScale::of(block, theta))
 }

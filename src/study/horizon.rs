@@ -11,9 +11,9 @@ use deltazero_solvers::{Accepted, Event, Grid, Needs, Outcome, Record, Stats, Sy
 
 use super::parallel::in_parallel;
 use crate::contest::work;
-use crate::metrics::{ErrorScale, sample_error};
-use crate::model::{Block, Mechanism, Part, State};
-use crate::reference::{HORIZON_ERROR, settings};
+use crate::metrics::ErrorScale;
+use crate::model::{Block, Mechanism, Part};
+use crate::reference::{parted_at, settings};
 use crate::run::{BlockTrajectory, Integrable, JointsRun, Setting, integrate, trajectories};
 
 /// Times at which runs are compared.
@@ -34,7 +34,7 @@ const LEAST_WORK: f64 = 4e6;
 pub enum Horizon {
     /// To the end of the run.
     WholeRun,
-    /// At this time a last-bit change of the start exceeds [`HORIZON_ERROR`] [s].
+    /// At this time a last-bit change of the start exceeds [`HORIZON_ERROR`](crate::reference::HORIZON_ERROR) [s].
     LostAt(f64),
     /// Nobody knows: no method came to the end within the work that it may take.
     NotMeasured,
@@ -103,13 +103,8 @@ impl Pair<'_> {
     /// The first time at which they differ [s], angles measured by `theta` [rad].
     fn lost_at(&self, theta: f64) -> Option<f64> {
         let scale = ErrorScale::of(self.block, theta);
-        let is_lost =
-            |a: &State<f64>, b| sample_error(b, a, scale).total_cmp(&HORIZON_ERROR).is_gt();
         let joints = self.own.joints.iter().zip(&self.nudged.joints);
-        let lost = joints.filter_map(|(own, nudged)| {
-            let mut samples = own.samples.iter().zip(&nudged.samples);
-            samples.find(|(a, b)| is_lost(&a.y, &b.y)).map(|(a, _)| a.t)
-        });
+        let lost = joints.filter_map(|(own, nudged)| parted_at(own, nudged, scale));
         lost.reduce(f64::min)
     }
 
