@@ -377,13 +377,14 @@ fn a_setting_that_a_contest_finds_holds_beside_itself_and_a_decade_looser_does_n
 }
 
 #[test]
-fn a_contest_is_won_by_the_shortest_time_and_cuts_what_needs_ten_times_the_work() {
+fn a_contest_ranks_by_time_and_cuts_what_needs_ten_times_the_least_work() {
     let (_, standings) = contest(&["rk4", "dop853", "tr_bdf2"], 1e-7);
-    let first = &standings.entries[0];
-    assert_eq!(first.method, "dop853");
-    for entry in &standings.entries {
-        assert!(entry.work <= CUT * first.work && entry.time_s() >= first.time_s(), "{entry:?}");
-    }
+    let timed: Vec<_> = standings.entries.iter().filter(|entry| entry.timed).collect();
+    assert!(timed.is_sorted_by(|a, b| a.time_s() <= b.time_s()), "{timed:#?}");
+    // Which of them is the fastest is the machine's to say; which needs the least work is not.
+    let least = standings.entries.iter().min_by(|a, b| a.work.total_cmp(&b.work)).unwrap();
+    assert_eq!(least.method, "dop853");
+    assert!(standings.entries.iter().all(|entry| entry.work <= CUT * least.work), "{standings:#?}");
     let cut = standings.failures.iter().filter(|failure| failure.kind == FailureKind::Cut);
     assert!(cut.clone().any(|failure| failure.method == "tr_bdf2"), "{standings:#?}");
 }
