@@ -5,10 +5,11 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use deltazero::config::{Config, Events};
+use deltazero::config::Config;
 use deltazero::model::Chain;
-use deltazero::run::{Accuracy, Setting, integrate};
 use deltazero_solvers::{Method, System};
+use deltazero_study::run::{Accuracy, Setting, integrate};
+use deltazero_study::setting::Events;
 
 const BAYS: [u32; 4] = [10, 100, 500, 1000];
 /// Every pin slips in a contact, for longer than it is looked at.

@@ -6,11 +6,13 @@ use std::error::Error;
 use std::hint::black_box;
 use std::sync::atomic::AtomicBool;
 
-use deltazero::config::{Config, Events};
+use deltazero::config::Config;
 use deltazero::model::contact::Touch;
 use deltazero::model::{Block, Mechanism, Mode, State};
-use deltazero::run::{Accuracy, Limits, Run, Setting};
+use deltazero::run::Run;
 use deltazero_solvers::{Control, Grid, Integration, METHODS, Method, System, Tolerance};
+use deltazero_study::run::{Accuracy, Limits, Setting};
+use deltazero_study::setting::Events;
 
 /// A contact that slips.
 const SLIPS: State<f64> = [-9.1e-5, -4.4e-5, 0.01, 0.0, 0.0, 0.5];

@@ -5,10 +5,12 @@
 use std::error::Error;
 use std::time::Instant;
 
-use deltazero::config::{Config, Events};
+use deltazero::config::Config;
 use deltazero::model::{Block, Mechanism, State};
-use deltazero::run::{Accuracy, BlockTrajectory, Setting, integrate, integrate_many};
+use deltazero::run::{BlockTrajectory, integrate_many};
 use deltazero_solvers::{Grid, Method, Stats, Trajectory};
+use deltazero_study::run::{Accuracy, Setting, integrate};
+use deltazero_study::setting::Events;
 
 /// Starts, each turning a little faster than the one before [rad/s].
 const STARTS: usize = 256;

@@ -17,13 +17,14 @@ use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use deltazero::config::{Config, Events};
-use deltazero::contest::{Arena, Start, Trial, TrialEnd, accepts_events};
-use deltazero::reference::Reference;
-use deltazero::run::{Accuracy, Limits, Setting};
-use deltazero::study::recommend::{Recommendation, recommend};
-use deltazero::study::work_precision::sample_times;
+use deltazero::config::Config;
+use deltazero::study::plan::{benchmark, recommend};
 use deltazero_solvers::{METHODS, Method};
+use deltazero_study::recommend::Recommendation;
+use deltazero_study::reference::Reference;
+use deltazero_study::run::{Accuracy, Limits, Setting};
+use deltazero_study::selection::{Benchmark, Start, Trial, TrialEnd, accepts_events};
+use deltazero_study::setting::Events;
 use random::Random;
 
 /// m_ref of the damping ratio [kg].
@@ -112,20 +113,22 @@ fn one(i: usize, config: &Config, sets: &[String], accuracy: f64, search: bool, 
         println!("{head} NONE {} | {}", answer.reason, sets.join(" "));
         return;
     };
-    let mut arena = Arena::new(config, sample_times(config), &stop).expect("made before");
+    let mut benchmark = benchmark(config, &stop).expect("made before");
     let mut best = String::new();
     let mut ratio = 1.0;
     if search {
-        (ratio, best) = exhaustive(&arena, &answer, accuracy, &stop);
+        (ratio, best) = exhaustive(&benchmark, &answer, accuracy, &stop);
         best = format!(", {ratio:.2} of {best}");
         tally.ratios.push(ratio);
     }
     let limits = Limits { max_rhs: EXTENDED, ..Limits::none(&stop) };
-    if let Ok(own) = Reference::extended(&arena.mechanism, arena.t_end, &arena.times, limits) {
-        arena.reference = own;
+    if let Ok(own) =
+        Reference::extended(&benchmark.subject, benchmark.t_end, &benchmark.times, limits)
+    {
+        benchmark.reference = own;
         tally.extended += 1;
     }
-    let again = rerun(&arena, &answer, &stop);
+    let again = rerun(&benchmark, &answer, &stop);
     let holds = again.e <= accuracy && accepts_events(accuracy, first.events, &again);
     if !codes.is_empty() {
         tally.warned += 1;
@@ -148,10 +151,10 @@ fn one(i: usize, config: &Config, sets: &[String], accuracy: f64, search: bool, 
 }
 
 /// The run that a user makes of what was printed.
-fn rerun(arena: &Arena, answer: &Recommendation, stop: &AtomicBool) -> Trial {
+fn rerun(benchmark: &Benchmark, answer: &Recommendation, stop: &AtomicBool) -> Trial {
     let first = answer.first().expect("has an answer");
     Trial::new(
-        arena,
+        benchmark,
         &setting(&first.method, first.events, first.rtol, first.step),
         Start::Exact,
         f64::INFINITY,
@@ -171,7 +174,7 @@ fn setting(method: &str, events: Events, rtol: Option<f64>, step: Option<f64>) -
 /// Time of the recommended setting over that of the fastest one, on eight rungs a decade of error, that
 /// reaches the accuracy, be it by luck: the shortest of five, run in turns.
 fn exhaustive(
-    arena: &Arena,
+    benchmark: &Benchmark,
     answer: &Recommendation,
     accuracy: f64,
     stop: &AtomicBool,
@@ -190,7 +193,7 @@ fn exhaustive(
                 let (rtol, step) =
                     if method.is_fixed_step() { (None, Some(value)) } else { (Some(value), None) };
                 let setting = setting(method.name, events, rtol, step);
-                let trial = Trial::new(arena, &setting, Start::Exact, limit, stop);
+                let trial = Trial::new(benchmark, &setting, Start::Exact, limit, stop);
                 if trial.end == TrialEnd::Cut && method.order > 1 && trial.stats.n_events < 1000 {
                     break;
                 }
@@ -211,7 +214,7 @@ fn exhaustive(
     for _ in 0..5 {
         for (wall, setting) in &mut reaching {
             *wall = wall.min(
-                Trial::new(arena, setting, Start::Exact, f64::INFINITY, stop)
+                Trial::new(benchmark, setting, Start::Exact, f64::INFINITY, stop)
                     .took
                     .cpu
                     .as_secs_f64(),

@@ -7,10 +7,12 @@ use std::hint::black_box;
 use std::sync::atomic::AtomicBool;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use deltazero::config::{Config, Events};
+use deltazero::config::Config;
 use deltazero::model::Mechanism;
-use deltazero::run::{Accuracy, Limits, Run, Setting};
+use deltazero::run::Run;
 use deltazero_solvers::{Grid, METHODS};
+use deltazero_study::run::{Accuracy, Limits, Setting};
+use deltazero_study::setting::Events;
 
 fn table1(criterion: &mut Criterion) {
     let Ok(config) = Config::table1() else { return };
@@ -26,8 +28,8 @@ fn table1(criterion: &mut Criterion) {
                 [Accuracy::Rtol(1e-6, None), Accuracy::Rtol(1e-9, None)]
             };
             for accuracy in accuracies {
-                let setting = Setting { method, events, accuracy };
                 let name = format!("table1/{}/{events}/{accuracy:?}", method.name);
+                let setting = Setting { method, events, accuracy };
                 criterion.bench_function(&name, |bencher| {
                     bencher.iter(|| {
                         black_box(Run::new(&mechanism, &setting, config.run.t_end, &grid, limits))

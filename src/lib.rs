@@ -50,17 +50,9 @@
 //! | [`report`] | tables to CSV, Markdown and an HTML page |
 
 pub mod config;
-pub mod contest;
-pub mod energy_balance;
 pub mod figures;
-mod json_number;
-pub mod metrics;
 pub mod model;
-mod quadrature;
-pub mod reference;
 pub mod report;
 pub mod run;
-pub mod self_check;
-pub mod stiffness;
+pub mod studied;
 pub mod study;
-pub mod warning;

@@ -1,7 +1,9 @@
 //! Tables to text: Markdown, CSV and the HTML page.
 
+mod about;
 pub mod audit;
-mod contact;
+pub mod contact;
+mod files;
 pub mod html;
 pub mod laws;
 pub mod recommend;
@@ -10,18 +12,19 @@ mod runs;
 mod slider_crank;
 pub mod steps;
 
+pub use about::{About, Provenance};
+pub use files::{File, study_files};
 pub use runs::study_csv;
 pub use slider_crank::slider_csv;
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-use crate::config::{Config, MechanismName};
+use deltazero_study::work_precision::{ACCURACIES, WorkPrecision, cheapest, doubt};
+
 use crate::figures::Drawing;
 use crate::model::Body;
 use crate::run::JointHistory;
-use crate::study::restitution;
-use crate::study::work_precision::{ACCURACIES, WorkPrecision, cheapest, doubt};
 
 /// A number as it reads back to the same bits; empty for none.
 fn exact(x: Option<f64>) -> String {
@@ -90,21 +93,15 @@ pub fn answer(table: &WorkPrecision) -> String {
 }
 
 /// `study.md`: the answer, the figures, every run.
-pub fn study_markdown(config: &Config, table: &WorkPrecision, drawings: &[Drawing]) -> String {
-    let subject = match config.mechanism {
-        MechanismName::Strut if config.bays > 1 => {
-            format!("Reading `{}`, {} bays", config.reading, config.bays)
-        }
-        MechanismName::Strut => format!("Reading `{}`", config.reading),
-        MechanismName::SliderCrank => "Mechanism `slider-crank`".to_owned(),
-    };
+pub fn study_markdown(about: &About, table: &WorkPrecision, drawings: &[Drawing]) -> String {
     let reference = &table.reference;
     let mut text = format!(
-        "# Which integrator, at which setting, for this contact?\n\n{subject}.\n\n{}\n\
-         e is the worst sample's larger of |Δpin|/c and |Δθ|/{:.4} rad, up to the horizon of {} s.\n\
+        "# Which integrator, at which setting, for this contact?\n\n{}.\n\n{}\n\
+         e is the worst sample's {}, up to the horizon of {} s.\n\
          Reference: {}; a second run ({}) differs by e = {:.1e}{}, which is its error.\n",
+        about.subject,
         answer(table),
-        reference.theta_scale_rad,
+        reference.measure(),
         reference.horizons(),
         reference.method,
         reference.check,
@@ -113,12 +110,13 @@ pub fn study_markdown(config: &Config, table: &WorkPrecision, drawings: &[Drawin
             .event_time_agreement_s
             .map_or_else(String::new, |t| format!(" and {t:.1e} s in event times")),
     );
-    let warnings = restitution::warnings(config).into_iter().map(|warning| warning.message);
-    for limit in reference.limits().into_iter().chain(warnings) {
+    for limit in reference.limits().iter().chain(&about.warnings) {
         let _ = writeln!(text, "\n- {limit}");
     }
-    text += "\n## Contact\n\n";
-    for (name, what) in contact::facts(config) {
+    if !about.facts.is_empty() {
+        text += "\n## Contact\n\n";
+    }
+    for (name, what) in &about.facts {
         let _ = writeln!(text, "- {name}: {what}.");
     }
     for drawing in drawings {
@@ -132,7 +130,7 @@ pub fn study_markdown(config: &Config, table: &WorkPrecision, drawings: &[Drawin
     let _ = write!(text, "\n## All runs\n\n{}", runs::runs(rows));
     let _ = write!(text, "\n## Further errors\n\n{}", runs::errors(rows));
     let _ = write!(text, "\n## Where the work goes\n\n{}", runs::work(rows));
-    let _ = write!(text, "\n## Columns of study.csv\n\n{}", runs::columns());
+    let _ = write!(text, "\n## Columns of study.csv\n\n{}", runs::columns(about, rows));
     text
 }
 

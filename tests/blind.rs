@@ -4,8 +4,9 @@
 mod common;
 
 use common::{config, located, run, setting};
-use deltazero::config::Events;
-use deltazero::run::{Accuracy, mode_changes};
+use deltazero::run::mode_changes;
+use deltazero_study::run::Accuracy;
+use deltazero_study::setting::Events;
 
 #[test]
 fn a_blind_run_ends_at_90_degrees_too() {
@@ -13,7 +14,7 @@ fn a_blind_run_ends_at_90_degrees_too() {
     let blind = setting("rk45", Events::Blind, Accuracy::Rtol(1e-6, None));
     let reached = |setting| {
         let (_, run) = run(&config, setting);
-        run.parts.iter().map(|part| part.reached_90().unwrap()).collect::<Vec<_>>()
+        run.parts.iter().map(|part| part.stopped_at().unwrap()).collect::<Vec<_>>()
     };
     let (blind, located) = (reached(&blind), reached(&located("rk45", 1e-6)));
     for (blind, located) in blind.iter().zip(&located) {

@@ -6,16 +6,27 @@ mod common;
 use std::ops::ControlFlow;
 
 use common::{balance, config, distance, located, run, run_chain, setting};
-use deltazero::config::Events;
-use deltazero::metrics::{ErrorScale, log_log_slope, match_events, sample_error, worse};
-use deltazero::model::{Chain, Jointed};
-use deltazero::run::{Accuracy, Setting, integrate, mode_changes, trajectories};
+use deltazero::model::Chain;
+use deltazero::run::{mode_changes, trajectories};
 use deltazero_solvers::{Accepted, Event, Next, Record};
+use deltazero_study::Problem as _;
+use deltazero_study::errors::{ErrorScale, ScaledGroup, log_log_slope, match_events, worse};
+use deltazero_study::run::{Accuracy, Setting, integrate};
+use deltazero_study::setting::Events;
 
 const LUGRE: &str = "friction.law=lugre";
 
+/// Of a joint with this clearance [m], where θ reaches `theta` [rad].
+fn scale(clearance: f64, theta: f64) -> ErrorScale {
+    let group = |states: &[usize], scale| ScaledGroup { states: states.to_vec(), scale, site: 0 };
+    let groups = vec![group(&[0, 1], clearance), group(&[2], theta)];
+    ErrorScale { groups, event_window: 1e-3 }
+}
+
 /// Of the struts, over some tenths of a second.
-const SCALE: ErrorScale = ErrorScale { clearance: 1e-4, theta: 0.01, event_window: 1e-3 };
+fn of_struts() -> ErrorScale {
+    scale(1e-4, 0.01)
+}
 
 #[test]
 fn the_energy_of_bristles_balances() {
@@ -87,10 +98,11 @@ fn methods_of_every_kind_agree_on_bristles() {
         [("dop853", 1e-11, 3e-9), ("radau5", 1e-10, 3e-8), ("bdf", 1e-9, 4e-7)]
     {
         let own = run(&located(method, rtol));
-        let e = distance(&own, &reference, SCALE);
+        let e = distance(&own, &reference, &of_struts());
         assert!(e < bound, "{method}: {e:e}");
         for (own, exact) in own.trajectories.iter().zip(&reference.trajectories) {
-            let found = match_events(&mode_changes(own), &mode_changes(exact), SCALE);
+            let found =
+                match_events(&mode_changes(own), &mode_changes(exact), of_struts().event_window);
             assert_eq!((found.missed, found.spurious), (0, 0), "{method}: {found:?}");
         }
     }
@@ -104,8 +116,8 @@ fn methods_that_take_long_steps_see_the_narrow_part_of_friction() {
         let law = format!("friction.law={law}");
         let config = config(&["mechanism=slider-crank", "run.t_end=0.003", &law]);
         let run = |method, rtol| run(&config, &located(method, rtol)).1;
-        let scale = ErrorScale { clearance: 5e-4, theta: 1.5, ..SCALE };
-        let e = distance(&run("taylor", 1e-12), &run("rodas5p", 1e-12), scale);
+        let scale = scale(5e-4, 1.5);
+        let e = distance(&run("taylor", 1e-12), &run("rodas5p", 1e-12), &scale);
         assert!(e < bound, "{law}: {e:e}");
     }
 }
@@ -116,7 +128,7 @@ fn rk4_keeps_its_order_through_the_kinks_of_bristles() {
     let (_, reference) = run(&config, &located("taylor", 1e-13));
     let error = |h: f64| {
         let rk4 = setting("rk4", Events::Located, Accuracy::Step(h));
-        (h, distance(&run(&config, &rk4).1, &reference, SCALE))
+        (h, distance(&run(&config, &rk4).1, &reference, &of_struts()))
     };
     let slope = log_log_slope(&[2e-4, 1e-4, 5e-5, 2.5e-5].map(error)).unwrap();
     // Measured: 4.06.
@@ -132,7 +144,7 @@ fn stiff_bristles_are_coulombs_friction() {
         let sets =
             ["reading=full", "run.t_end=0.3", LUGRE, "friction.static_coefficient=0.1", &own];
         let (_, own) = run(&config(&sets), &located("dop853", 1e-9));
-        (stiffness, distance(&own, &exact, SCALE))
+        (stiffness, distance(&own, &exact, &of_struts()))
     };
     let (soft, stiff) = (error(1e4), error(1e6));
     // Measured: 1.5e-1 and 1.3e-2.
@@ -149,11 +161,11 @@ fn bays_may_have_bristles() {
         }
     }
     let (_, other) = run_chain(&config, "rodas5p", 1e-9);
-    assert_eq!(chain.n_joints(), 3);
-    let scale = ErrorScale { theta: 1e-3, ..SCALE };
+    assert_eq!(chain.n_sites(), 3);
+    let scale = scale(1e-4, 1e-3);
     for (one, other) in trajectories(&chain, &one).iter().zip(&trajectories(&chain, &other)) {
         let pairs = one.samples.iter().zip(&other.samples);
-        let e = pairs.map(|(a, b)| sample_error(&a.y, &b.y, scale)).fold(0.0, worse);
+        let e = pairs.map(|(a, b)| scale.error(&a.y, &b.y)).fold(0.0, worse);
         // Measured: at most 3.4e-10.
         assert!(e < 3e-9, "{e:e}");
     }

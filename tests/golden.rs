@@ -6,15 +6,15 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use common::{Golden, GoldenChain, config, located, run, run_chain, setting};
-use deltazero::config::Events;
-use deltazero::metrics::{ErrorScale, match_events, sample_error};
 use deltazero::model::Mechanism;
-use deltazero::reference::counted;
-use deltazero::run::{
-    Accuracy, Limits, Run, Setting, integrate, integrate_many, integrate_pair, mode_changes,
-};
-use deltazero::study::work_precision::reference;
+use deltazero::run::{Run, integrate_many, integrate_pair, mode_changes};
+use deltazero::study::plan::reference;
 use deltazero_solvers::{Grid, METHODS, Trajectory};
+use deltazero_study::Problem as _;
+use deltazero_study::errors::{ErrorScale, ScaledGroup, match_events};
+use deltazero_study::part::counted;
+use deltazero_study::run::{Accuracy, Limits, Setting, integrate};
+use deltazero_study::setting::Events;
 
 struct Bound {
     e: f64,
@@ -77,14 +77,16 @@ fn the_reference_reproduces_both_and_states_its_true_error() {
         let mechanism = Mechanism::new(&config);
         let reference = reference(&config, &AtomicBool::new(false)).unwrap();
         let (mut e, mut late) = (0.0_f64, 0.0_f64);
-        for (i, own) in reference.joints.iter().enumerate() {
+        for (i, own) in reference.parts.iter().enumerate() {
             let block = &mechanism.blocks()[i];
             assert_eq!(own.samples.len(), golden.states[i].len());
             for (y, (_, _, golden)) in own.samples.iter().zip(&golden.states[i]) {
-                e = e.max(sample_error(&block.in_paper_order(y), golden, own.scale));
+                let y = y.as_slice().try_into().unwrap();
+                e = e.max(own.scale.error(&block.in_paper_order(y), golden));
             }
-            let exact = counted(&golden.events[i], block);
-            let events = match_events(&counted(&own.events, block), &exact, own.scale);
+            let exact = counted(&golden.events[i], own.starts_on_surface);
+            let found: Vec<_> = own.counted_events().copied().collect();
+            let events = match_events(&found, exact, own.scale.event_window);
             assert_eq!((events.missed, events.spurious), (0, 0), "joint {}", i + 1);
             late = late.max(events.time_error);
         }
@@ -155,12 +157,12 @@ fn auto_turns_implicit_in_a_hard_damped_contact_and_finds_its_events() {
     for (block, (own, other)) in
         mechanism.blocks().into_iter().zip(auto.trajectories.iter().zip(&tight.trajectories))
     {
-        let scale = ErrorScale::of(block, 1e-4);
-        let changes = |run| counted(&mode_changes(run), block);
-        let found = match_events(&changes(own), &changes(other), scale);
+        let scale = block.error_scale(1e-4);
+        let changes = |run| counted(&mode_changes(run), block.starts_on_surface()).to_vec();
+        let found = match_events(&changes(own), &changes(other), scale.event_window);
         assert_eq!((found.missed, found.spurious), (0, 0), "joint {}", block.joint);
         for (own, other) in own.samples.iter().zip(&other.samples) {
-            let e = sample_error(&own.y, &other.y, scale);
+            let e = scale.error(&own.y, &other.y);
             assert!(e < 1e-5, "joint {} at {}: {e:e}", block.joint, own.t);
         }
     }
@@ -349,18 +351,26 @@ fn the_reference_of_a_chain_is_its_golden_run_and_states_its_true_error() {
     let golden = GoldenChain::read("pin_3bays", 3);
     let config = config(&["bays=3", "run.t_end=0.5"]);
     let reference = reference(&config, &AtomicBool::new(false)).unwrap();
-    let mechanism = Mechanism::new(&config);
     let (mut e, mut late) = (0.0_f64, 0.0_f64);
     // Joint 2, at the root alone, comes last.
-    for ((_, block), (k, own)) in
-        mechanism.joints().into_iter().zip(reference.joints.iter().enumerate()).take(3)
-    {
-        assert_eq!((own.bay, own.joint, own.samples.len()), (k + 1, 1, golden.states[k].len()));
-        for (y, (_, _, golden)) in own.samples.iter().zip(&golden.states[k]) {
-            e = e.max(sample_error(y, golden, own.scale));
+    let chain = &reference.parts[0];
+    let groups = |k: usize| {
+        let own = chain.scale.groups.iter().filter(|group| group.site == k);
+        let of_bay = |group: &ScaledGroup| ScaledGroup {
+            states: group.states.iter().map(|i| i - 6 * k).collect(),
+            ..group.clone()
+        };
+        own.map(of_bay).collect()
+    };
+    for (k, own) in chain.sites.iter().enumerate() {
+        assert_eq!(chain.samples.len(), golden.states[k].len());
+        let scale = ErrorScale { groups: groups(k), ..chain.scale.clone() };
+        for (y, (_, _, golden)) in chain.samples.iter().zip(&golden.states[k]) {
+            e = e.max(scale.error(&y[6 * k..6 * (k + 1)], golden));
         }
-        let exact = counted(&golden.events[k], block);
-        let events = match_events(&counted(&own.events, block), &exact, own.scale);
+        let counted = |events| counted(events, chain.starts_on_surface);
+        let (own, exact) = (counted(&own.events), counted(&golden.events[k]));
+        let events = match_events(own, exact, scale.event_window);
         assert_eq!((events.missed, events.spurious), (0, 0), "bay {}", k + 1);
         late = late.max(events.time_error);
     }

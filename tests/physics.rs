@@ -6,19 +6,20 @@ mod common;
 use std::path::Path;
 
 use common::{audited, balance, config, located, run, run_chain, setting};
-use deltazero::config::{Config, ContactLaw, Events, ReadingName};
-use deltazero::energy_balance::EnergyBalance;
-use deltazero::metrics::contacts::{Contacts, total_impulse};
-use deltazero::metrics::{ErrorScale, log_log_slope, sample_error};
+use deltazero::config::{Config, ContactLaw, ReadingName};
 use deltazero::model::chain::Modes;
-use deltazero::model::contact::Touch;
 use deltazero::model::{Body, Chain, Jointed, Mechanism, Mode};
-use deltazero::run::{Accuracy, Integrable, Setting, integrate};
-use deltazero::self_check::SelfCheck;
-use deltazero::stiffness::Stiffness;
 use deltazero::study::ideal::ideal;
-use deltazero::warning::{Code, Warning};
 use deltazero_solvers::{Grid, Next, Outcome, Trajectory};
+use deltazero_study::Problem as _;
+use deltazero_study::energy_balance::EnergyBalance;
+use deltazero_study::errors::contacts::{Contacts, total_impulse};
+use deltazero_study::errors::log_log_slope;
+use deltazero_study::run::{Accuracy, Setting, integrate};
+use deltazero_study::self_check::SelfCheck;
+use deltazero_study::setting::Events;
+use deltazero_study::stiffness::Stiffness;
+use deltazero_study::warning::{Code, Warning};
 
 #[test]
 fn energy_balances_in_the_consistent_readings() {
@@ -61,7 +62,7 @@ fn a_run_whose_energy_does_not_balance_says_so() {
 }
 
 /// The stiffness told of a run of `part` to `t_end`.
-fn stiffness<P: Integrable>(part: &P, method: &str, t_end: f64) -> Option<Warning> {
+fn stiffness<P: Jointed>(part: &P, method: &str, t_end: f64) -> Option<Warning> {
     let mut record = Stiffness::new(part, &|_| ());
     let run = integrate(part, &located(method, 1e-8), part.start(), t_end, &mut record);
     assert!(run.outcome.is_ok(), "{:?}", run.outcome);
@@ -97,7 +98,7 @@ fn a_contact_that_has_lost_its_mode_gives_energy_and_says_so() {
     let y = [0.0, -0.5 * block.clearance, 0.0, 0.0, -1e-2, 0.0];
     let power = block.power(Mode::SlipPlus(touch), &y);
     assert!(power.damping < 0.0, "{power:?}");
-    let mut check = SelfCheck::of(&block, 1e-3);
+    let mut check = SelfCheck::of(block.laws(), 1e-3);
     check.dissipated(power.damping, power.friction);
     let codes: Vec<_> = check.warnings(Some(1e-8)).iter().map(|warning| warning.code).collect();
     assert_eq!(codes, [Code::Dissipation]);
@@ -253,7 +254,7 @@ fn a_small_clearance_tends_to_the_ideal_joint() {
     let angle = |clearance: f64| {
         let config = config(&[&format!("joint.clearance={clearance:e}"), "run.t_end=0.5"]);
         let (_, run) = run(&config, &located("rk45", 1e-9));
-        run.parts[0].y[0][2]
+        run.parts[0].y[2]
     };
     let ideal = angle(0.0);
     let off = |clearance: f64| (angle(clearance) / ideal - 1.0).abs();
@@ -275,10 +276,11 @@ fn sticking_holds_v_t_at_zero() {
     let config = config(&["reading=full", "run.t_end=1.0"]);
     let (mechanism, run) = run(&config, &located("rk45", 1e-10));
     let (block, end) = (&mechanism.blocks()[0], &run.parts[0]);
-    assert_eq!(end.mode[0], Mode::Stick(Touch::PLAIN));
-    let (y, pose) = (end.y[0], block.pose(&end.y[0]));
+    assert_eq!(end.mode, "stick");
+    let y = end.y.as_slice().try_into().unwrap();
+    let pose = block.pose(y);
     // Against slip speeds of 1e-3 m/s; measured 9.5e-19.
-    assert!(block.v_t(&pose, &y).abs() < 9e-18, "{:e}", block.v_t(&pose, &y));
+    assert!(block.v_t(&pose, y).abs() < 9e-18, "{:e}", block.v_t(&pose, y));
 }
 
 #[test]
@@ -375,7 +377,7 @@ fn the_energy_of_a_chain_balances() {
         let setting = located("rk45", 1e-10);
         let run = integrate(&chain, &setting, y0, config.run.t_end, &mut record);
         assert_eq!(run.outcome, Ok(Outcome::Finished), "{set}");
-        let balance = record.at(run.mode, &run.y);
+        let balance = record.at(&run.mode, &run.y).unwrap();
         let relative = (balance.residual / balance.work).abs();
         assert!(relative < bound, "{set}: {relative:e}");
     }
@@ -387,11 +389,11 @@ fn a_chain_of_one_bay_is_joint_1() {
     let (chain, of_chain) = run_chain(&config, "rk45", 1e-9);
     let (_, of_block) = run(&config, &located("rk45", 1e-9));
     let of_block = &of_block.trajectories[0];
-    let scale = ErrorScale::of(&chain.bay, 1e-3);
+    let scale = chain.bay.error_scale(1e-3);
     assert_eq!(of_chain.events.len(), of_block.events.len());
     for (one, other) in of_chain.samples.iter().zip(&of_block.samples) {
         assert_eq!(one.mode[0], other.mode);
-        let e = sample_error(&chain.joint_state(&one.y, 0), &other.y, scale);
+        let e = scale.error(&chain.joint_state(&one.y, 0), &other.y);
         // Measured: the same bits, though by other operations.
         assert!(e < 1e-12, "{e:e} at {} s", one.t);
     }
@@ -427,7 +429,7 @@ fn each_bay_has_the_contacts_of_its_own_joint() {
         (Contacts::new(&chain, Events::Located), Trajectory::<Vec<f64>, Modes>::on(Grid::Steps));
     let run = integrate(&chain, &located("rk45", 1e-10), chain.start(), 0.3, &mut record);
     assert_eq!(run.outcome, Ok(Outcome::Finished));
-    let (contacts, steps) = (record.0.lists(), record.1);
+    let (contacts, steps) = (record.0.lists().unwrap(), record.1);
     // Impulses of 1, 2 and 3 by the trapezium rule over all steps, from the forces of the whole chain.
     let mut impulse = [0.0; 3];
     for pair in steps.samples.windows(2) {

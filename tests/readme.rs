@@ -3,15 +3,18 @@
 
 use std::sync::atomic::AtomicBool;
 
-use deltazero::config::{Config, Events};
+use deltazero::config::Config;
+use deltazero::model::Mechanism;
 use deltazero::report;
 use deltazero::report::laws::markdown;
-use deltazero::run::Limits;
 use deltazero::study::audit::{Audit, audit};
 use deltazero::study::friction::costs;
+use deltazero::study::plan::plan;
 use deltazero::study::restitution::deliveries;
-use deltazero::study::step_size::{ACCURACY, step_histories};
-use deltazero::study::work_precision::{WorkPrecision, cheapest};
+use deltazero_study::run::Limits;
+use deltazero_study::setting::Events;
+use deltazero_study::steps::step_size::{ACCURACY, step_histories};
+use deltazero_study::work_precision::{WorkPrecision, cheapest};
 use serde_json::Value;
 
 fn file(name: &str) -> String {
@@ -112,9 +115,10 @@ fn the_step_figures_of_the_committed_study_are_of_the_setting_that_its_answer_na
     let best = cheapest(&table.rows, ACCURACY).unwrap();
     assert!(best.events == Events::Located && best.events_are_right(), "{best:?}");
     let config = Config::load(None, &[format!("study.methods=[\"{}\"]", best.method)]).unwrap();
+    let subject = Mechanism::new(&config).subject();
     let stop = AtomicBool::new(false);
     let limits = Limits::none(&stop);
-    let histories = step_histories(&config, &table, limits);
+    let histories = step_histories(&subject, &plan(&config), &table, limits);
     assert_eq!(histories.len(), 2);
     assert!(histories.iter().all(|history| history.setting == best.setting()), "{best:?}");
 }

@@ -7,25 +7,28 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use common::config;
-use deltazero::config::{Config, Events, ReadingName};
-use deltazero::contest::{
-    Arena, CUT, Candidate, Contest, Entry, FailureKind, MARGIN, Standings, Start, Trial,
-    accepts_events,
-};
+use deltazero::config::{Config, ReadingName};
 use deltazero::figures::Picture;
-use deltazero::metrics::sample_error;
+use deltazero::model::Mechanism;
 use deltazero::report::html::{Heading, Page, Part, Section, Table};
-use deltazero::run::{Accuracy, Limits, Run, Setting};
-use deltazero::study::columns::{Column, Value};
+use deltazero::study::plan::{benchmark, plan, reference, work_precision};
 use deltazero::study::regimes::{Cell, CellStatus};
-use deltazero::study::step_tables::StepTables;
-use deltazero::study::work_precision::{
-    Progress, Row, Status, WorkPrecision, cheapest, doubt, sample_times, within_noise,
-    work_precision,
-};
-use deltazero::warning::{Code, Warning};
+use deltazero::study::stability::stability;
 use deltazero::{figures, report};
 use deltazero_solvers::{Grid, METHODS, Method};
+use deltazero_study::columns::{Column, Value};
+use deltazero_study::horizon::{Horizon, Span, horizon};
+use deltazero_study::run::{Accuracy, Limits, Price, Setting};
+use deltazero_study::selection::{
+    Benchmark, CUT, Candidate, Contest, Entry, FailureKind, MARGIN, Standings, Start, Trial,
+    accepts_events,
+};
+use deltazero_study::setting::Events;
+use deltazero_study::steps::StepTables;
+use deltazero_study::warning::{Code, Warning};
+use deltazero_study::work_precision::{
+    Progress, Row, Status, WorkPrecision, cheapest, doubt, within_noise,
+};
 
 fn study(sets: &[&str]) -> WorkPrecision {
     let short =
@@ -79,7 +82,7 @@ fn an_accuracy_beyond_the_reference_is_not_decided() {
     assert!(reference.agreement > 2e-10, "{:e}", reference.agreement);
     assert!(!table.can_decide(1e-9));
     assert!(report::answer(&table).contains("| 1e-9 | not decidable |"));
-    assert!(reference.horizon_s.iter().any(|t| *t < 2.0), "{:?}", reference.horizon_s);
+    assert!(reference.parts.iter().any(|part| part.horizon_s < 2.0), "{:?}", reference.parts);
     let limits = reference.limits();
     assert!(limits.iter().any(|limit| limit.contains("predictable up to")), "{limits:?}");
     // What is compared over the whole run is there, the state at its end is not.
@@ -175,8 +178,8 @@ fn steps(methods: &str) -> (WorkPrecision, StepTables) {
         ["run.t_end=0.15", "study.repeats=1", "study.steps=[1e-4]", "study.rtol=[1e-6]", methods];
     let (config, stop) = (config(&sets), AtomicBool::new(false));
     let table = work_precision(&config, &[], &stop, &|_| {}).unwrap();
-    let limits = Limits::of(&config, &stop);
-    let steps = StepTables::new(&config, &table, limits);
+    let subject = Mechanism::new(&config).subject();
+    let steps = StepTables::new(&subject, &plan(&config), &table, Limits::none(&stop));
     (table, steps)
 }
 
@@ -227,8 +230,16 @@ fn every_accepted_step_is_in_one_bin_and_in_one_contact_or_flight() {
 
 #[test]
 fn rk4_finds_events_that_are_none_beyond_the_limit_of_stability() {
-    let (_, steps) = steps("study.methods=[\"rk4\"]");
-    let stability = steps.stability.unwrap();
+    let sets = [
+        "run.t_end=0.15",
+        "study.repeats=1",
+        "study.steps=[1e-4]",
+        "study.rtol=[1e-6]",
+        "study.methods=[\"rk4\"]",
+    ];
+    let (config, stop) = (config(&sets), AtomicBool::new(false));
+    let table = work_precision(&config, &[], &stop, &|_| {}).unwrap();
+    let stability = stability(&config, &table, Limits::none(&stop)).unwrap();
     for row in &stability.stiffness {
         let runs = || stability.runs.iter().filter(|run| run.joint == row.joint);
         let stable = runs().filter(|run| run.h_s < 0.9 * row.limit_s);
@@ -243,9 +254,8 @@ fn rk4_finds_events_that_are_none_beyond_the_limit_of_stability() {
 #[test]
 fn every_figure_of_a_study_without_a_finished_run_can_be_drawn() {
     let table = study(&["study.max_rhs=600000", "study.steps=[1e-7]", "study.methods=[\"rk4\"]"]);
-    for drawing in
-        figures::of_study(&Config::table1().unwrap(), &table, &StepTables::default(), None)
-    {
+    let config = Config::table1().unwrap();
+    for drawing in figures::of_mechanism(&config, &table, &StepTables::default(), None, None) {
         drawing.figure.svg().unwrap();
         drawing.figure.png().unwrap();
     }
@@ -329,29 +339,33 @@ fn the_configuration_knows_the_methods_of_the_solvers() {
     assert_eq!(names, deltazero::config::METHODS);
 }
 
-/// The arena of Table 1 with `sets`.
-fn arena(sets: &[&str]) -> Arena {
-    let config = config(sets);
-    Arena::new(&config, sample_times(&config), &AtomicBool::new(false)).unwrap()
+/// The benchmark of Table 1 with `sets`.
+fn benchmark_of(sets: &[&str]) -> Benchmark {
+    benchmark(&config(sets), &AtomicBool::new(false)).unwrap()
 }
 
-/// The contest of `methods` on the first 0.3 s of Table 1, flights included, and where it took place.
-fn contest(methods: &[&str], accuracy: f64) -> (Arena, Standings) {
+/// The contest of `methods` on the first 0.3 s of Table 1, flights included, and on what.
+fn contest(methods: &[&str], accuracy: f64) -> (Benchmark, Standings) {
     let stop = AtomicBool::new(false);
-    let arena = arena(&["run.t_end=0.3"]);
+    let benchmark = benchmark_of(&["run.t_end=0.3"]);
     let methods: Vec<String> = methods.iter().map(|name| (*name).to_owned()).collect();
     let candidates = Candidate::all(&methods, Events::ALL);
-    let max_work = 1e8;
-    let contest =
-        Contest { arena: &arena, accuracy, atol: None, repeats: 1, max_work, stop: &stop };
+    let contest = Contest {
+        benchmark: &benchmark,
+        accuracy,
+        atol: None,
+        repeats: 1,
+        max_work: 1e8,
+        stop: &stop,
+    };
     let standings = contest.run(&candidates, &|_| {});
-    (arena, standings)
+    (benchmark, standings)
 }
 
 #[test]
 fn a_setting_that_a_contest_finds_holds_beside_itself_and_a_decade_looser_does_not() {
     let accuracy = 1e-6;
-    let (arena, standings) = contest(&["rk4", "rk45", "dop853", "radau5"], accuracy);
+    let (benchmark, standings) = contest(&["rk4", "rk45", "dop853", "radau5"], accuracy);
     assert!(standings.entries.len() >= 6, "{standings:#?}");
     for entry in &standings.entries {
         let run = |looser: f64| {
@@ -361,7 +375,7 @@ fn a_setting_that_a_contest_finds_holds_beside_itself_and_a_decade_looser_does_n
             };
             let method = Method::named(&entry.method).unwrap();
             let setting = Setting { method, events: entry.events, accuracy };
-            Trial::new(&arena, &setting, Start::Exact, f64::INFINITY, &AtomicBool::new(false))
+            Trial::new(&benchmark, &setting, Start::Exact, f64::INFINITY, &AtomicBool::new(false))
         };
         let [own, tighter, looser] = [1.0, 0.56, 10.0].map(run);
         let is_right = |trial: &Trial| accepts_events(accuracy, entry.events, trial);
@@ -497,18 +511,20 @@ fn auto_wins_a_cell_where_it_alone_arrives() {
 }
 
 #[test]
-fn the_part_of_an_arena_with_its_first_events_is_an_arena() {
-    let whole = arena(&["run.t_end=0.3"]);
+fn the_part_of_a_benchmark_with_its_first_events_is_a_benchmark() {
+    let whole = benchmark_of(&["run.t_end=0.3"]);
     let n = whole.n_events / 2;
     let part = whole.clone().with_at_most(n);
     assert!((n..whole.n_events).contains(&part.n_events) && part.t_end < whole.t_end);
-    let shorter = arena(&[&format!("run.t_end={}", part.t_end)]);
+    let shorter = benchmark_of(&[&format!("run.t_end={}", part.t_end)]);
     assert_eq!(part.n_events, shorter.n_events);
-    for (own, other) in part.reference.joints.iter().zip(&shorter.reference.joints) {
+    for (own, other) in part.reference.parts.iter().zip(&shorter.reference.parts) {
         assert_eq!(own.times, other.times);
-        assert!((own.scale.theta / other.scale.theta - 1.0).abs() < 1e-14);
+        for (own, other) in own.scale.groups.iter().zip(&other.scale.groups) {
+            assert!((own.scale / other.scale - 1.0).abs() < 1e-14);
+        }
         for (a, b) in own.samples.iter().zip(&other.samples) {
-            assert!(sample_error(a, b, own.scale) < 1e-12);
+            assert!(own.scale.error(a, b) < 1e-12);
         }
     }
     assert_eq!(whole.clone().with_at_most(whole.n_events).t_end, whole.t_end);
@@ -516,17 +532,49 @@ fn the_part_of_an_arena_with_its_first_events_is_an_arena() {
 
 #[test]
 fn a_run_that_ends_early_has_an_infinite_error_and_one_a_sample_short_has_not() {
-    let arena = arena(&["run.t_end=0.1"]);
-    let setting = Setting::of(&config(&[])).unwrap();
-    let grid = Grid::Times(arena.times.clone());
-    let limits =
-        Limits { max_rhs: u64::MAX, max_seconds: f64::INFINITY, stop: &AtomicBool::new(false) };
-    let run = Run::new(&arena.mechanism, &setting, arena.t_end, &grid, limits);
-    let reference = &arena.reference.joints[0];
-    let mut own = run.trajectories[0].clone();
+    let benchmark = benchmark_of(&["run.t_end=0.1"]);
+    let setting = deltazero::run::setting(&config(&[])).unwrap();
+    let grid = Grid::Times(benchmark.times.clone());
+    let stop = AtomicBool::new(false);
+    let mut watch = Limits::none(&stop).watch(Price::PLAIN);
+    let part = &benchmark.subject.parts[0];
+    let (_, mut own) = part.run(&setting, Start::Exact, benchmark.t_end, &grid, &mut watch);
+    let reference = &benchmark.reference.parts[0];
     assert!(reference.error(&own) < 1e-6);
-    own.samples.pop();
+    own.states.pop();
     assert!(reference.error(&own) < 1e-6);
-    own.samples.pop();
+    own.states.pop();
     assert_eq!(reference.error(&own), f64::INFINITY);
+}
+
+static RUNNING: AtomicBool = AtomicBool::new(false);
+
+fn measured(config: &Config, work: f64) -> Horizon {
+    let subject = Mechanism::new(config).subject();
+    let span = Span { t_end: config.run.t_end, reached: config.run.t_end, work };
+    horizon(&subject, &vec![span; subject.parts.len()], &RUNNING)
+}
+
+#[test]
+fn the_horizon_is_that_of_the_reference() {
+    for sets in [&["contact.damping=0"][..], &["reading=full", "run.t_end=0.3"]] {
+        let config = config(sets);
+        let (reference, t_end) = (reference(&config, &RUNNING).unwrap(), config.run.t_end);
+        match measured(&config, 0.0) {
+            // Times of the reference are 0.01 s apart, these ones 0.002 s.
+            Horizon::LostAt(t) => assert!((reference.horizon() - t).abs() < 0.02, "{t}"),
+            other => assert_eq!((other, reference.horizon()), (Horizon::WholeRun, t_end)),
+        }
+    }
+}
+
+#[test]
+fn a_motion_that_costs_too_much_to_follow_is_not_measured() {
+    let config = Config::table1().unwrap();
+    let subject = Mechanism::new(&config).subject();
+    assert_eq!(measured(&config, 0.0), Horizon::WholeRun);
+    let spans = [Span { t_end: 1e3, reached: 1e3, work: 0.0 }; 2];
+    assert_eq!(horizon(&subject, &spans, &AtomicBool::new(true)), Horizon::NotMeasured);
+    let failed_at_once = [Span { t_end: 2.0, reached: 0.0, work: 0.0 }; 2];
+    assert_eq!(horizon(&subject, &failed_at_once, &RUNNING), Horizon::NotMeasured);
 }

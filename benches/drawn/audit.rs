@@ -4,9 +4,9 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use deltazero::contest::work;
 use deltazero::model::{Jointed, Mode};
 use deltazero_solvers::{Accepted, Event, Method, Record};
+use deltazero_study::selection::work;
 
 /// Where a step is looked at, in parts of it.
 const NODES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
@@ -85,8 +85,8 @@ impl<'a, P: Jointed> Auditor<'a, P> {
     fn look(&mut self, mode: &P::Mode, y: &P::State<f64>, dt: f64) {
         let block = self.part.block();
         let mut loss = 0.0;
-        for k in 0..self.part.n_joints() {
-            let (mode, y) = (P::joint_mode(mode, k), self.part.joint_state(y, k));
+        for k in 0..self.part.n_sites() {
+            let (mode, y) = (P::joint_mode(mode, k), self.part.joint_state(y.as_ref(), k));
             if mode == Mode::Pinned {
                 continue;
             }
@@ -115,7 +115,7 @@ impl<'a, P: Jointed> Auditor<'a, P> {
             loss += own;
         }
         if self.friction_takes {
-            let friction = self.part.powers(mode, y).dissipated() - loss;
+            let friction = self.part.powers(mode, y).unwrap_or_default().dissipated() - loss;
             self.seen.friction_gave += dt * (-friction).max(0.0);
         }
     }

@@ -1,10 +1,12 @@
 //! One run of a part, with all that is asked of it.
 
-use deltazero::energy_balance::{Balance, EnergyBalance};
-use deltazero::metrics::{ErrorScale, sample_error, worse};
-use deltazero::model::{Block, State};
-use deltazero::run::{Integrable, ModeChange, Setting, integrate, mode_changes, trajectories};
+use deltazero::model::{Block, Jointed, State};
+use deltazero::run::{mode_changes, trajectories};
 use deltazero_solvers::{Error, Grid, Outcome, Trajectory};
+use deltazero_study::energy_balance::{Balance, EnergyBalance};
+use deltazero_study::errors::worse;
+use deltazero_study::part::Start;
+use deltazero_study::run::{ModeChange, Setting, integrate};
 
 use super::audit::{Audit, Auditor, Budget, Meter};
 
@@ -50,21 +52,21 @@ pub(crate) struct Ran {
 
 impl Ran {
     /// Runs `part` from its start, or from one that is changed in its last bit.
-    pub(crate) fn new<P: Integrable>(
+    pub(crate) fn new<P: Jointed>(
         part: &P,
         setting: &Setting,
-        nudge: Option<fn(f64) -> f64>,
+        start: Start,
         (t_end, sample): (f64, f64),
         budget: Budget,
     ) -> Self {
-        let y0 = nudge.map_or_else(|| part.start(), |nudge| part.start_nudged(nudge));
+        let y0 = start.of(part);
         let trajectory = Trajectory::on(Grid::uniform(sample, t_end));
         let balance = EnergyBalance::new(part, setting.events, &y0);
-        let meter = Meter::new(setting.method, setting.rtol(), part.n_joints(), budget);
+        let meter = Meter::new(setting.method, setting.rtol(), part.n_sites(), budget);
         let mut record = ((trajectory, meter), (balance, Auditor::new(part)));
         let run = integrate(part, setting, y0.clone(), t_end, &mut record);
         let ((trajectory, meter), (balance, auditor)) = record;
-        let balance = balance.at(run.mode.clone(), &run.y);
+        let balance = balance.at(&run.mode, &run.y).unwrap_or_default();
         let end = match &run.outcome {
             Ok(Outcome::Finished) => End::Finished,
             Ok(Outcome::Stopped) => End::Stopped,
@@ -128,7 +130,7 @@ pub(crate) struct Growth {
 impl Growth {
     /// From a run and one that was nudged.
     pub(crate) fn new(a: &Ran, b: &Ran, block: &Block) -> Self {
-        let scale = ErrorScale::of(block, a.largest_angle());
+        let scale = block.error_scale(a.largest_angle());
         let (mut grown, mut times) = (Vec::new(), Vec::new());
         for (own, other) in a.joints.iter().zip(&b.joints) {
             for (i, ((t, y), (_, z))) in own.samples.iter().zip(&other.samples).enumerate() {
@@ -136,7 +138,7 @@ impl Growth {
                     grown.push(0.0);
                     times.push(*t);
                 }
-                grown[i] = worse(grown[i], sample_error(z, y, scale));
+                grown[i] = worse(grown[i], scale.error(z, y));
             }
         }
         let mut most = 0.0;
@@ -179,14 +181,14 @@ impl Apart {
         allowed: impl Fn(f64) -> f64,
         [horizon, steady]: [f64; 2],
     ) -> Self {
-        let scale = ErrorScale::of(block, a.largest_angle().max(b.largest_angle()));
+        let scale = block.error_scale(a.largest_angle().max(b.largest_angle()));
         let until = |most| growth.until(most).min(a.t).min(b.t);
         let mut apart = Self { e: 0.0, of_allowed: 0.0, modes_s: 0.0, end_s: 0.0 };
         for (own, other) in a.joints.iter().zip(&b.joints) {
             let pairs = own.samples.iter().zip(&other.samples).zip(&growth.grown);
             let within = pairs.take_while(|(((t, _), _), _)| *t <= until(horizon));
             for (((_, y), (_, z)), grown) in within {
-                let e = sample_error(z, y, scale);
+                let e = scale.error(z, y);
                 apart.e = worse(apart.e, e);
                 apart.of_allowed = worse(apart.of_allowed, e / allowed(*grown));
             }

@@ -2,11 +2,14 @@
 
 use std::fmt;
 
-use deltazero::config::{Config, Events, ReadingName};
-use deltazero::model::{Block, Mechanism, Part};
-use deltazero::reference::HORIZON_ERROR;
-use deltazero::run::{Accuracy, Integrable, Setting};
+use deltazero::config::{Config, ReadingName};
+use deltazero::model::{Block, Jointed, Mechanism, Part};
 use deltazero_solvers::Method;
+use deltazero_study::Problem as _;
+use deltazero_study::part::Start;
+use deltazero_study::reference::HORIZON_ERROR;
+use deltazero_study::run::{Accuracy, Setting};
+use deltazero_study::setting::Events;
 
 use super::audit::Budget;
 use super::ran::{Apart, End, Growth, Ran, energy_of};
@@ -136,19 +139,19 @@ impl Verdict {
     }
 
     /// Judges one part.
-    fn judge<P: Integrable>(&mut self, part: &P, config: &Config, budget: Budget) {
+    fn judge<P: Jointed>(&mut self, part: &P, config: &Config, budget: Budget) {
         let (block, joint) = (part.block(), part.block().joint);
         let span = (config.run.t_end, config.run.sample);
-        let run = |name, nudge: Option<fn(f64) -> f64>| {
+        let run = |name, start| {
             let method = Method::named(name)?;
             let (events, accuracy) = (Events::Located, Accuracy::Rtol(RTOL, None));
-            Some(Ran::new(part, &Setting { method, events, accuracy }, nudge, span, budget))
+            Some(Ran::new(part, &Setting { method, events, accuracy }, start, span, budget))
         };
-        let all: Vec<Ran> = METHODS.iter().filter_map(|name| run(name, None)).collect();
+        let all: Vec<Ran> = METHODS.iter().filter_map(|name| run(name, Start::Exact)).collect();
         let Some(base) = all.iter().find(|ran| ran.is_complete()).or(all.first()) else {
             return self.add(Class::Failed, format!("no method of {METHODS:?}"));
         };
-        let nudged = run(base.method, Some(f64::next_up));
+        let nudged = run(base.method, Start::Up);
         let growth = Growth::new(base, nudged.as_ref().unwrap_or(base), block);
         let has_balance = matches!(config.reading, ReadingName::Pin | ReadingName::Full);
         let implicit = all.iter().filter(|ran| ran.method == METHODS[1]).map(|ran| ran.t);

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use deltazero::study::record::StudyRecord;
-use deltazero::study::work_precision::Row;
+use deltazero_study::work_precision::Row;
 
 use super::Failure;
 use super::output::Output;

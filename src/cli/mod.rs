@@ -22,8 +22,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
-use deltazero::config::{Config, ConfigError, Events, MechanismName};
-use deltazero::warning::Warning;
+use deltazero::config::{Config, ConfigError, MechanismName};
+use deltazero_study::setting::Events;
+use deltazero_study::warning::Warning;
 
 /// Which integrator, at which setting, for this contact?
 ///

@@ -5,7 +5,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use deltazero::figures::{Drawing, Picture};
-use deltazero::reference::RECIPE;
+use deltazero_study::reference::RECIPE;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 

@@ -4,10 +4,11 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-use super::say;
-use deltazero::study::work_precision::Progress;
 use deltazero_solvers::{Accepted, Event, Needs, Record, System};
+use deltazero_study::work_precision::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::say;
 
 /// Work that is done before this shows no bar.
 const PATIENCE: Duration = Duration::from_secs(1);

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::Args;
 use deltazero::config::Config;
 use deltazero::report::recommend::{json, text};
-use deltazero::study::recommend::recommend;
+use deltazero::study::plan::recommend;
 
 use super::progress::Bar;
 use super::{Failure, note_left_out, print};

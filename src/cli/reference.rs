@@ -3,8 +3,8 @@
 use std::sync::atomic::AtomicBool;
 
 use deltazero::config::{Config, Study};
-use deltazero::reference::{RECIPE, Reference};
-use deltazero::study::work_precision;
+use deltazero::study::plan;
+use deltazero_study::reference::{RECIPE, Reference};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -41,7 +41,7 @@ pub(super) fn reference(
         }
     }
     let reference =
-        work_precision::reference(config, stop).map_err(|error| Failure::Run(error.to_string()))?;
+        plan::reference(config, stop).map_err(|error| Failure::Run(error.to_string()))?;
     let kept = Kept { hash, reference: &reference };
     let text = serde_json::to_vec(&kept).map_err(|error| Failure::Run(error.to_string()))?;
     output.write(FILE, &text)?;

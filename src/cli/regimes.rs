@@ -7,11 +7,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::Args;
 use deltazero::config::Config;
 use deltazero::figures;
-use deltazero::reference::RECIPE;
 use deltazero::report::html::regimes_page;
 use deltazero::report::regimes::{csv, markdown};
-use deltazero::study::forecast::Forecast;
 use deltazero::study::regimes::{Cell, Done, estimate, quick, regimes, sites};
+use deltazero_study::forecast::Forecast;
+use deltazero_study::reference::RECIPE;
 use serde_json::{Value, json};
 
 use super::output::{Output, hash, is_current};

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
-use deltazero::report;
 use deltazero::study::record::StudyRecord;
 
 use super::output::Output;
@@ -33,7 +32,6 @@ pub(super) fn run(args: &ReportArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if !study.finished {
         return Err(refuse("the study is not finished; its command goes on where it stopped"));
     }
-    output.write("study.csv", report::study_csv(&study.table).as_bytes())?;
     study::write_report(&output, &study, stop)?;
     if !args.quiet {
         say(&format!("rewritten in {}: report.html and all that study.json tells", output.path()));

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use deltazero::config::{Config, MOST_ROWS, ROW_BYTES};
-use deltazero::run::Setting;
 use deltazero_solvers::{Accepted, Event, Needs, Record, System};
+use deltazero_study::run::Setting;
 
 use super::Failure;
 
@@ -73,15 +73,16 @@ impl<P: System> Record<P> for Rows {
 #[cfg(test)]
 mod tests {
     use deltazero::model::Mechanism;
-    use deltazero::run::integrate;
     use deltazero_solvers::Outcome;
+    use deltazero_study::run::integrate;
 
     use super::*;
 
     #[test]
     fn a_run_with_too_many_steps_to_keep_is_broken_off_and_says_so() {
         let config = Config::load(None, &["run.sample=0".to_owned()]).unwrap();
-        let (setting, mechanism) = (Setting::of(&config).unwrap(), Mechanism::new(&config));
+        let (setting, mechanism) =
+            (deltazero::run::setting(&config).unwrap(), Mechanism::new(&config));
         let mut rows = Rows::new(&config, &setting).unwrap();
         assert_eq!(rows.most_steps, 0.5 * MOST_ROWS);
         rows.most_steps = 10.0;
@@ -95,7 +96,7 @@ mod tests {
     #[test]
     fn samples_on_a_grid_never_break_a_run_off() {
         let config = Config::table1().unwrap();
-        let rows = Rows::new(&config, &Setting::of(&config).unwrap()).unwrap();
+        let rows = Rows::new(&config, &deltazero::run::setting(&config).unwrap()).unwrap();
         assert_eq!((rows.most_steps, rows.complaint(1.0)), (f64::INFINITY, None));
     }
 }

@@ -6,23 +6,23 @@ use std::time::Duration;
 
 use clap::Args;
 use deltazero::config::Config;
-use deltazero::contest::work;
-use deltazero::energy_balance::{Balance, EnergyBalance};
-use deltazero::metrics::contact_summary::ContactSummary;
-use deltazero::metrics::contacts::{Contact, Contacts};
-use deltazero::metrics::work::WorkByPhase;
-use deltazero::model::{Mechanism, Part, State};
-use deltazero::reference::counted;
+use deltazero::model::{Jointed, Mechanism, Part};
 use deltazero::report;
-use deltazero::run::{
-    Integrable, JointHistory, JointsRun, Limits, Price, Setting, contacts_at_floor, histories,
-    integrate, switches,
-};
-use deltazero::stiffness::Stiffness;
-use deltazero::study::horizon::{Horizon, Span, horizon};
+use deltazero::run::{JointHistory, contacts_at_floor, histories, switches};
 use deltazero::study::restitution;
-use deltazero::warning::{Code, Warning};
 use deltazero_solvers::{Error, Grid, Next, Outcome, Stats, Trajectory, WorkByKind};
+use deltazero_study::Problem as _;
+use deltazero_study::energy_balance::{Balance, EnergyBalance};
+use deltazero_study::errors::contact_summary::ContactSummary;
+use deltazero_study::errors::contacts::{Contact, Contacts};
+use deltazero_study::errors::work::WorkByPhase;
+use deltazero_study::horizon::{Horizon, Span, horizon};
+use deltazero_study::part::counted;
+use deltazero_study::problem::leading_site;
+use deltazero_study::run::{Braked, Limits, OwnRun, PartRun, Price, Setting, integrate};
+use deltazero_study::selection::work;
+use deltazero_study::stiffness::Stiffness;
+use deltazero_study::warning::{Code, Warning};
 use serde_json::{Value, json};
 
 use super::output::{Output, hash};
@@ -49,7 +49,11 @@ struct Simulated<'a> {
     contacts: Vec<Vec<Contact>>,
     /// Contacts that began at the floor of the impact speed or below it.
     n_at_floor: usize,
-    run: JointsRun,
+    run: PartRun,
+    /// The number of its joint.
+    joint: usize,
+    /// The angle of each joint at the end [rad].
+    angles: Vec<f64>,
     /// Its modes at the end, as a message says them.
     mode: String,
     /// The bay that reached 90°, if one did.
@@ -68,7 +72,7 @@ struct Simulated<'a> {
 
 pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let config = args.run.load()?;
-    let setting = Setting::of(&config)
+    let setting = deltazero::run::setting(&config)
         .ok_or_else(|| Failure::Usage(format!("no method {}", config.solver.method)))?;
     let rows = Rows::new(&config, &setting)?;
     let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out/simulate"));
@@ -91,7 +95,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     let parts: Vec<_> = parts.collect();
     let horizon = (!args.no_horizon).then(|| {
         bar.say("horizon");
-        horizon(&mechanism, &spans(&config, &setting, &parts), stop)
+        horizon(&mechanism.subject(), &spans(&config, &setting, &parts), stop)
     });
     drop(bar);
     let warnings = warnings(&config, &parts, horizon);
@@ -122,7 +126,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     }
 }
 
-fn simulate<'a, P: Integrable>(
+fn simulate<'a, P: Jointed>(
     part: &'a P,
     setting: &Setting,
     config: &Config,
@@ -132,35 +136,56 @@ fn simulate<'a, P: Integrable>(
     let (y0, t_end) = (part.start(), config.run.t_end);
     let balance = EnergyBalance::new(part, setting.events, &y0);
     let trajectory = || Trajectory::on(Grid::uniform(config.run.sample, t_end));
-    let watch = Limits::none(stop).watch(Price::of_setting(setting));
-    let work = WorkByKind::new(|mode: P::Mode| P::foremost(&mode).phase());
+    let mut watch = Limits::none(stop).watch(Price::of_setting(setting));
+    let phase = |mode: P::Mode| part.role(&mode, leading_site(part, &mode)).phase();
+    let work = WorkByKind::new(phase);
     let contacts = Contacts::new(part, setting.events);
     let is_explicit = !setting.method.is_implicit() && !setting.method.chooses();
     let tell = |warning: &Warning| warn(std::slice::from_ref(warning), quiet || !is_explicit);
     let audit = (balance, Stiffness::new(part, &tell));
-    let mut record = ((trajectory(), audit), ((time, (watch, rows)), (work, contacts)));
+    let mut record =
+        ((trajectory(), audit), ((time, (Braked(&mut watch), rows)), (work, contacts)));
     let run = integrate(part, setting, y0.clone(), t_end, &mut record);
     let ((kept, (balance, stiffness)), ((_, (_, rows)), (work, contacts))) = record;
-    let stiff = stiffness.warning().filter(|_| is_explicit);
+    let stiff =
+        stiffness.warning().filter(|_| is_explicit).map(|warning| with_floor(part, warning));
     let alone = || integrate(part, setting, y0, t_end, &mut trajectory()).took.wall;
     let events = switches(part, &kept.events);
     let last = kept.events.last().filter(|event| event.after == Next::Stop);
-    let reached_90 =
-        run.reached_90().map(|_| last.map_or(1, |event| P::joint_of_guard(event.guard) + 1));
+    let reached_90 = run
+        .stopped_at()
+        .map(|_| last.map_or(1, |event| part.site_of_guard(&event.before, event.guard) + 1));
     Simulated {
-        joints: histories(part, &kept, part.n_joints()),
-        contacts: contacts.lists(),
+        joints: histories(part, &kept, part.n_sites()),
+        contacts: contacts.lists().unwrap_or_else(|| vec![Vec::new(); part.n_sites()]),
         n_at_floor: events.iter().map(|own| contacts_at_floor(part.block(), own)).sum(),
         wall: wall(&run.outcome, run.took.wall, alone),
         mode: format!("{:?}", run.mode),
         reached_90,
-        failed_bay: run.failed_joint(part).map(|k| k + 1),
+        failed_bay: failed_bay(part, &run),
         too_long: rows.complaint(run.t),
         warnings: balance.check.warnings(setting.rtol()).into_iter().chain(stiff).collect(),
-        balance: balance.at(run.mode.clone(), &run.y),
-        run: run.by_joint(part),
+        balance: balance.at(&run.mode, &run.y).unwrap_or_default(),
+        joint: part.block().joint,
+        angles: (0..part.n_sites()).map(|k| part.joint_state(run.y.as_ref(), k)[2]).collect(),
+        run: run.plain(),
         work: work.kinds,
     }
+}
+
+/// Another way out of stiffness, of a law with hysteresis.
+fn with_floor<P: Jointed>(part: &P, mut warning: Warning) -> Warning {
+    if part.block().normal.hysteresis != 0.0 {
+        warning.message +=
+            ", or, where a contact begins slowly, a larger contact.impact_speed_floor";
+    }
+    warning
+}
+
+/// The bay that an error of a run is about, where it is about one.
+fn failed_bay<P: Jointed>(part: &P, run: &OwnRun<P>) -> Option<usize> {
+    let error = run.outcome.as_ref().err()?;
+    part.failed_joint(error, &run.mode, &run.y).map(|k| k + 1)
 }
 
 /// What to know before trusting a run of these parts.
@@ -242,16 +267,17 @@ fn run_json(output: &Output, config: &Config, setting: &Setting, parts: &[Simula
         work.extend_from_slice(&part.work);
     }
     let joints = parts.iter().flat_map(|part| &part.joints);
-    let n_events: usize = joints.map(|own| counted(&own.changes, own.block).len()).sum();
+    let n_events: usize =
+        joints.map(|own| counted(&own.changes, own.block.starts_on_surface()).len()).sum();
     let n_at_floor: usize = parts.iter().map(|part| part.n_at_floor).sum();
     let reached = |part: &Simulated<'_>| {
         let bay = part.reached_90?;
-        Some(json!({ "bay": bay, "joint": part.run.joint, "t_s": part.run.t }))
+        Some(json!({ "bay": bay, "joint": part.joint, "t_s": part.run.t }))
     };
     let error = parts.iter().find_map(|part| {
         let failure = part.run.outcome.as_ref().err().map(ToString::to_string);
         let message = failure.or_else(|| part.too_long.clone())?;
-        let (t, bay, joint, mode) = (part.run.t, part.failed_bay, part.run.joint, &part.mode);
+        let (t, bay, joint, mode) = (part.run.t, part.failed_bay, part.joint, &part.mode);
         Some(json!({ "t": t, "bay": bay, "joint": joint, "mode": mode, "message": message }))
     });
     let mut counts = json!({
@@ -289,7 +315,7 @@ fn contact_rows<'a>(part: &'a Simulated<'_>) -> impl Iterator<Item = Value> + us
     part.joints.iter().zip(&part.contacts).map(|(joint, contacts)| {
         let mut row = json!(ContactSummary::of(contacts.iter()));
         row["bay"] = joint.bay.into();
-        row["joint"] = part.run.joint.into();
+        row["joint"] = part.joint.into();
         row
     })
 }
@@ -333,7 +359,7 @@ fn report_lines(summary: &Value, parts: &[Simulated<'_>], horizon: Option<Horizo
         1e3 * summary["wall_s"].as_f64().unwrap_or(f64::NAN)
     );
     for part in parts {
-        let (joint, t) = (part.run.joint, part.run.t);
+        let (joint, t) = (part.joint, part.run.t);
         let what = match part.joints.len() {
             1 => format!("joint {joint}"),
             bays => format!("joint {joint} of {bays} bays"),
@@ -344,7 +370,8 @@ fn report_lines(summary: &Value, parts: &[Simulated<'_>], horizon: Option<Horizo
             }
             Some(_) => format!("reached 90 degrees at {t:.6} s"),
             None => {
-                let angles: Vec<_> = ends(&part.run.y).map(|y| format!("{:.6e}", y[2])).collect();
+                let angles: Vec<_> =
+                    ends(&part.angles).map(|angle| format!("{angle:.6e}")).collect();
                 format!("theta = {} rad at t = {t:e} s", angles.join(" to "))
             }
         };
@@ -364,7 +391,7 @@ fn report_lines(summary: &Value, parts: &[Simulated<'_>], horizon: Option<Horizo
 }
 
 /// The first and, of several, the last.
-fn ends(states: &[State<f64>]) -> impl Iterator<Item = &State<f64>> {
-    let last = if states.len() > 1 { states.last() } else { None };
-    states.first().into_iter().chain(last)
+fn ends(angles: &[f64]) -> impl Iterator<Item = &f64> {
+    let last = if angles.len() > 1 { angles.last() } else { None };
+    angles.first().into_iter().chain(last)
 }

@@ -7,15 +7,17 @@ use std::time::SystemTime;
 use clap::Args;
 use deltazero::config::Config;
 use deltazero::figures;
-use deltazero::reference::RECIPE;
+use deltazero::model::Mechanism;
 use deltazero::report;
-use deltazero::run::Limits;
 use deltazero::study::machine::Machine;
 use deltazero::study::motion::motion;
-use deltazero::study::record::StudyRecord;
+use deltazero::study::plan::{limits, plan};
+use deltazero::study::record::{StudyRecord, name_reading};
 use deltazero::study::restitution;
-use deltazero::study::step_tables::StepTables;
-use deltazero::study::work_precision::{Progress, Row, Status, WorkPrecision, against};
+use deltazero::study::stability::stability;
+use deltazero_study::reference::RECIPE;
+use deltazero_study::steps::StepTables;
+use deltazero_study::work_precision::{Progress, Row, Status, WorkPrecision, against};
 use humantime::format_rfc3339_seconds;
 use serde_json::{Value, json};
 
@@ -72,12 +74,15 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     };
     let begun = WorkPrecision { reference: reference.summary.clone(), rows: known.clone() };
     let kept = Kept::new(&output, unfinished(&output, &config, begun), stop);
-    let table = against(&reference, &config, &known, stop, &|progress| match progress {
-        Progress::Row(row) => kept.take(*row),
-        progress => bar.show(progress),
-    });
+    let subject = Mechanism::new(&config).subject();
+    let table =
+        against(&subject, &reference, &plan(&config), &known, stop, &|progress| match progress {
+            Progress::Row(row) => kept.take(*row),
+            progress => bar.show(progress),
+        });
     let mut study = StudyRecord { time: now(), table, ..kept.into_study()? };
-    output.write("study.csv", report::study_csv(&study.table).as_bytes())?;
+    let about = report::contact::about(&config);
+    output.write("study.csv", report::study_csv(&about, &study.table).as_bytes())?;
     write_json(&output, &study)?;
     if stop.load(Ordering::Relaxed) {
         return Err(Failure::Interrupted(RESUMED));
@@ -90,7 +95,9 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
 
     let table = &study.table;
     if args.run.json {
-        print(&format!("{:#}\n", json!(table)))?;
+        let mut json = json!(table);
+        name_reading(&mut json, &config);
+        print(&format!("{json:#}\n"))?;
     } else {
         print(&report::answer(table))?;
     }
@@ -144,7 +151,7 @@ fn unfinished_rows(output: &Output) -> Vec<Row> {
 
 /// `study.json`; `finished` once figures and report are on disk too.
 pub(super) fn write_json(output: &Output, study: &StudyRecord) -> Result<(), Failure> {
-    output.write("study.json", format!("{:#}\n", json!(study)).as_bytes())
+    output.write("study.json", format!("{:#}\n", study.to_json()).as_bytes())
 }
 
 /// The figures with the data behind them, and the reports: all that follows from `study.json`.
@@ -154,13 +161,13 @@ pub(super) fn write_report(
     stop: &AtomicBool,
 ) -> Result<(), Failure> {
     let StudyRecord { config, table, .. } = study;
-    let limits = Limits::of(config, stop);
-    let steps = StepTables::new(config, table, limits);
-    let motion = motion(config, limits);
+    let (limits, plan) = (limits(config, stop), plan(config));
+    let steps = StepTables::new(&Mechanism::new(config).subject(), &plan, table, limits);
+    let (stability, motion) = (stability(config, table, limits), motion(config, limits));
     if stop.load(Ordering::Relaxed) {
         return Err(Failure::Interrupted(RESUMED));
     }
-    for (name, text) in report::steps::files(&steps) {
+    for (name, text) in report::steps::files(&steps, stability.as_ref()) {
         output.write(name, text.as_bytes())?;
     }
     if let Some(motion) = &motion {
@@ -169,12 +176,13 @@ pub(super) fn write_report(
             output.write("slider.csv", report::slider_csv(&motion.slider).as_bytes())?;
         }
     }
-    let mut drawings = figures::of_study(config, table, &steps, motion.as_ref());
+    let mut drawings =
+        figures::of_mechanism(config, table, &steps, stability.as_ref(), motion.as_ref());
     drawings.extend(figures::chosen_axes(table, &config.study.x, &config.study.y));
-    let pictures = output.draw(&drawings)?;
-    let markdown = report::study_markdown(config, table, &drawings);
-    output.write("study.md", markdown.as_bytes())?;
-    output.write("report.html", report::html::study_page(study, pictures).html().as_bytes())
+    let about = report::contact::about(config);
+    let files = report::study_files(&about, &plan, table, &study.provenance(), &drawings)
+        .map_err(|(name, error)| Failure::Run(format!("cannot draw {name}: {error}")))?;
+    files.iter().try_for_each(|file| output.write(&file.name, &file.content))
 }
 
 fn summarise(output: &Output, table: &WorkPrecision) {

@@ -3,11 +3,11 @@
 //! The default file, the JSON Schema, the check of what is given and the suggestions for what is
 //! misspelt all follow from [`KEYS`].
 
+use deltazero_study::setting::{Digits, Events};
+
 use super::kind::Kind;
 use super::range::{End, Range};
-use super::words::{
-    AXES, ContactLaw, Curvature, Digits, Events, FrictionLaw, METHODS, MechanismName, ReadingName,
-};
+use super::words::{AXES, ContactLaw, Curvature, FrictionLaw, METHODS, MechanismName, ReadingName};
 
 /// One key.
 #[derive(Clone, Copy, Debug, PartialEq)]

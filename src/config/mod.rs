@@ -44,6 +44,7 @@ mod tests;
 
 use std::path::Path;
 
+use deltazero_study::setting::Events;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -57,9 +58,7 @@ pub use parts::{
 pub use print::default_toml;
 pub use range::{End, Range};
 pub use schema::json_schema;
-pub use words::{
-    AXES, ContactLaw, Curvature, Digits, Events, FrictionLaw, METHODS, MechanismName, ReadingName,
-};
+pub use words::{AXES, ContactLaw, Curvature, FrictionLaw, METHODS, MechanismName, ReadingName};
 
 use given::Given;
 use settings::Settings;

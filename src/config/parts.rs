@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::words::{ContactLaw, Curvature, Digits, Events, FrictionLaw, ReadingName};
+use deltazero_study::setting::{self, Digits, Events};
+
+use super::words::{ContactLaw, Curvature, FrictionLaw, ReadingName};
 
 /// Six equal, solid, round struts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -190,6 +192,15 @@ impl Atol {
         match self {
             Self::Same(atol) => [atol; 6],
             Self::Each(atol) => atol,
+        }
+    }
+}
+
+impl From<Atol> for setting::Atol {
+    fn from(atol: Atol) -> Self {
+        match atol {
+            Atol::Same(atol) => Self::Same(atol),
+            Atol::Each(each) => Self::Each(each.into()),
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use deltazero_solvers::Method;
+use deltazero_study::setting::{Digits, Events};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
@@ -13,7 +14,7 @@ use super::keys::{
 };
 use super::nearest::nearest_key;
 use super::toml_source;
-use super::words::{Digits, Events, MechanismName, ReadingName};
+use super::words::{MechanismName, ReadingName};
 use super::{Config, FrictionLaw, JointConfig};
 
 /// Most rows of `trajectory.csv`, all joints together: 1 GB of it, and 0.9 GB of memory (measured on Table 1).

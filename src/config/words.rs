@@ -180,23 +180,3 @@ words! {
         Lugre = "lugre",
     }
 }
-
-words! {
-    /// The numbers that a reference is computed in.
-    Digits {
-        /// f64.
-        Double = "double",
-        /// Pairs of f64: 31 digits.
-        Extended = "extended",
-    }
-}
-
-words! {
-    /// What a method does with events.
-    Events {
-        /// The mode is frozen within a step, and a step ends on every event.
-        Located = "located",
-        /// The baseline: every evaluation reads its mode off the state.
-        Blind = "blind",
-    }
-}

@@ -19,12 +19,15 @@ pub use work_precision::chosen_axes;
 
 use deltazero_plots::{Axis, Error, Figure, Marker, Series};
 use deltazero_solvers::METHODS;
+use deltazero_study::quantile::quantile;
+use deltazero_study::setting::Events;
+use deltazero_study::steps::StepTables;
+use deltazero_study::steps::step_size::{ModeKind, StepHistory};
+use deltazero_study::work_precision::{Row, WorkPrecision};
 
-use crate::config::{Config, Events};
+use crate::config::Config;
 use crate::study::motion::Motion;
-use crate::study::step_size::{ModeKind, StepHistory, quantile};
-use crate::study::step_tables::StepTables;
-use crate::study::work_precision::{Row, WorkPrecision};
+use crate::study::stability::Stability;
 
 /// Room left at both ends of an axis of step sizes, as factors: above, for the ticks of events.
 const SIZE_ROOM: (f64, f64) = (1.5, 3.0);
@@ -41,7 +44,7 @@ pub struct Drawing {
 }
 
 /// A figure drawn.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Name of its files, without ending.
     pub name: &'static str,
@@ -71,14 +74,9 @@ impl Drawing {
     }
 }
 
-/// All figures of a study.
-pub fn of_study(
-    config: &Config,
-    table: &WorkPrecision,
-    steps: &StepTables,
-    motion: Option<&Motion>,
-) -> Vec<Drawing> {
-    let mut drawings = vec![
+/// The figures of a study whatever its subject.
+pub fn of_study(table: &WorkPrecision, steps: &StepTables) -> Vec<Drawing> {
+    vec![
         work_precision::against_time(table),
         work_precision::against_rhs(table),
         step_size::whole(&steps.histories),
@@ -86,7 +84,22 @@ pub fn of_study(
         step_histogram::drawing(&steps.histories, &steps.histogram),
         stays::drawing(&steps.stays),
         restarts::drawing(&steps.restarts, &steps.restart_costs),
-    ];
+        rk4_order::drawing(table),
+        proportionality::drawing(table, &steps.proportionality),
+    ]
+}
+
+/// The figures of a study of a mechanism.
+pub fn of_mechanism(
+    config: &Config,
+    table: &WorkPrecision,
+    steps: &StepTables,
+    stability: Option<&Stability>,
+    motion: Option<&Motion>,
+) -> Vec<Drawing> {
+    let mut drawings = of_study(table, steps);
+    let order_of_rk4 = drawings.len() - 2;
+    let behind = drawings.split_off(order_of_rk4);
     if let Some(motion) = motion {
         drawings.push(contact::drawing(motion));
         drawings.push(orbit::drawing(motion));
@@ -94,9 +107,10 @@ pub fn of_study(
             drawings.push(slider_crank::drawing(config, motion));
         }
     }
-    drawings.push(rk4_order::drawing(table));
-    drawings.extend(steps.stability.as_ref().map(stability::drawing));
-    drawings.push(proportionality::drawing(table, &steps.proportionality));
+    let mut behind = behind.into_iter();
+    drawings.extend(behind.next());
+    drawings.extend(stability.map(stability::drawing));
+    drawings.extend(behind);
     drawings
 }
 

@@ -1,11 +1,11 @@
 //! Error against tolerance: proportional, or not, and down to which floor?
 
 use deltazero_plots::{Axis, Figure, Guide, Level, LineChart, Panel, Series, Size};
+use deltazero_study::setting::Events;
+use deltazero_study::steps::proportionality::{Floor, ToleranceRow};
+use deltazero_study::work_precision::WorkPrecision;
 
 use super::{Drawing, curve, groups};
-use crate::config::Events;
-use crate::study::proportionality::{Floor, ToleranceRow};
-use crate::study::work_precision::WorkPrecision;
 
 /// `e` against rtol of each method, located on the left, blind on the right.
 pub(super) fn drawing(table: &WorkPrecision, rows: &[ToleranceRow]) -> Drawing {

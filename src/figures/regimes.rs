@@ -4,9 +4,10 @@ use deltazero_plots::{
     Axis, Cells, Figure, Heatmap, Legend, LineChart, Marker, Panel, Scale, Series, Size, Upright,
 };
 use deltazero_solvers::METHODS;
+use deltazero_study::setting::Events;
 
 use super::{Drawing, number};
-use crate::config::{Events, ReadingName};
+use crate::config::ReadingName;
 use crate::study::regimes::{Cell, CellStatus, maps, of_map};
 
 /// The figures of a map.

@@ -1,10 +1,10 @@
 //! The first steps after an event, a panel a method.
 
 use deltazero_plots::{Axis, Figure, Level, LineChart, Marker, Panel, Series, Size};
+use deltazero_study::steps::restarts::{FIRST, RestartCost, RestartRow};
+use deltazero_study::steps::step_size::ModeKind;
 
 use super::{Drawing, kind_color};
-use crate::study::restarts::{FIRST, RestartCost, RestartRow};
-use crate::study::step_size::ModeKind;
 
 /// Shift of what follows events into flight, so that whiskers do not hide each other.
 const ASIDE: f64 = 0.25;

@@ -1,11 +1,11 @@
 //! The error of rk4 against its step: fourth order through events, or not.
 
 use deltazero_plots::{Axis, Figure, Guide, LineChart, Size};
+use deltazero_study::errors::log_log_slope;
+use deltazero_study::setting::Events;
+use deltazero_study::work_precision::WorkPrecision;
 
 use super::{Drawing, curve, groups};
-use crate::config::Events;
-use crate::metrics::log_log_slope;
-use crate::study::work_precision::WorkPrecision;
 
 /// Errors below this are near rounding and above this far from the limit of small steps; neither
 /// tells the order.

@@ -1,10 +1,10 @@
 //! The error of rk4 around its limit of stability.
 
 use deltazero_plots::{Axis, Figure, LineChart, Marker, Panel, Series, Size, Upright};
+use deltazero_study::steps::step_size::ACCURACY;
 
 use super::Drawing;
 use crate::study::stability::{Stability, StepErrorRow, StiffnessRow};
-use crate::study::step_size::ACCURACY;
 
 /// `e` and the events of each joint against its step over the contact's time scale.
 pub(super) fn drawing(stability: &Stability) -> Drawing {

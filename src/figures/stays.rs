@@ -1,10 +1,10 @@
 //! Steps in each contact and flight against how long it lasts.
 
 use deltazero_plots::{Axis, Figure, Guide, LineChart, Marker, Series, Size};
+use deltazero_study::quantile::quantile;
+use deltazero_study::steps::stays::StayRow;
 
 use super::{Drawing, number};
-use crate::study::stays::StayRow;
-use crate::study::step_size::quantile;
 
 /// Steps per contact (filled) and per flight (hollow) of each method; what the end of the run cuts
 /// is left out, and what the run starts in.

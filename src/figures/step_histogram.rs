@@ -1,10 +1,10 @@
 //! Histogram of step sizes by mode, a panel a method.
 
 use deltazero_plots::{Axis, Figure, Group, Histogram, Panel, Size};
+use deltazero_study::steps::step_histogram::BinRow;
+use deltazero_study::steps::step_size::{ModeKind, StepHistory};
 
 use super::{Drawing, kind_color, size_axis};
-use crate::study::step_histogram::BinRow;
-use crate::study::step_size::{ModeKind, StepHistory};
 
 /// Step sizes of each method in flight, slip and stick, all joints together.
 pub(super) fn drawing(histories: &[StepHistory], rows: &[BinRow]) -> Drawing {

@@ -1,12 +1,13 @@
 //! Step size over time, a panel a method: the whole run, and around the first flight.
 
 use deltazero_plots::{Axis, Band, Figure, Panel, StepHistory as Chart, StepLook};
+use deltazero_study::quantile::quantile;
+use deltazero_study::steps::step_size::{ACCURACY, StepHistory, StepRow};
 
 use super::{Drawing, kind_color, number, size_axis};
-use crate::study::step_size::{ACCURACY, StepHistory, StepRow, quantile};
 
 /// Joint that is shown.
-const JOINT: usize = 1;
+const PART: usize = 1;
 /// Time shown before and after the middle of the first flight, in flights.
 const MARGIN: f64 = 3.0;
 /// Zoom of a run without a flight, as a fraction of it.
@@ -14,7 +15,7 @@ const FIRST_PART: f64 = 0.02;
 
 /// Step size of each method on joint 1 over the whole run.
 pub(super) fn whole(histories: &[StepHistory]) -> Drawing {
-    let shown: Vec<&StepHistory> = of_joint(histories).collect();
+    let shown: Vec<&StepHistory> = of_first_part(histories).collect();
     let ends = shown.iter().filter_map(|history| history.steps.last()).map(StepRow::end);
     let end = ends.fold(0.0, f64::max);
     let sizes = size_axis(histories);
@@ -22,26 +23,28 @@ pub(super) fn whole(histories: &[StepHistory]) -> Drawing {
     let panels = shown.iter().map(draw).collect();
     let spreads: Vec<String> = shown.iter().map(|history| spread(history)).collect();
     let caption = format!(
-        "Accepted steps on joint 1{}, events located (ticks), each method at the setting of least work with \
+        "Accepted steps{}, events located (ticks), each method at the setting of least work with \
          e ≤ {ACCURACY:e} and all events, or its most accurate (work: n_rhs and 5 for each linear system, a series of order p \
          for 2 p); all on one scale, the smallest thousandth of the steps \
          may lie below. {}.",
-        of_bays(&shown),
+        of_part(&shown),
         spreads.join("; ")
     );
     let figure = Figure { share_y: true, ..Figure::stacked("Step size over time", panels) };
     Drawing { name: "step_size", caption, figure }
 }
 
-/// ` of 3 bays`, where there are several.
-fn of_bays(shown: &[&StepHistory]) -> String {
-    let bays = shown.first().map_or(1, |history| history.bays);
-    if bays > 1 { format!(" of {bays} bays together") } else { String::new() }
+/// ` on joint 1`, with the number of its sites where they are several.
+fn of_part(shown: &[&StepHistory]) -> String {
+    let Some(first) = shown.first() else { return String::new() };
+    let name = if first.name.is_empty() { String::new() } else { format!(" on {}", first.name) };
+    let sites = first.n_sites;
+    if sites > 1 { format!("{name}, {sites} of them together") } else { name }
 }
 
 /// The same around the first flight.
 pub(super) fn zoom(histories: &[StepHistory]) -> Drawing {
-    let shown: Vec<&StepHistory> = of_joint(histories).collect();
+    let shown: Vec<&StepHistory> = of_first_part(histories).collect();
     let best = shown.iter().min_by(|a, b| a.e.total_cmp(&b.e));
     let flight = best.and_then(|history| first_flight(&history.steps));
     let end = best.and_then(|history| history.steps.last()).map_or(1.0, StepRow::end);
@@ -75,8 +78,8 @@ pub(super) fn zoom(histories: &[StepHistory]) -> Drawing {
     Drawing { name: "step_size_zoom", caption, figure }
 }
 
-fn of_joint(histories: &[StepHistory]) -> impl Iterator<Item = &StepHistory> {
-    histories.iter().filter(|history| history.joint == JOINT)
+fn of_first_part(histories: &[StepHistory]) -> impl Iterator<Item = &StepHistory> {
+    histories.iter().filter(|history| history.part == PART)
 }
 
 fn panel(history: &StepHistory, window: (f64, f64), (sizes, look): (&Axis, StepLook)) -> Panel {

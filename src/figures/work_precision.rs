@@ -1,11 +1,11 @@
 //! Error against time, and against right-hand sides: which method is cheapest at which error?
 
 use deltazero_plots::{Axis, Figure, LineChart, Size};
+use deltazero_study::columns::Column;
+use deltazero_study::setting::Events;
+use deltazero_study::work_precision::{ACCURACIES, Row, WorkPrecision, cheapest, doubt};
 
 use super::{Drawing, curve, groups};
-use crate::config::Events;
-use crate::study::columns::Column;
-use crate::study::work_precision::{ACCURACIES, Row, WorkPrecision, cheapest, doubt};
 
 /// `e` against the shortest time of each run.
 pub(super) fn against_time(table: &WorkPrecision) -> Drawing {

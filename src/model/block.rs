@@ -313,7 +313,7 @@ impl Block {
 
     /// `outcome` of a run that ended at `(t, y)`; an error where what stopped it was not 90° but the range of
     /// the contact law, and another one where a run fails with the pin deep in its bush.
-    pub fn judged(
+    pub fn range_judged(
         &self,
         outcome: Result<Outcome, Error>,
         t: f64,
@@ -349,7 +349,7 @@ impl Block {
     }
 
     /// Whether it starts on δ = 0, where the first event's time has no digits.
-    pub fn starts_on_surface(&self) -> bool {
+    pub fn starts_in_contact(&self) -> bool {
         matches!(self.body, Body::Struts(_)) && self.clearance > 0.0
     }
 

@@ -1,35 +1,10 @@
 //! Energies and powers of one state of a block.
 
+use deltazero_study::problem::{Energy, Power};
+
 use super::block::{Block, Body, ContactForces, State};
 use super::mode::Mode;
 use super::slider_crank::Slider;
-
-/// Energies of a state [J].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Energy {
-    /// Kinetic energy.
-    pub kinetic: f64,
-    /// Elastic energy of the contact; none where the mode is no contact.
-    pub elastic: f64,
-}
-
-/// Powers at a state [W].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Power {
-    /// Of the drive torque, `M θ̇`, or of that which holds the crank's speed.
-    pub drive: f64,
-    /// Taken by the normal law, by damping or hysteresis.
-    pub damping: f64,
-    /// Taken by friction; as a torque alone, by bristles, or where the contact pulls it may give as well.
-    pub friction: f64,
-}
-
-impl Power {
-    /// Taken by damping and friction.
-    pub fn dissipated(&self) -> f64 {
-        self.damping + self.friction
-    }
-}
 
 impl Block {
     /// Energies of `y` in `mode`; the kinetic one of a slider-crank is at [`SliderCrank::kinetic`], of struts

@@ -1,126 +1,135 @@
 //! What is integrated by itself: a joint with what hangs on it, or several in one system.
 
-use deltazero_solvers::{Error, ModeOfState, System};
+use deltazero_solvers::{Error, ModeOfState, Outcome, Real, Record};
+use deltazero_study::Problem;
+use deltazero_study::problem::{Energy, Group, GroupScale, Laws, Power, Quantity, Role, Touch};
+use deltazero_study::run::{OwnRun, Setting, blind, extended};
 
 use super::block::{Block, Body, ContactForces, State};
 use super::chain::{Chain, Modes};
-use super::energy::{Energy, Power};
 use super::mode::Mode;
-use crate::config::Events;
 
-/// A hybrid system of one joint or more, each with a state and a mode of its own.
-pub trait Jointed: System {
+/// A problem of one joint or more, each with six states and a mode of its own.
+pub trait Jointed: Problem {
     /// A joint with what hangs on it, alone; all of a system are equal.
     fn block(&self) -> &Block;
-
-    /// Number of joints: of a chain one a bay.
-    fn n_joints(&self) -> usize;
-
-    /// Whether the contacts can carry what the drive alone asks of them; see [`Block::check_load`].
-    ///
-    /// # Errors
-    /// [`Error::OutsideModel`]: they cannot, or the system is not the one to integrate.
-    fn check(&self) -> Result<(), Error> {
-        self.block().check_load()
-    }
-
-    /// The start; see [`Block::initial_state`].
-    fn start(&self) -> Self::State<f64>;
-
-    /// The start with each of its numbers but zeros moved by `nudge`: by its last bit, to see what that does.
-    fn start_nudged(&self, nudge: fn(f64) -> f64) -> Self::State<f64> {
-        let mut start = self.start();
-        for y in start.as_mut().iter_mut().filter(|y| **y != 0.0) {
-            *y = nudge(*y);
-        }
-        start
-    }
-
-    /// The scale of each state; see [`Block::scale`].
-    fn scales(&self) -> Self::State<f64>;
 
     /// The mode of joint `k`, counted from zero.
     fn joint_mode(mode: &Self::Mode, k: usize) -> Mode;
 
-    /// The joint that a guard is of.
-    fn joint_of_guard(guard: usize) -> usize;
-
-    /// The mode that stands for the whole where one has to: of several joints that of the first which sticks,
-    /// else of the first in contact, else of the root.
-    fn foremost(mode: &Self::Mode) -> Mode;
-
     /// The contact forces of every joint.
     fn joint_forces(&self, mode: &Self::Mode, y: &Self::State<f64>) -> Vec<ContactForces<f64>>;
 
-    /// Energies at `y` in `mode`.
-    fn energies(&self, mode: &Self::Mode, y: &Self::State<f64>) -> Energy;
-
-    /// Powers there.
-    fn powers(&self, mode: &Self::Mode, y: &Self::State<f64>) -> Power;
-
-    /// Work of the drive from `y0` to `y1` [J], where it needs no quadrature: a constant torque does it, or no
-    /// energy is lost.
-    fn drive_work(&self, y0: &Self::State<f64>, y1: &Self::State<f64>) -> Option<f64>;
-
-    /// The mode that it is computed in at `(t, y)`, inside a step begun in `mode`: this very one where events
-    /// are located, and what the state says where they are not.
-    fn mode_inside(
-        &self,
-        events: Events,
-        mode: &Self::Mode,
-        t: f64,
-        y: &Self::State<f64>,
-    ) -> Self::Mode;
-
-    /// Whether an event between these modes may leave a dent in a bush, or take it up again.
-    fn may_relax(before: &Self::Mode, after: &Self::Mode) -> bool;
-
-    /// The joint that a component of the state is of.
-    fn joint_of_component(&self, component: usize) -> usize {
-        component * self.n_joints() / self.dim()
-    }
-
     /// Where the six states of joint `k` begin.
     fn offset(&self, k: usize) -> usize {
-        k * (self.dim() / self.n_joints())
+        k * (self.dim() / self.n_sites())
     }
 
-    /// The six states of joint `k`.
-    fn joint_state(&self, y: &Self::State<f64>, k: usize) -> State<f64> {
-        let (y, offset) = (y.as_ref(), self.offset(k));
+    /// The six states of joint `k` among all.
+    fn joint_state(&self, y: &[f64], k: usize) -> State<f64> {
+        let offset = self.offset(k);
         std::array::from_fn(|i| y[offset + i])
-    }
-
-    /// The six states of every joint.
-    fn joint_states(&self, y: &Self::State<f64>) -> Vec<State<f64>> {
-        (0..self.n_joints()).map(|k| self.joint_state(y, k)).collect()
     }
 
     /// The joint nearest to where it ends, at 90° or at the range of its contact law; the first of several.
     fn nearest_end(&self, mode: &Self::Mode, y: &Self::State<f64>) -> usize {
         let left = |k: &usize| {
-            self.block().before_end(Self::joint_mode(mode, *k), &self.joint_state(y, *k))
+            self.block().before_end(Self::joint_mode(mode, *k), &self.joint_state(y.as_ref(), *k))
         };
-        (0..self.n_joints()).min_by(|a, b| left(a).total_cmp(&left(b))).unwrap_or(0)
+        (0..self.n_sites()).min_by(|a, b| left(a).total_cmp(&left(b))).unwrap_or(0)
     }
 
-    /// The modes of all joints.
-    fn joint_modes(&self, mode: &Self::Mode) -> Vec<Mode> {
-        (0..self.n_joints()).map(|k| Self::joint_mode(mode, k)).collect()
-    }
-
-    /// Sets the six entries of every joint in `all`, which has one for each state, to those of `each`.
-    fn set_each(&self, all: &mut [f64], each: &State<f64>) {
-        for k in 0..self.n_joints() {
-            let offset = self.offset(k);
-            all[offset..offset + each.len()].copy_from_slice(each);
+    /// The joint, from zero, that an error of a run that ended at `y` in `mode` is about, where it is about one.
+    fn failed_joint(
+        &self,
+        error: &Error,
+        mode: &Self::Mode,
+        y: &Self::State<f64>,
+    ) -> Option<usize> {
+        match error {
+            _ if self.n_sites() == 1 => Some(0),
+            Error::NonFinite { component, .. } => Some(component * self.n_sites() / self.dim()),
+            Error::NonFiniteGuard { guard, .. } | Error::Chatter { guard, .. } => {
+                Some(self.site_of_guard(mode, *guard))
+            }
+            Error::OutsideModel { .. } => Some(self.nearest_end(mode, y)),
+            _ => None,
         }
     }
 }
 
-impl Jointed for Block {
-    fn block(&self) -> &Block {
-        self
+/// The name of a joint's part.
+fn part_name(block: &Block) -> String {
+    format!("joint {}", block.joint)
+}
+
+/// The states of one joint, the scales of which are `scale`.
+fn joint_quantities(scale: State<f64>) -> impl Iterator<Item = Quantity> {
+    let names = ["X", "Y", "θ", "Ẋ", "Ẏ", "ω"];
+    let units = ["m", "m", "rad", "m/s", "m/s", "rad/s"];
+    let pairs = names.into_iter().zip(units).zip(scale);
+    pairs.map(|((name, unit), scale)| Quantity::new(name, unit, scale))
+}
+
+/// The pin over its clearance (0.1 mm where there is none), the angle over its largest.
+fn joint_groups(block: &Block, offset: usize, site: usize) -> [Group; 2] {
+    let clearance = if block.clearance > 0.0 { block.clearance } else { 1e-4 };
+    let group = |name: &'static str, unit: &'static str, states: &[usize], scale| Group {
+        name: name.into(),
+        unit: unit.into(),
+        states: states.iter().map(|i| offset + i).collect(),
+        scale,
+        site,
+    };
+    [
+        group("pin", "m", &[0, 1], GroupScale::Fixed(clearance)),
+        group("θ", "rad", &[2], GroupScale::Largest),
+    ]
+}
+
+fn role(mode: Mode) -> Role {
+    match mode {
+        Mode::Pinned => Role::Held,
+        Mode::Apart | Mode::Relaxing(_) => Role::Free,
+        Mode::SlipPlus(_) | Mode::SlipMinus(_) => Role::Contact,
+        Mode::Stick(_) => Role::Stick,
+    }
+}
+
+/// The contact of a joint like `block`; none of one whose pin is held.
+fn touch<S: Real>(block: &Block, mode: Mode, y: &State<S>) -> Option<Touch<S>> {
+    if block.clearance == 0.0 {
+        return None;
+    }
+    let pose = block.pose(y);
+    let force = match mode.touch() {
+        Some(touch) if mode.is_contact() => block.normal.force(pose.delta, pose.delta_dot, touch),
+        _ => S::cst(0.0),
+    };
+    Some(Touch { depth: pose.delta, rate: pose.delta_dot, force })
+}
+
+/// A reading that feeds energy in has no balance. Friction only takes energy where it acts as a force, without
+/// bristles, on a contact that never pulls.
+fn laws(block: &Block) -> Laws {
+    Laws {
+        balances: block.reading.is_consistent(),
+        damping_takes: true,
+        friction_takes: block.reading.tangential_force == 1.0
+            && !block.normal.adhesion
+            && block.sliding.bristles().is_none(),
+        deepest: (block.clearance > 0.0).then_some(block.clearance),
+    }
+}
+
+/// Whether a dent in a bush is left, or taken up again, between these modes.
+fn relaxes(before: Mode, after: Mode) -> bool {
+    [before, after].iter().any(|mode| matches!(mode, Mode::Relaxing(_)))
+}
+
+impl Problem for Block {
+    fn name(&self) -> String {
+        part_name(self)
     }
 
     fn check(&self) -> Result<(), Error> {
@@ -133,40 +142,49 @@ impl Jointed for Block {
         self.check_load()
     }
 
-    fn n_joints(&self) -> usize {
-        1
-    }
-
     fn start(&self) -> State<f64> {
         self.initial_state()
     }
 
-    fn scales(&self) -> State<f64> {
-        self.scale()
+    fn states(&self) -> Vec<Quantity> {
+        joint_quantities(self.scale()).collect()
     }
 
-    fn joint_mode(mode: &Mode, _k: usize) -> Mode {
-        *mode
+    fn groups(&self) -> Vec<Group> {
+        joint_groups(self, 0, 0).into()
     }
 
-    fn joint_of_guard(_guard: usize) -> usize {
-        0
+    fn role(&self, mode: &Mode, _site: usize) -> Role {
+        role(*mode)
     }
 
-    fn foremost(mode: &Mode) -> Mode {
-        *mode
+    fn code(&self, mode: &Mode, _site: usize) -> i8 {
+        mode.code()
     }
 
-    fn joint_forces(&self, mode: &Mode, y: &State<f64>) -> Vec<ContactForces<f64>> {
-        vec![self.forces(*mode, y, &self.pose(y))]
+    /// Free apart and free relaxing are one mode.
+    fn is_counted(&self, before: &Mode, after: &Mode, _site: usize) -> bool {
+        before.code() != after.code()
     }
 
-    fn energies(&self, mode: &Mode, y: &State<f64>) -> Energy {
-        self.energy(*mode, y)
+    fn starts_on_surface(&self) -> bool {
+        self.starts_in_contact()
     }
 
-    fn powers(&self, mode: &Mode, y: &State<f64>) -> Power {
-        self.power(*mode, y)
+    fn unit_of_time(&self) -> f64 {
+        self.body_time()
+    }
+
+    fn touch<S: Real>(&self, mode: &Mode, y: &State<S>, _site: usize) -> Option<Touch<S>> {
+        touch(self, *mode, y)
+    }
+
+    fn energies(&self, mode: &Mode, y: &State<f64>) -> Option<Energy> {
+        Some(self.energy(*mode, y))
+    }
+
+    fn powers(&self, mode: &Mode, y: &State<f64>) -> Option<Power> {
+        Some(self.power(*mode, y))
     }
 
     fn drive_work(&self, y0: &State<f64>, y1: &State<f64>) -> Option<f64> {
@@ -179,15 +197,179 @@ impl Jointed for Block {
         }
     }
 
-    fn mode_inside(&self, events: Events, mode: &Mode, t: f64, y: &State<f64>) -> Mode {
-        match events {
-            Events::Located => *mode,
-            Events::Blind => self.mode_of_state(t, y),
+    fn relaxes(&self, before: &Mode, after: &Mode) -> bool {
+        relaxes(*before, *after)
+    }
+
+    fn laws(&self) -> Laws {
+        laws(self)
+    }
+
+    /// In the paper's order.
+    fn spread(&self, each: &[f64], all: &mut [f64]) {
+        if let Ok(each) = each.try_into() {
+            all.copy_from_slice(&self.in_paper_order(each));
         }
     }
 
-    fn may_relax(before: &Mode, after: &Mode) -> bool {
-        [before, after].iter().any(|mode| matches!(mode, Mode::Relaxing(_)))
+    fn judged(
+        &self,
+        outcome: Result<Outcome, Error>,
+        t: f64,
+        mode: &Mode,
+        y: &State<f64>,
+    ) -> Result<Outcome, Error> {
+        self.range_judged(outcome, t, *mode, y)
+    }
+
+    fn has_blind_runs(&self) -> bool {
+        true
+    }
+
+    fn mode_read(&self, _mode: &Mode, t: f64, y: &State<f64>) -> Mode {
+        self.mode_of_state(t, y)
+    }
+
+    fn integrate_blind(
+        &self,
+        setting: &Setting,
+        y0: State<f64>,
+        t_end: f64,
+        record: &mut dyn Record<Self>,
+    ) -> OwnRun<Self> {
+        blind(self, setting, y0, t_end, record)
+    }
+
+    fn integrate_extended(
+        &self,
+        rtol: f64,
+        y0: State<f64>,
+        t_end: f64,
+        record: &mut dyn Record<Self>,
+    ) -> OwnRun<Self> {
+        extended(self, rtol, y0, t_end, record)
+    }
+}
+
+impl Jointed for Block {
+    fn block(&self) -> &Block {
+        self
+    }
+
+    fn joint_mode(mode: &Mode, _k: usize) -> Mode {
+        *mode
+    }
+
+    fn joint_forces(&self, mode: &Mode, y: &State<f64>) -> Vec<ContactForces<f64>> {
+        vec![self.forces(*mode, y, &self.pose(y))]
+    }
+}
+
+/// A chain runs in f64 with its events located: the other two would be a second and a third copy of every
+/// method, for what one bay has shown.
+impl Problem for Chain {
+    fn name(&self) -> String {
+        part_name(&self.bay)
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        self.bay.check_load()
+    }
+
+    fn start(&self) -> Vec<f64> {
+        self.of_each(self.bay.initial_state(), 0.0)
+    }
+
+    fn states(&self) -> Vec<Quantity> {
+        let bay: Vec<_> = joint_quantities(self.bay.scale()).collect();
+        let bristles = Quantity::new("z", "m", self.bristle_scale());
+        let own: Vec<_> = bay.into_iter().chain([bristles]).take(self.stride()).collect();
+        std::iter::repeat_n(own, self.bays).flatten().collect()
+    }
+
+    fn groups(&self) -> Vec<Group> {
+        (0..self.bays).flat_map(|k| joint_groups(&self.bay, self.offset(k), k)).collect()
+    }
+
+    fn n_sites(&self) -> usize {
+        self.bays
+    }
+
+    fn site_name(&self, site: usize) -> String {
+        match self.bays {
+            1 => self.name(),
+            _ => format!("bay {}, {}", site + 1, self.name()),
+        }
+    }
+
+    fn site_of_guard(&self, _modes: &Modes, guard: usize) -> usize {
+        Self::bay_of(guard)
+    }
+
+    fn role(&self, modes: &Modes, site: usize) -> Role {
+        role(modes[site])
+    }
+
+    fn code(&self, modes: &Modes, site: usize) -> i8 {
+        modes[site].code()
+    }
+
+    fn is_counted(&self, before: &Modes, after: &Modes, site: usize) -> bool {
+        before[site].code() != after[site].code()
+    }
+
+    fn starts_on_surface(&self) -> bool {
+        self.bay.starts_in_contact()
+    }
+
+    fn unit_of_time(&self) -> f64 {
+        self.bay.body_time()
+    }
+
+    fn touch<S: Real>(&self, modes: &Modes, y: &Vec<S>, site: usize) -> Option<Touch<S>> {
+        touch(&self.bay, modes[site], &self.state_of(y, site))
+    }
+
+    fn energies(&self, modes: &Modes, y: &Vec<f64>) -> Option<Energy> {
+        Some(self.energy(modes, y))
+    }
+
+    fn powers(&self, modes: &Modes, y: &Vec<f64>) -> Option<Power> {
+        Some(self.power(modes, y))
+    }
+
+    fn drive_work(&self, y0: &Vec<f64>, y1: &Vec<f64>) -> Option<f64> {
+        let of_bay = |k| self.bay.drive_work(&self.joint_state(y0, k), &self.joint_state(y1, k));
+        (0..self.bays).map(of_bay).sum()
+    }
+
+    fn relaxes(&self, before: &Modes, after: &Modes) -> bool {
+        before.iter().zip(after.iter()).any(|(a, b)| a != b && relaxes(*a, *b))
+    }
+
+    fn laws(&self) -> Laws {
+        laws(&self.bay)
+    }
+
+    /// The same for every bay, in the paper's order; that of bristles stays.
+    fn spread(&self, each: &[f64], all: &mut [f64]) {
+        let Ok(each) = each.try_into() else { return };
+        let each = self.bay.in_paper_order(each);
+        for k in 0..self.bays {
+            let offset = self.offset(k);
+            all[offset..offset + each.len()].copy_from_slice(&each);
+        }
+    }
+
+    fn judged(
+        &self,
+        outcome: Result<Outcome, Error>,
+        t: f64,
+        modes: &Modes,
+        y: &Vec<f64>,
+    ) -> Result<Outcome, Error> {
+        let k = self.nearest_end(modes, y);
+        self.bay.range_judged(outcome, t, modes[k], &self.joint_state(y, k))
     }
 }
 
@@ -196,53 +378,11 @@ impl Jointed for Chain {
         &self.bay
     }
 
-    fn n_joints(&self) -> usize {
-        self.bays
-    }
-
-    fn start(&self) -> Vec<f64> {
-        self.of_each(self.bay.initial_state(), 0.0)
-    }
-
-    fn scales(&self) -> Vec<f64> {
-        self.of_each(self.bay.scale(), self.bristle_scale())
-    }
-
     fn joint_mode(modes: &Modes, k: usize) -> Mode {
         modes[k]
     }
 
-    fn joint_of_guard(guard: usize) -> usize {
-        Self::bay_of(guard)
-    }
-
-    fn foremost(modes: &Modes) -> Mode {
-        modes.foremost()
-    }
-
     fn joint_forces(&self, modes: &Modes, y: &Vec<f64>) -> Vec<ContactForces<f64>> {
         self.forces(modes, y)
-    }
-
-    fn energies(&self, modes: &Modes, y: &Vec<f64>) -> Energy {
-        self.energy(modes, y)
-    }
-
-    fn powers(&self, modes: &Modes, y: &Vec<f64>) -> Power {
-        self.power(modes, y)
-    }
-
-    fn drive_work(&self, y0: &Vec<f64>, y1: &Vec<f64>) -> Option<f64> {
-        let of_bay = |k| self.bay.drive_work(&self.joint_state(y0, k), &self.joint_state(y1, k));
-        (0..self.bays).map(of_bay).sum()
-    }
-
-    /// The same: its events are always located.
-    fn mode_inside(&self, _: Events, modes: &Modes, _t: f64, _y: &Vec<f64>) -> Modes {
-        modes.clone()
-    }
-
-    fn may_relax(before: &Modes, after: &Modes) -> bool {
-        before.iter().zip(after.iter()).any(|(a, b)| a != b && Block::may_relax(a, b))
     }
 }

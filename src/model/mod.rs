@@ -34,11 +34,13 @@ pub use mode::Mode;
 pub use reading::Reading;
 pub use slider_crank::SliderCrank;
 
-use crate::config::{Config, MechanismName};
 use contact::NormalLaw;
+use deltazero_study::{Problem as _, Subject};
 use elastic::Elastic;
 use inertia::BlockInertia;
 use sliding::Shape;
+
+use crate::config::{Config, MechanismName};
 
 /// A mechanism: its independent parts.
 #[derive(Clone, Debug)]
@@ -69,13 +71,22 @@ impl Part {
     /// Number of its joints.
     pub fn n_joints(&self) -> usize {
         match self {
-            Self::Block(block) => block.n_joints(),
-            Self::Chain(chain) => chain.n_joints(),
+            Self::Block(block) => block.n_sites(),
+            Self::Chain(chain) => chain.n_sites(),
         }
     }
 }
 
 impl Mechanism {
+    /// What a study integrates of it.
+    pub fn subject(&self) -> Subject {
+        let part = |part: &Part| match part {
+            Part::Block(block) => deltazero_study::Part::new(block.clone()),
+            Part::Chain(chain) => deltazero_study::Part::new(chain.clone()),
+        };
+        Subject { parts: self.parts.iter().map(part).collect() }
+    }
+
     /// The mechanism of a configuration.
     pub fn new(config: &Config) -> Self {
         let part = |(block, bays): (Block, usize)| match block.sliding.bristles() {

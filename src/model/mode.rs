@@ -58,16 +58,6 @@ impl Mode {
         }
     }
 
-    /// What it is, when work is counted: `pinned`, `flight`, `contact` (slipping) or `stick`.
-    pub fn phase(self) -> &'static str {
-        match self {
-            Self::Pinned => "pinned",
-            Self::Apart | Self::Relaxing(_) => "flight",
-            Self::SlipPlus(_) | Self::SlipMinus(_) => "contact",
-            Self::Stick(_) => "stick",
-        }
-    }
-
     /// Whether a contact force acts.
     pub fn is_contact(self) -> bool {
         matches!(self, Self::SlipPlus(_) | Self::SlipMinus(_) | Self::Stick(_))

@@ -2,6 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use deltazero_study::Problem as _;
+use deltazero_study::errors::{ErrorScale, Largest};
+
 use super::block::{Block, Body, State};
 
 impl Block {
@@ -30,8 +33,14 @@ impl Block {
         [d, d, d / l, v, v, v / l]
     }
 
+    /// The scales of its errors, where θ reaches `theta` [rad].
+    pub fn error_scale(&self, theta: f64) -> ErrorScale {
+        let largest = Largest::known([("θ".to_owned(), theta)]);
+        ErrorScale::new(&self.groups(), self.unit_of_time(), &largest)
+    }
+
     /// In what its time is counted [s]: a second, or the turn of a crank.
-    pub fn unit_of_time(&self) -> f64 {
+    pub(super) fn body_time(&self) -> f64 {
         match &self.body {
             Body::Struts(_) => 1.0,
             Body::SliderCrank(crank) => TAU / crank.speed,

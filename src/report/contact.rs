@@ -1,13 +1,53 @@
 //! The contact that a report is about, in words: of each law what it uses, and nothing that it does not.
 
+use super::About;
+use super::html::Part;
 use crate::config::{
     Config, Contact, ContactLaw, Curvature, Friction, FrictionLaw, Joint, JointConfig,
     MechanismName, SliderCrank,
 };
 use crate::model::restitution::{delivered, hysteresis_factor};
+use crate::study::restitution;
+
+/// What a study of `config` says of its subject.
+pub fn about(config: &Config) -> About {
+    let subject = match config.mechanism {
+        MechanismName::Strut if config.bays > 1 => {
+            format!("Reading `{}`, {} bays", config.reading, config.bays)
+        }
+        MechanismName::Strut => format!("Reading `{}`", config.reading),
+        MechanismName::SliderCrank => "Mechanism `slider-crank`".to_owned(),
+    };
+    About {
+        subject,
+        lead: "A pin rattles in a bush with clearance: free flight, then contact through a stiff spring, \
+               with friction; each change is an event, the zero crossing of the penetration δ. Every \
+               method runs over its tolerances or steps, every run is measured against an event-exact \
+               reference: which one reaches an error at the least cost?"
+            .into(),
+        facts: facts(config),
+        warnings: restitution::warnings(config).into_iter().map(|warning| warning.message).collect(),
+        leading: vec![("reading", "reading of the paper", config.reading.to_string())],
+        redo: redo(config),
+    }
+}
+
+fn redo(config: &Config) -> Vec<Part> {
+    vec![
+        Part::Text("With the configuration below as study.toml:".into()),
+        Part::Code("deltazero study study.toml --out redone".into()),
+        Part::Text(
+            "Errors, events and counts of work come out the same, times do not. The tables, the figures \
+             and this page alone, from the directory that holds study.json:"
+                .into(),
+        ),
+        Part::Code("deltazero report DIR".into()),
+        Part::Folded("The configuration".into(), vec![Part::Code(config.to_toml())]),
+    ]
+}
 
 /// Names and what they are: mechanism, time, drive, joints.
-pub(super) fn facts(config: &Config) -> Vec<(String, String)> {
+fn facts(config: &Config) -> Vec<(String, String)> {
     let [one, two] = &config.joints;
     let time = fact("Time", format!("0 to {} s", config.run.t_end));
     if config.mechanism == MechanismName::SliderCrank {

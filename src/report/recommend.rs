@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 
-use crate::contest::Entry;
-use crate::study::recommend::Recommendation;
+use deltazero_study::recommend::Recommendation;
+use deltazero_study::selection::Entry;
 
 /// Columns of a terminal.
 const WIDTH: usize = 80;

@@ -2,9 +2,11 @@
 
 use std::fmt::Write as _;
 
+use deltazero_study::selection::{CUT, EVENTS_FROM, Entry, Standings};
+use deltazero_study::setting::Events;
+
 use super::{exact, field};
-use crate::config::{Config, Events};
-use crate::contest::{CUT, EVENTS_FROM, Entry, Standings};
+use crate::config::Config;
 use crate::figures::Drawing;
 use crate::study::regimes::{Cell, CellStatus, maps, of_map};
 

@@ -2,24 +2,25 @@
 
 use std::fmt::Write as _;
 
-use super::{count, exact, field, rounded};
-use crate::study::columns::{COLUMNS, Column, Value};
-use crate::study::work_precision::{Row, WorkPrecision};
+use deltazero_study::columns::{Column, Value, shown};
+use deltazero_study::work_precision::{Row, WorkPrecision};
+
+use super::{About, count, exact, field, rounded};
 
 /// `study.csv`.
-pub fn study_csv(table: &WorkPrecision) -> String {
-    let names: Vec<&str> = COLUMNS.iter().map(|column| column.name).collect();
+pub fn study_csv(about: &About, table: &WorkPrecision) -> String {
+    let columns = shown(&table.rows);
+    let leading = about.leading.iter().map(|(name, ..)| *name);
+    let names: Vec<&str> = leading.chain(columns.iter().map(|column| column.name)).collect();
     let mut csv = names.join(",") + "\n";
     for row in &table.rows {
-        let fields: Vec<String> = COLUMNS
-            .iter()
-            .map(|column| match (column.value)(row) {
-                Value::Text(text) => field(&text),
-                Value::Number(x) => exact(x),
-                Value::Count(n) => n.map_or_else(String::new, |n| n.to_string()),
-            })
-            .collect();
-        csv += &(fields.join(",") + "\n");
+        let own = columns.iter().map(|column| match (column.value)(row) {
+            Value::Text(text) => field(&text),
+            Value::Number(x) => exact(x),
+            Value::Count(n) => n.map_or_else(String::new, |n| n.to_string()),
+        });
+        let leading = about.leading.iter().map(|(.., value)| field(value));
+        csv += &(leading.chain(own).collect::<Vec<_>>().join(",") + "\n");
     }
     csv
 }
@@ -102,7 +103,9 @@ pub(super) fn work(rows: &[Row]) -> String {
 }
 
 fn of_columns(rows: &[Row], names: &[&str]) -> String {
-    let columns = || names.iter().filter_map(|name| Column::named(name));
+    let is_asked = |column: &&&Column| names.contains(&column.name);
+    let shown = shown(rows);
+    let columns = || shown.iter().filter(is_asked);
     let header: Vec<&str> = columns().map(|column| column.name).collect();
     let mut text = format!("| method | events | setting | {} |\n", header.join(" | "));
     text += &("|---".repeat(3 + header.len()) + "|\n");
@@ -120,9 +123,12 @@ fn of_columns(rows: &[Row], names: &[&str]) -> String {
 }
 
 /// What each column of `study.csv` is.
-pub(super) fn columns() -> String {
+pub(super) fn columns(about: &About, rows: &[Row]) -> String {
     let mut text = String::from("| column | unit | what it is |\n|---|---|---|\n");
-    for Column { name, unit, about, .. } in COLUMNS {
+    for (name, what, _) in &about.leading {
+        let _ = writeln!(text, "| `{name}` |  | {what} |");
+    }
+    for Column { name, unit, about, .. } in shown(rows) {
         let _ = writeln!(text, "| `{name}` | {unit} | {about} |");
     }
     text

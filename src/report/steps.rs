@@ -2,18 +2,20 @@
 
 use std::fmt::Write as _;
 
+use deltazero_study::steps::StepTables;
+
 use super::exact;
-use crate::study::step_tables::StepTables;
+use crate::study::stability::Stability;
 
 /// Each file's name and text.
-pub fn files(tables: &StepTables) -> [(&'static str, String); 7] {
+pub fn files(tables: &StepTables, stability: Option<&Stability>) -> [(&'static str, String); 7] {
     [
         ("steps.csv", steps(tables)),
         ("step_histogram.csv", histogram(tables)),
         ("stays.csv", stays(tables)),
         ("restarts.csv", restarts(tables)),
         ("restart_costs.csv", restart_costs(tables)),
-        ("rk4_stability.csv", rk4_stability(tables)),
+        ("rk4_stability.csv", rk4_stability(stability)),
         ("tolerance.csv", tolerance(tables)),
     ]
 }
@@ -23,7 +25,7 @@ fn steps(tables: &StepTables) -> String {
     let mut csv =
         String::from("method,setting,joint,t_s,h_s,mode,since_restart,n_rejected,lands\n");
     for history in &tables.histories {
-        let (method, setting, joint) = (&history.method, &history.setting, history.joint);
+        let (method, setting, joint) = (&history.method, &history.setting, history.part);
         for step in &history.steps {
             let _ = writeln!(
                 csv,
@@ -60,7 +62,7 @@ fn stays(tables: &StepTables) -> String {
             "{},{},{},{},{:e},{:e},{},{},{}",
             row.method,
             row.setting,
-            row.joint,
+            row.part,
             row.is_contact,
             row.t_s,
             row.duration_s,
@@ -116,11 +118,11 @@ fn restart_costs(tables: &StepTables) -> String {
     csv
 }
 
-fn rk4_stability(tables: &StepTables) -> String {
+fn rk4_stability(stability: Option<&Stability>) -> String {
     let mut csv = String::from(
         "joint,h_s,e,n_events,limit_s,time_scale_s,omega_least_rad_s,omega_largest_rad_s\n",
     );
-    let Some(stability) = &tables.stability else { return csv };
+    let Some(stability) = stability else { return csv };
     for run in &stability.runs {
         let Some(joint) = stability.stiffness.iter().find(|row| row.joint == run.joint) else {
             continue;

@@ -1,13 +1,13 @@
 //! A run joint by joint, of whatever parts it is made.
 
-use deltazero_solvers::{Grid, Next, Sample, Switch, System, Trajectory};
+use deltazero_solvers::{Grid, Next, Sample, Switch, Trajectory};
+use deltazero_study::problem::changes;
+use deltazero_study::run::ModeChange;
+use deltazero_study::trace::OwnTrajectory;
 
-use super::{BlockTrajectory, ModeChange, changes_among};
+use super::BlockTrajectory;
 use crate::model::block::ContactForces;
 use crate::model::{Block, Jointed, Mode, State};
-
-/// Samples and events of a part, in its own states and modes.
-pub type OwnTrajectory<P> = Trajectory<<P as System>::State<f64>, <P as System>::Mode>;
 
 /// A sample of one joint.
 #[derive(Clone, Copy, Debug)]
@@ -37,10 +37,10 @@ pub struct JointHistory<'a> {
 
 /// The events of each joint of `part`.
 pub fn switches<P: Jointed>(part: &P, events: &[Switch<P::Mode>]) -> Vec<Vec<Switch<Mode>>> {
-    let n_guards = part.n_guards() / part.n_joints();
-    let mut all = vec![Vec::new(); part.n_joints()];
+    let n_guards = part.n_guards() / part.n_sites();
+    let mut all = vec![Vec::new(); part.n_sites()];
     for event in events {
-        let k = P::joint_of_guard(event.guard);
+        let k = part.site_of_guard(&event.before, event.guard);
         let after = match &event.after {
             Next::Mode(mode) => Next::Mode(P::joint_mode(mode, k)),
             Next::Stop => Next::Stop,
@@ -53,13 +53,14 @@ pub fn switches<P: Jointed>(part: &P, events: &[Switch<P::Mode>]) -> Vec<Vec<Swi
 
 /// The samples and events of each joint of `part`.
 pub fn trajectories<P: Jointed>(part: &P, run: &OwnTrajectory<P>) -> Vec<BlockTrajectory> {
-    let mut all = vec![Trajectory::on(Grid::Steps); part.n_joints()];
+    let mut all = vec![Trajectory::on(Grid::Steps); part.n_sites()];
     for (own, events) in all.iter_mut().zip(switches(part, &run.events)) {
         own.events = events;
     }
     for sample in &run.samples {
         for (k, own) in all.iter_mut().enumerate() {
-            let (mode, y) = (P::joint_mode(&sample.mode, k), part.joint_state(&sample.y, k));
+            let (mode, y) =
+                (P::joint_mode(&sample.mode, k), part.joint_state(sample.y.as_ref(), k));
             own.samples.push(Sample { t: sample.t, mode, y });
         }
     }
@@ -73,19 +74,19 @@ pub fn histories<'a, P: Jointed>(
     most: usize,
 ) -> Vec<JointHistory<'a>> {
     let block = part.block();
-    let joint = |(k, events): (usize, Vec<Switch<Mode>>)| JointHistory {
+    let joint = |(k, changes): (usize, Vec<ModeChange>)| JointHistory {
         bay: k + 1,
         block,
         samples: Vec::with_capacity(run.samples.len()),
-        changes: changes_among(&events),
+        changes,
     };
-    let events = switches(part, &run.events).into_iter().take(most);
-    let mut all: Vec<_> = events.enumerate().map(joint).collect();
+    let changes = changes(part, &run.events).into_iter().take(most);
+    let mut all: Vec<_> = changes.enumerate().map(joint).collect();
     for sample in &run.samples {
         let forces = part.joint_forces(&sample.mode, &sample.y);
         for (k, (joint, forces)) in all.iter_mut().zip(forces).enumerate() {
             let (t, mode) = (sample.t, P::joint_mode(&sample.mode, k));
-            let y = block.in_paper_order(&part.joint_state(&sample.y, k));
+            let y = block.in_paper_order(&part.joint_state(sample.y.as_ref(), k));
             joint.samples.push(JointSample { t, mode, y, forces });
         }
     }

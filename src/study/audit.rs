@@ -3,22 +3,26 @@
 use std::sync::atomic::AtomicBool;
 
 use deltazero_solvers::{Grid, Method, Trajectory};
+use deltazero_study::Part;
+use deltazero_study::Problem as _;
+use deltazero_study::energy_balance::EnergyBalance;
+use deltazero_study::errors::Largest;
+use deltazero_study::parallel::in_parallel;
+use deltazero_study::part::{Start, counted};
+use deltazero_study::reference::parted_at;
+use deltazero_study::run::{Accuracy, Braked, Limits, OwnRun, Price, Setting, integrate};
+use deltazero_study::setting::Events;
+use deltazero_study::trace::Trace;
+use deltazero_study::work_precision::Progress;
 use serde::{Deserialize, Serialize};
 
 use super::claims::{ClaimRow, claims};
 use super::course::{Bin, Binning, Quantity};
 use super::ideal::{IdealRow, RIGHT_ANGLE, ideal, time_to, without_clearance};
-use super::parallel::in_parallel;
 use super::torque_ratio::{TorqueRatio, torque_ratio};
-use super::work_precision::Progress;
-use crate::config::{Config, Events, ReadingName};
-use crate::energy_balance::EnergyBalance;
-use crate::metrics::ErrorScale;
-use crate::model::{Block, Jointed, Mechanism, State};
-use crate::reference::{counted, parted_at};
-use crate::run::{
-    Accuracy, BlockRun, BlockTrajectory, Limits, Price, Setting, integrate, mode_changes,
-};
+use crate::config::{Config, ReadingName};
+use crate::model::{Block, Mechanism, State};
+use crate::run::{BlockTrajectory, mode_changes};
 
 /// Method and relative tolerance of the runs.
 ///
@@ -152,7 +156,7 @@ pub fn audit(
     let (name, rtol) = RUN_BY;
     let method = Method::named(name)?;
     let setting = Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(rtol, None) };
-    let limits = Limits::of(config, stop);
+    let limits = super::plan::limits(config, stop);
     let ideals = without_clearance(config, config.strut.inertia);
     let mut jobs: Vec<(Option<ReadingName>, Block)> = Vec::new();
     jobs.extend(ideals.into_iter().map(|block| (None, block)));
@@ -200,9 +204,8 @@ fn course(
     limits: Limits<'_>,
 ) -> Course {
     let from = |y0| followed(reading, block, setting, y0, limits);
-    let nudges: [fn(f64) -> f64; 2] = [f64::next_up, f64::next_down];
     let (mut own, trajectory) = from(block.initial_state());
-    let nudged = nudges.map(|nudge| from(block.start_nudged(nudge)));
+    let nudged = [Start::Up, Start::Down].map(|start| from(start.of(block)));
     own.run.horizon_s = lost_at(block, &trajectory, &nudged[0].1);
     own.nudged = nudged.into_iter().map(|(course, _)| course).collect();
 
@@ -231,23 +234,22 @@ fn followed(
     let t_end = patience(block);
     let samples = Trajectory::on(Grid::uniform(SAMPLE_S, t_end));
     let balance = EnergyBalance::new(block, Events::Located, &y0);
-    let mut record = (
-        (Binning::new(block, BIN_S), balance),
-        (samples, limits.watch(Price::of_setting(setting))),
-    );
+    let mut watch = limits.watch(Price::of_setting(setting));
+    let mut record = ((Binning::new(block, BIN_S), balance), (samples, Braked(&mut watch)));
     let run = integrate(block, setting, y0, t_end, &mut record);
-    let ((binning, balance), (trajectory, watched)) = record;
+    let ((binning, balance), (trajectory, _)) = record;
 
     let bins = binning.bins;
-    let balance = balance.at(run.mode, &run.y);
+    let balance = balance.at(&run.mode, &run.y).unwrap_or_default();
     let furthest = bins
         .iter()
         .max_by(|a, b| a.of(Quantity::Theta).most.total_cmp(&b.of(Quantity::Theta).most));
-    let events = counted(&mode_changes(&trajectory), block);
+    let changes = mode_changes(&trajectory);
+    let events = counted(&changes, block.starts_on_surface());
     let row = RunRow {
         reading,
         joint: block.joint,
-        reached_90_s: run.reached_90(),
+        reached_90_s: run.stopped_at(),
         moved_s: None,
         horizon_s: None,
         end_s: run.t,
@@ -260,22 +262,23 @@ fn followed(
         force_moved_n: None,
         work_j: balance.work,
         fed_in_j: -balance.residual,
-        error: failure(&run, watched.cut.map(|limit| limits.told(limit))),
+        error: failure(&run, watch.cut.map(|limit| limits.told(limit))),
     };
     (Course { run: row, bins, end: run.y, nudged: Vec::new() }, trajectory)
 }
 
 /// Why a run ended before its time, if not by the limit that `cut` it.
-fn failure(run: &BlockRun, cut: Option<String>) -> Option<String> {
+fn failure(run: &OwnRun<Block>, cut: Option<String>) -> Option<String> {
     match &run.outcome {
         Ok(_) => cut,
         Err(error) => Some(error.to_string()),
     }
 }
 
-/// The first sample time at which two runs differ by more than [`HORIZON_ERROR`](crate::reference::HORIZON_ERROR) [s].
+/// The first sample time at which two runs differ by more than [`HORIZON_ERROR`](deltazero_study::reference::HORIZON_ERROR) [s].
 fn lost_at(block: &Block, one: &BlockTrajectory, other: &BlockTrajectory) -> Option<f64> {
-    let theta =
-        one.samples.iter().map(|sample| sample.y[2].abs()).fold(f64::MIN_POSITIVE, f64::max);
-    parted_at(one, other, ErrorScale::of(block, theta))
+    let [one, other] = [one, other].map(|run| Trace::of(block, run));
+    let (part, mut largest) = (Part::new(block.clone()), Largest::default());
+    part.measure(&one.states, &mut largest);
+    parted_at(&one, &other, &part.error_scale(&largest))
 }

@@ -4,10 +4,10 @@
 use std::ops::ControlFlow;
 
 use deltazero_solvers::{Accepted, Event, Record, System as _};
+use deltazero_study::quadrature::GAUSS;
 use serde::{Deserialize, Serialize};
 
 use crate::model::{Block, Mode, State};
-use crate::quadrature::GAUSS;
 
 /// What a course follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -182,11 +182,12 @@ impl Record<Block> for Binning<'_> {
 #[cfg(test)]
 mod tests {
     use deltazero_solvers::Method;
+    use deltazero_study::run::{Accuracy, Setting, integrate};
+    use deltazero_study::setting::Events;
 
     use super::*;
-    use crate::config::{Config, Events};
+    use crate::config::Config;
     use crate::model::Mechanism;
-    use crate::run::{Accuracy, Setting, integrate};
 
     #[test]
     fn bins_cover_the_run_without_a_gap_and_hold_its_integrals() {

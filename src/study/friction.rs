@@ -7,12 +7,16 @@
 use std::sync::atomic::AtomicBool;
 
 use deltazero_solvers::{Grid, Method};
+use deltazero_study::Subject;
+use deltazero_study::errors::{Largest, worse};
+use deltazero_study::part::Start;
+use deltazero_study::run::{Accuracy, Limits, PartRun, Price, Setting};
+use deltazero_study::setting::Events;
+use deltazero_study::trace::Trace;
 use serde::Serialize;
 
-use crate::config::{Config, ConfigError, Events, FrictionLaw};
-use crate::metrics::{ErrorScale, sample_error, worse};
+use crate::config::{Config, ConfigError, FrictionLaw};
 use crate::model::Mechanism;
-use crate::run::{Accuracy, Limits, Run, Setting};
 
 /// Tolerance of the runs that are compared, and of Coulomb's that they are compared with.
 pub const RTOL: f64 = 1e-6;
@@ -83,43 +87,47 @@ pub fn costs() -> Result<Vec<Cost>, ConfigError> {
     Ok(costs)
 }
 
+/// A subject, and the run of each of its parts.
+type Ran = (Subject, Vec<(PartRun, Trace)>);
+
 fn cost(
-    (mechanism, reference): &(Mechanism, Run),
+    (subject, reference): &Ran,
     law: FrictionLaw,
     softness: Softness,
 ) -> Result<Cost, ConfigError> {
     let runs = [run(law, softness, METHODS[0], RTOL)?.1, run(law, softness, METHODS[1], RTOL)?.1];
-    let samples = reference.trajectories.iter().flat_map(|trajectory| &trajectory.samples);
-    let theta = samples.fold(0.0_f64, |most, sample| most.max(sample.y[2].abs()));
+    let mut largest = Largest::default();
+    let exact = || subject.parts.iter().zip(reference);
+    exact().for_each(|(part, (_, trace))| part.measure(&trace.states, &mut largest));
     let mut e = 0.0;
-    let pairs = reference.trajectories.iter().zip(&runs[0].trajectories);
-    for (block, (exact, own)) in mechanism.blocks().into_iter().zip(pairs) {
-        let scale = ErrorScale::of(block, theta);
-        for (exact, own) in exact.samples.iter().zip(&own.samples) {
-            e = worse(e, sample_error(&own.y, &exact.y, scale));
+    for ((part, (_, exact)), (_, own)) in exact().zip(&runs[0]) {
+        let scale = part.error_scale(&largest);
+        for (exact, own) in exact.states.iter().zip(&own.states) {
+            // The deflection of bristles, which Coulomb's friction has not, comes last.
+            e = worse(e, scale.error(own, exact));
         }
     }
-    let work = |run: &Run| run.error().is_none().then(|| run.stats().work.n_rhs);
-    let n_rhs = runs.each_ref().map(work);
-    Ok(Cost { law, softness, n_rhs, n_events: runs[0].stats().n_events, e })
+    let work = |parts: &Vec<(PartRun, Trace)>| {
+        let each = parts.iter().map(|(run, _)| run.outcome.is_ok().then_some(run.stats.work.n_rhs));
+        each.sum()
+    };
+    let n_events = runs[0].iter().map(|(run, _)| run.stats.n_events).sum();
+    Ok(Cost { law, softness, n_rhs: runs.each_ref().map(work), n_events, e })
 }
 
-fn run(
-    law: FrictionLaw,
-    softness: Softness,
-    method: &str,
-    rtol: f64,
-) -> Result<(Mechanism, Run), ConfigError> {
+fn run(law: FrictionLaw, softness: Softness, method: &str, rtol: f64) -> Result<Ran, ConfigError> {
     let mut sets = vec!["reading=full".to_owned(), format!("friction.law={law}")];
     sets.extend(softness.sets());
     let config = Config::load(None, &sets)?;
-    let mechanism = Mechanism::new(&config);
+    let subject = Mechanism::new(&config).subject();
     let method = Method::named(method)
         .ok_or(ConfigError::Table { part: "solver.method".into(), message: method.into() })?;
     let setting = Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(rtol, None) };
     let stop = AtomicBool::new(false);
-    let limits = Limits::none(&stop);
-    let run =
-        Run::new(&mechanism, &setting, T_END, &Grid::uniform(config.run.sample, T_END), limits);
-    Ok((mechanism, run))
+    let mut watch = Limits::none(&stop).watch(Price::PLAIN);
+    let grid = Grid::uniform(config.run.sample, T_END);
+    let parts = subject.parts.iter();
+    let runs = parts.map(|part| part.run(&setting, Start::Exact, T_END, &grid, &mut watch));
+    let runs = runs.collect();
+    Ok((subject, runs))
 }

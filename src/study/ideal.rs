@@ -12,12 +12,13 @@
 //! five orders is that of a strut whose pin is free, [`BlockInertia::schur`](crate::model::inertia::BlockInertia::schur).
 
 use deltazero_solvers::Method;
+use deltazero_study::quadrature::GAUSS;
+use deltazero_study::run::{Accuracy, Setting, integrate};
+use deltazero_study::setting::Events;
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Config, Events, Inertia};
+use crate::config::{Config, Inertia};
 use crate::model::{Block, Body, Mechanism};
-use crate::quadrature::GAUSS;
-use crate::run::{Accuracy, Setting, integrate};
 
 /// 90° [rad].
 pub const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
@@ -103,5 +104,5 @@ fn integrated(block: &Block, t_end: f64) -> Option<f64> {
     let (name, rtol) = INTEGRATED_BY;
     let method = Method::named(name)?;
     let setting = Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(rtol, None) };
-    integrate(block, &setting, block.initial_state(), t_end, &mut ()).reached_90()
+    integrate(block, &setting, block.initial_state(), t_end, &mut ()).stopped_at()
 }

@@ -1,15 +1,15 @@
 //! What does the pin do: its gap, its forces, its orbit in the bush.
 
 use deltazero_solvers::{Grid, Method, Trajectory};
+use deltazero_study::Problem;
+use deltazero_study::part::counted;
+use deltazero_study::run::{Accuracy, Braked, Limits, ModeChange, Price, Setting, integrate};
+use deltazero_study::setting::Events;
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Config, Events};
-use crate::model::{Mechanism, Part};
-use crate::reference::counted;
-use crate::run::{
-    Accuracy, Integrable, JointHistory, JointSample, Limits, ModeChange, Price, Setting, histories,
-    integrate,
-};
+use crate::config::Config;
+use crate::model::{Jointed, Mechanism, Part};
+use crate::run::{JointHistory, JointSample, histories};
 
 /// Tolerance of the run that is shown: beyond what a picture can tell.
 const RTOL: f64 = 1e-10;
@@ -82,13 +82,14 @@ pub fn motion(config: &Config, limits: Limits<'_>) -> Option<Motion> {
     let setting = Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(RTOL, None) };
     let mechanism = Mechanism::new(config);
     let t_end = config.run.t_end;
+    let method = setting.to_string();
     let shown = Shown { setting, limits };
     let spacing = t_end / f64::from(POINTS);
     let times: Vec<f64> = (1..=POINTS).map(|k| (spacing * f64::from(k)).min(t_end)).collect();
     let parts = mechanism.parts.iter();
     let histories: Vec<_> = parts.flat_map(|part| shown.run(part, &times, t_end)).collect();
     let root = histories.first()?;
-    let flight = flight_window(&counted(&root.changes, root.block), t_end);
+    let flight = flight_window(&counted(&root.changes, root.block.starts_on_surface()), t_end);
     let (from, to) = flight.unwrap_or((0.0, FIRST_PART * t_end));
     let spacing = (to - from) / f64::from(ZOOM_POINTS);
     let times: Vec<f64> = (0..=ZOOM_POINTS).map(|k| from + spacing * f64::from(k)).collect();
@@ -101,7 +102,7 @@ pub fn motion(config: &Config, limits: Limits<'_>) -> Option<Motion> {
         zooms_on_flight: flight.is_some(),
         zoom_modes: inside.map(|event| (event.t, event.after)).collect(),
         clearance_m: mechanism.blocks().iter().map(|block| block.clearance).collect(),
-        method: setting.to_string(),
+        method,
     })
 }
 
@@ -120,14 +121,14 @@ impl Shown<'_> {
         }
     }
 
-    fn history<'p, P: Integrable>(
+    fn history<'p, P: Jointed>(
         &self,
         part: &'p P,
         times: &[f64],
         t_end: f64,
     ) -> Vec<JointHistory<'p>> {
-        let watch = self.limits.watch(Price::of_setting(&self.setting));
-        let mut record = (Trajectory::on(Grid::Times(times.to_vec())), watch);
+        let mut watch = self.limits.watch(Price::of_setting(&self.setting));
+        let mut record = (Trajectory::on(Grid::Times(times.to_vec())), Braked(&mut watch));
         integrate(part, &self.setting, part.start(), t_end, &mut record);
         histories(part, &record.0, 1)
     }

@@ -4,12 +4,13 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
+use deltazero_study::forecast::Forecast;
+use deltazero_study::selection::{Contest, Entry, Standings};
+use deltazero_study::setting::Events;
 use serde::{Deserialize, Serialize};
 
-use super::forecast::Forecast;
-use super::work_precision::sample_times;
-use crate::config::{Config, Events, ReadingName};
-use crate::contest::{Arena, Candidate, Contest, Entry, Standings};
+use super::plan::{benchmark, rules};
+use crate::config::{Config, ReadingName};
 use crate::model::inertia::BlockInertia;
 
 /// The trial before the map runs this part of the time …
@@ -336,32 +337,31 @@ fn cells(config: &Config, site: &Site, stop: &AtomicBool) -> Vec<Cell> {
         n_events: None,
         standings: Standings::default(),
     };
-    let arena = match Arena::new(&own, sample_times(&own), stop) {
-        Ok(arena) => arena.with_at_most(config.regimes.max_events),
+    let benchmark = match benchmark(&own, stop) {
+        Ok(benchmark) => benchmark.with_at_most(config.regimes.max_events),
         Err(error) => {
             let error = Some(error.to_string());
             let without = |&accuracy: &f64| Cell { error: error.clone(), ..empty(accuracy) };
             return accuracies.iter().map(without).collect();
         }
     };
-    let candidates =
-        Candidate::all(&config.contest.methods, &config.permitted(&config.contest.events));
+    let rules = rules(config);
     let cell = |&accuracy: &f64| {
         let cell = Cell {
-            t_end_s: Some(arena.t_end),
-            horizon_s: arena.horizon,
-            n_events: Some(arena.n_events),
+            t_end_s: Some(benchmark.t_end),
+            horizon_s: benchmark.horizon,
+            n_events: Some(benchmark.n_events),
             ..empty(accuracy)
         };
-        let contest = Contest::of(config, &arena, accuracy, stop);
-        if let Some(reason) = arena.ill_posed() {
+        let contest = Contest::new(&benchmark, accuracy, &rules, stop);
+        if let Some(reason) = benchmark.ill_posed() {
             return Cell { status: CellStatus::IllPosed, error: Some(reason), ..cell };
         }
         if !contest.is_decidable() {
-            let error = Some(arena.reference.summary.undecided());
+            let error = Some(benchmark.reference.summary.undecided());
             return Cell { status: CellStatus::Undecidable, error, ..cell };
         }
-        let standings = contest.run(&candidates, &|_| {});
+        let standings = contest.run(&rules.candidates, &|_| {});
         let status = if standings.entries.is_empty() { CellStatus::None } else { CellStatus::Ok };
         Cell { status, standings, ..cell }
     };

@@ -6,13 +6,14 @@
 use std::ops::ControlFlow;
 
 use deltazero_solvers::{Accepted, Event, Method, Needs, Next, Record};
+use deltazero_study::run::{Accuracy, Setting, integrate};
+use deltazero_study::setting::Events;
+use deltazero_study::warning::{Code, Warning};
 use serde::Serialize;
 
-use crate::config::{Config, ConfigError, ContactLaw, Events, JointConfig, MechanismName};
+use crate::config::{Config, ConfigError, ContactLaw, JointConfig, MechanismName};
 use crate::model::restitution::{delivered, hysteresis_factor};
 use crate::model::{Block, Mechanism, Mode};
-use crate::run::{Accuracy, Setting, integrate};
-use crate::warning::{Code, Warning};
 
 /// Speed of the impact [m/s]; what is delivered does not depend on it.
 const SPEED: f64 = 0.01;

@@ -1,16 +1,17 @@
 //! Where does stability limit the step of rk4, and is it what binds it?
 
-use std::iter::repeat_n;
-
 use deltazero_solvers::{Grid, Method, Outcome, System, Trajectory};
+use deltazero_study::errors::worse;
+use deltazero_study::run::{Accuracy, Braked, Limits, Price, Setting, integrate};
+use deltazero_study::setting::Events;
+use deltazero_study::work_precision::WorkPrecision;
 use nalgebra::{Complex, Matrix6};
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Config, Events};
-use crate::metrics::{ErrorScale, sample_error, worse};
+use super::plan::sample_times;
+use crate::config::Config;
 use crate::model::{Block, Mechanism, Mode, Part, State};
-use crate::run::{Accuracy, BlockTrajectory, Limits, Price, Setting, integrate};
-use crate::study::work_precision::{WorkPrecision, sample_times};
+use crate::run::BlockTrajectory;
 
 /// Tolerance of the run whose contacts are looked at, and whose states errors are measured against.
 const RTOL: f64 = 1e-10;
@@ -114,26 +115,26 @@ pub fn stability(config: &Config, table: &WorkPrecision, limits: Limits<'_>) -> 
     let tight = located("rk45", Accuracy::Rtol(RTOL, None))?;
     let times = sample_times(config);
     let run = |block: &Block, setting: &Setting| -> (BlockTrajectory, bool) {
-        let watch = limits.watch(Price::of_setting(setting));
-        let mut record = (Trajectory::on(Grid::Times(times.clone())), watch);
+        let mut watch = limits.watch(Price::of_setting(setting));
+        let mut record = (Trajectory::on(Grid::Times(times.clone())), Braked(&mut watch));
         let (y0, t_end) = (block.initial_state(), config.run.t_end);
         let run = integrate(block, setting, y0, t_end, &mut record);
         (record.0, matches!(run.outcome, Ok(Outcome::Finished | Outcome::Stopped)))
     };
     let mut result = Stability::default();
     let mechanism = Mechanism::new(config);
-    let parts = mechanism.parts.iter().flat_map(|part| repeat_n(part, part.n_joints()));
-    for (part, horizon) in parts.zip(&table.reference.horizon_s) {
+    let theta = table.reference.largest().of("θ");
+    for (part, known) in mechanism.parts.iter().zip(&table.reference.parts) {
         let Part::Block(block) = part else { continue };
         let (reference, _) = run(block, &tight);
         let Some(stiffness) = stiffness(block, &reference) else { continue };
-        let scale = ErrorScale::of(block, table.reference.theta_scale_rad);
+        let scale = block.error_scale(theta);
         for k in RUNS {
             let h_s = stiffness.limit_s * libm::exp2(f64::from(k) / RUNS_PER_OCTAVE);
             let (own, is_whole) = run(block, &located("rk4", Accuracy::Step(h_s))?);
             let pairs = reference.samples.iter().zip(&own.samples);
-            let within = pairs.filter(|(sample, _)| sample.t <= *horizon);
-            let e = within.map(|(a, b)| sample_error(&b.y, &a.y, scale)).fold(0.0, worse);
+            let within = pairs.filter(|(sample, _)| sample.t <= known.horizon_s);
+            let e = within.map(|(a, b)| scale.error(&b.y, &a.y)).fold(0.0, worse);
             let (joint, n_events) = (block.joint, own.events.len());
             result.runs.push(StepErrorRow { joint, h_s, e: is_whole.then_some(e), n_events });
         }

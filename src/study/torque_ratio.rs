@@ -7,15 +7,16 @@
 
 use deltazero_solvers::Method;
 use deltazero_solvers::root::{Bracket, find_root};
+use deltazero_study::parallel::in_parallel;
+use deltazero_study::run::{Accuracy, Braked, Limits, Price, Setting, integrate};
+use deltazero_study::setting::Events;
+use deltazero_study::work_precision::Progress;
 use serde::{Deserialize, Serialize};
 
 use super::audit::{patience, under};
 use super::ideal::{RIGHT_ANGLE, time_to, without_clearance};
-use super::parallel::in_parallel;
-use super::work_precision::Progress;
-use crate::config::{Config, Events, Inertia, ReadingName};
+use crate::config::{Config, Inertia, ReadingName};
 use crate::model::Block;
-use crate::run::{Accuracy, Limits, Price, Setting, integrate};
 
 /// Method and relative tolerance of the runs; those of AF are good to 1e-9 s under `pin`, `full`, `cosine`.
 const RUN_BY: (&str, f64) = ("vern98", 1e-9);
@@ -144,7 +145,8 @@ impl<'a> Arrivals<'a> {
         let (events, accuracy) = (Events::Located, Accuracy::Rtol(rtol, None));
         let setting = Setting { method: Method::named(name)?, events, accuracy };
         let mut watch = self.limits.watch(Price::of_setting(&setting));
-        integrate(block, &setting, block.initial_state(), patience(block), &mut watch).reached_90()
+        integrate(block, &setting, block.initial_state(), patience(block), &mut Braked(&mut watch))
+            .stopped_at()
     }
 
     /// When AF reaches 90° with M4 = M1/`ratio` [s].

@@ -230,10 +230,11 @@ fn a_repeated_study_takes_the_reference_that_is_there() {
     // The mark tells that it was not made anew.
     let marked = |mark: f64| {
         let mut kept = scratch.json("out/reference.json");
-        kept["reference"]["summary"]["theta_scale_rad"] = json!(mark);
+        kept["reference"]["summary"]["scales"][1]["scale"] = json!(mark);
         fs::write(scratch.path("out/reference.json"), kept.to_string()).unwrap();
     };
-    let mark = || scratch.json("out/study.json")["reference"]["theta_scale_rad"].as_f64().unwrap();
+    let mark =
+        || scratch.json("out/study.json")["reference"]["scales"][1]["scale"].as_f64().unwrap();
     let exact = mark();
     marked(1234.5);
     let other_methods = [&SHORT[..], &["study.methods=[\"rk45\"]"]].concat();
@@ -326,5 +327,8 @@ fn chains_and_bristles_have_a_study() {
         }
     }
     let study = scratch.json("out/study.json");
-    assert_eq!(study["reference"]["bays"], json!([1, 2, 1]));
+    let sites = |part: usize| study["reference"]["parts"][part]["sites"].as_array().unwrap();
+    let names: Vec<_> =
+        (0..2).flat_map(|part| sites(part).iter().map(|site| &site["name"])).collect();
+    assert_eq!(names, ["bay 1, joint 1", "bay 2, joint 1", "joint 2"]);
 }

@@ -4,17 +4,18 @@
 
 use std::sync::atomic::AtomicBool;
 
-use deltazero::config::{Config, Events};
-use deltazero::energy_balance::{Balance, EnergyBalance};
-use deltazero::metrics::{ErrorScale, EventMatch, match_events, sample_error, worse};
+use deltazero::config::Config;
 use deltazero::model::{Chain, Jointed, Mechanism, Part, State};
-use deltazero::reference::counted;
-use deltazero::run::{
-    Accuracy, Integrable, Limits, ModeChange, OwnTrajectory, Run, Setting, integrate, mode_changes,
-    trajectories,
-};
-use deltazero::warning::Warning;
+use deltazero::run::{Run, mode_changes, trajectories};
 use deltazero_solvers::{Grid, Method, Trajectory};
+use deltazero_study::Problem as _;
+use deltazero_study::energy_balance::{Balance, EnergyBalance};
+use deltazero_study::errors::{ErrorScale, EventMatch, match_events, worse};
+use deltazero_study::part::counted;
+use deltazero_study::run::{Accuracy, Limits, ModeChange, Setting, integrate};
+use deltazero_study::setting::Events;
+use deltazero_study::trace::OwnTrajectory;
+use deltazero_study::warning::Warning;
 
 /// A golden run: states and mode changes of each joint, in the paper's order of coordinates.
 pub struct Golden {
@@ -43,17 +44,22 @@ impl Golden {
         let mut matches = [EventMatch::default(); 2];
         for (i, trajectory) in run.trajectories.iter().enumerate() {
             let block = &mechanism.blocks()[i];
-            let scale = ErrorScale::of(block, theta);
+            let scale = block.error_scale(theta);
             assert_eq!(trajectory.samples.len(), self.states[i].len());
             for (sample, (t, mode, golden)) in trajectory.samples.iter().zip(&self.states[i]) {
                 assert!((sample.t - t).abs() < 1e-12);
                 assert_eq!(sample.mode.code(), *mode, "joint {} at {t} s", i + 1);
-                let own = sample_error(&block.in_paper_order(&sample.y), golden, scale);
+                let own = scale.error(&block.in_paper_order(&sample.y), golden);
                 assert!(own.is_finite());
                 e = e.max(own);
             }
-            let own = counted(&mode_changes(trajectory), block);
-            matches[i] = match_events(&own, &counted(&self.events[i], block), scale);
+            let changes = mode_changes(trajectory);
+            let own = counted(&changes, block.starts_on_surface());
+            matches[i] = match_events(
+                own,
+                counted(&self.events[i], block.starts_on_surface()),
+                scale.event_window,
+            );
         }
         (e, matches)
     }
@@ -82,7 +88,7 @@ impl GoldenChain {
     pub fn compare(&self, chain: &Chain, run: &OwnTrajectory<Chain>) -> (f64, Vec<EventMatch>) {
         let states = || self.states.iter().flatten();
         let theta = states().fold(0.0_f64, |most, (_, _, y)| most.max(y[2].abs()));
-        let scale = ErrorScale::of(&chain.bay, theta);
+        let scale = chain.bay.error_scale(theta);
         let mut e = 0.0_f64;
         let bays = trajectories(chain, run);
         for (k, (own, golden)) in bays.iter().zip(&self.states).enumerate() {
@@ -90,15 +96,18 @@ impl GoldenChain {
             for (sample, (t, mode, golden)) in own.samples.iter().zip(golden) {
                 assert!((sample.t - t).abs() < 1e-12);
                 assert_eq!(sample.mode.code(), *mode, "bay {} at {t} s", k + 1);
-                e = e.max(sample_error(&sample.y, golden, scale));
+                e = e.max(scale.error(&sample.y, golden));
             }
         }
-        let counted = |events: &[ModeChange]| counted(events, &chain.bay);
+        let starts = chain.starts_on_surface();
         let pairs = bays.iter().map(mode_changes).zip(&self.events);
         (
             e,
             pairs
-                .map(|(own, golden)| match_events(&counted(&own), &counted(golden), scale))
+                .map(|(own, golden)| {
+                    let (own, golden) = (counted(&own, starts), counted(golden, starts));
+                    match_events(own, golden, scale.event_window)
+                })
                 .collect(),
         )
     }
@@ -145,12 +154,12 @@ pub fn balance(config: &Config, setting: &Setting) -> Balance {
 
 /// The same with what the run tells of itself.
 pub fn audited(config: &Config, setting: &Setting) -> (Balance, Vec<Warning>) {
-    fn of<P: Integrable>(part: &P, config: &Config, setting: &Setting) -> (Balance, Vec<Warning>) {
+    fn of<P: Jointed>(part: &P, config: &Config, setting: &Setting) -> (Balance, Vec<Warning>) {
         let y0 = part.start();
         let mut record = EnergyBalance::new(part, setting.events, &y0);
         let run = integrate(part, setting, y0, config.run.t_end, &mut record);
         assert!(run.outcome.is_ok(), "{:?}", run.outcome);
-        (record.at(run.mode, &run.y), record.check.warnings(setting.rtol()))
+        (record.at(&run.mode, &run.y).unwrap(), record.check.warnings(setting.rtol()))
     }
     let (mut sum, mut warnings) = (Balance::default(), Vec::new());
     for part in &Mechanism::new(config).parts {
@@ -165,10 +174,10 @@ pub fn audited(config: &Config, setting: &Setting) -> (Balance, Vec<Warning>) {
 }
 
 /// `e` of two runs of one configuration, both sampled alike.
-pub fn distance(one: &Run, other: &Run, scale: ErrorScale) -> f64 {
+pub fn distance(one: &Run, other: &Run, scale: &ErrorScale) -> f64 {
     let joints = one.trajectories.iter().zip(&other.trajectories);
     let samples = joints.flat_map(|(one, other)| one.samples.iter().zip(&other.samples));
-    samples.map(|(one, other)| sample_error(&one.y, &other.y, scale)).fold(0.0, worse)
+    samples.map(|(one, other)| scale.error(&one.y, &other.y)).fold(0.0, worse)
 }
 
 /// The chain of a configuration, sampled every 0.01 s.

@@ -2,11 +2,11 @@
 
 use std::error::Error;
 
-use deltazero::config::Config;
-use deltazero::metrics::{ErrorScale, EventMatch, match_events, sample_error, worse};
+use deltazero::config::{Config};
+use deltazero_study::errors::{ErrorScale, EventMatch, match_events, worse};
 use deltazero::model::{Block, Mechanism, Mode, State};
-use deltazero::reference::counted;
-use deltazero::run::ModeChange;
+use deltazero_study::part::counted;
+use deltazero_study::run::{ModeChange};
 use deltazero_solvers::ModeOfState;
 
 /// The golden states, and their mode changes.
@@ -89,11 +89,11 @@ impl Problem {
                     format!("{} samples of {}", own.samples.len(), golden.samples.len()).into()
                 );
             }
-            let scale = ErrorScale::of(block, self.theta);
+            let scale = block.error_scale(self.theta);
             for (y, reference) in own.samples.iter().zip(&golden.samples) {
-                verdict.e = worse(verdict.e, sample_error(y, reference, scale));
+                verdict.e = worse(verdict.e, scale.error(y, reference));
             }
-            let (own, golden) = (counted(&own.events, block), counted(&golden.events, block));
+            let (own, golden) = (counted(&own.events, block.starts_on_surface()), counted(&golden.events, block.starts_on_surface()));
             for (sum, of_contact) in [(&mut verdict.delta, true), (&mut verdict.slip, false)] {
                 let kind = |events: &[ModeChange]| -> Vec<ModeChange> {
                     let is_contact = |event: &&ModeChange| event.before == 0 || event.after == 0;

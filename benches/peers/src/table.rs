@@ -79,7 +79,7 @@ fn cell(row: &Row) -> String {
     let Ok(outcome) = &row.outcome else { return "—".to_owned() };
     let verdict = &outcome.verdict;
     let n_rhs = outcome.n_rhs.map_or_else(|| "—".to_owned(), |n| format!("{}k", (n + 500) / 1000));
-    let found = |found: deltazero::metrics::EventMatch| match (found.missed, found.spurious) {
+    let found = |found: deltazero_study::errors::EventMatch| match (found.missed, found.spurious) {
         (0, 0) => format!("{}", found.paired),
         (missed, spurious) => format!("{}−{missed}+{spurious}", found.paired + missed),
     };

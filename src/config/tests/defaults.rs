@@ -58,7 +58,7 @@ fn table_1_is_the_default() {
         events: vec![Events::Located, Events::Blind],
         rtol: vec![1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12],
         steps: vec![1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6],
-        reference: Digits::Double,
+        reference: deltazero_study::setting::Digits::Double,
         x: "n_rhs".to_owned(),
         y: "event_time_error_s".to_owned(),
         repeats: 3,

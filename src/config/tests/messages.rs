@@ -1,7 +1,9 @@
 //! The messages, word for word.
 
+use deltazero_study::setting::Events;
+
 use super::{load, refusal, set_refusal};
-use crate::config::{Config, Events};
+use crate::config::Config;
 
 #[test]
 fn an_unknown_key_names_the_nearest() {

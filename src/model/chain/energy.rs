@@ -1,7 +1,8 @@
 //! Energies and powers of one state of a chain.
 
+use deltazero_study::problem::{Energy, Power};
+
 use super::{Chain, Modes};
-use crate::model::energy::{Energy, Power};
 
 impl Chain {
     /// Energies of `y` in `modes`, summed over the bays: kinetic of absolute velocities, elastic of the

@@ -98,7 +98,7 @@ impl Chain {
     }
 
     /// States of a bay.
-    fn stride(&self) -> usize {
+    pub(super) fn stride(&self) -> usize {
         if self.bristles.is_some() { STATES + 1 } else { STATES }
     }
 
@@ -119,7 +119,7 @@ impl Chain {
     }
 
     /// The six states of bay `k`, counted from zero.
-    fn state_of<S: Real>(&self, y: &[S], k: usize) -> State<S> {
+    pub(super) fn state_of<S: Real>(&self, y: &[S], k: usize) -> State<S> {
         let first = self.stride() * k;
         std::array::from_fn(|i| y[first + i])
     }

@@ -19,13 +19,6 @@ impl Modes {
         Arc::make_mut(&mut self.0)[k] = mode;
         self
     }
-
-    /// What the whole chain is in, when its work is counted: the first mode that sticks, else the first in
-    /// contact, else that of the root.
-    pub(crate) fn foremost(&self) -> Mode {
-        let first = |is: fn(Mode) -> bool| self.iter().copied().find(|mode| is(*mode));
-        first(Mode::sticks).or_else(|| first(Mode::is_contact)).unwrap_or(self[0])
-    }
 }
 
 impl From<Vec<Mode>> for Modes {

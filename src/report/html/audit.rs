@@ -1,5 +1,7 @@
 //! The page of an audit: claims, what follows, figures, runs, torque ratios, how to redo it.
 
+use deltazero_study::columns::Value;
+
 use super::{Heading, Page, Part, Section, Table};
 use crate::config::Config;
 use crate::figures::Picture;
@@ -9,7 +11,6 @@ use crate::report::audit::{
 };
 use crate::study::audit::Audit;
 use crate::study::claims::{CLAIMS, ClaimRow};
-use crate::study::columns::Value;
 
 /// The page of an audit with its figures.
 pub fn page(config: &Config, audit: &Audit, pictures: Vec<Picture>) -> Page {

@@ -15,8 +15,9 @@ pub use audit::page as audit_page;
 pub use regimes::page as regimes_page;
 pub use study::page as study_page;
 
+use deltazero_study::columns::Value;
+
 use crate::figures::Picture;
-use crate::study::columns::Value;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("sort.js");
@@ -50,7 +51,7 @@ pub struct Section {
 }
 
 /// What a section is made of.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Part {
     /// A paragraph.
     Text(String),
@@ -67,7 +68,7 @@ pub enum Part {
 }
 
 /// A table whose headers sort it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// What it shows.
     pub caption: String,
@@ -78,7 +79,7 @@ pub struct Table {
 }
 
 /// The head of a column.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Heading {
     /// Name, with unit.
     pub name: String,

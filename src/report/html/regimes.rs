@@ -1,10 +1,11 @@
 //! The page of a map: what follows, figures, every cell, how to redo it.
 
+use deltazero_study::columns::Value;
+
 use super::{Heading, Page, Part, Section, Table};
 use crate::config::Config;
 use crate::figures::Picture;
 use crate::report::regimes::{findings, lead};
-use crate::study::columns::Value;
 use crate::study::regimes::{Cell, maps, of_map};
 
 /// The page of a map with its figures.
@@ -62,7 +63,8 @@ fn table(cells: &[Cell]) -> Part {
 
 fn row(cell: &Cell) -> Vec<Value> {
     let first = cell.winner();
-    let name = |entry: &crate::contest::Entry| format!("{} {}", entry.method, entry.events);
+    let name =
+        |entry: &deltazero_study::selection::Entry| format!("{} {}", entry.method, entry.events);
     let rounded = |x: Option<f64>| Value::Number(x.map(to_three_digits));
     vec![
         Value::Text(cell.reading.to_string()),

@@ -1,37 +1,37 @@
 //! The page of a study: question, answer, figures, runs, method, reference, machine, how to redo it.
 
 use deltazero_solvers::Method;
+use deltazero_study::Plan;
+use deltazero_study::columns::{Column, Value, shown};
+use deltazero_study::reference::{HORIZON_ERROR, ReferenceSummary};
+use deltazero_study::work_precision::{Row, Status, WorkPrecision};
 
 use super::{Heading, Page, Part, Section, Table};
-use crate::config::Config;
 use crate::figures::Picture;
-use crate::reference::{HORIZON_ERROR, ReferenceSummary};
-use crate::report::{ANSWER, answer_rows, contact};
-use crate::study::columns::{COLUMNS, Column, Value};
-use crate::study::record::StudyRecord;
-use crate::study::restitution;
-use crate::study::work_precision::{Row, Status};
+use crate::report::{ANSWER, About, Provenance, answer_rows};
 
 /// The page of a study with its figures.
-pub fn page(study: &StudyRecord, pictures: Vec<Picture>) -> Page {
-    Page {
-        title: "Which integrator, at which setting, for this contact?".into(),
-        lead: "A pin rattles in a bush with clearance: free flight, then contact through a stiff spring, \
-               with friction; each change is an event, the zero crossing of the penetration δ. Every \
-               method runs over its tolerances or steps, every run is measured against an event-exact \
-               reference: which one reaches an error at the least cost?"
-            .into(),
-        sections: vec![
-            section("Contact", contact_told(&study.config)),
-            section("Answer", answer(study)),
-            section("Figures", pictures.into_iter().map(Part::Figure).collect()),
-            section("All runs", runs(&study.table.rows)),
-            section("Method", method(study)),
-            section("Reference", reference(&study.table.reference)),
-            section("Machine", vec![Part::Facts(machine(study))]),
-            section("Redo it", redo(study)),
-        ],
+pub fn page(
+    about: &About,
+    plan: &Plan,
+    table: &WorkPrecision,
+    provenance: &Provenance,
+    pictures: Vec<Picture>,
+) -> Page {
+    let mut sections = vec![
+        section("Contact", told(about)),
+        section("Answer", answer(table, plan)),
+        section("Figures", pictures.into_iter().map(Part::Figure).collect()),
+        section("All runs", runs(about, &table.rows)),
+        section("Method", method(table, plan)),
+        section("Reference", reference(&table.reference)),
+        section("Machine", vec![Part::Facts(machine(provenance))]),
+    ];
+    if !about.redo.is_empty() {
+        sections.push(section("Redo it", about.redo.clone()));
     }
+    let title = "Which integrator, at which setting, for this contact?".into();
+    Page { title, lead: about.lead.clone(), sections }
 }
 
 fn section(title: &str, parts: Vec<Part>) -> Section {
@@ -42,16 +42,18 @@ fn fact(name: &str, what: impl Into<String>) -> (String, String) {
     (name.into(), what.into())
 }
 
-/// The contact, and what to know of it.
-fn contact_told(config: &Config) -> Vec<Part> {
-    let warnings = restitution::warnings(config).into_iter().map(|w| Part::Text(w.message));
-    std::iter::once(Part::Facts(contact::facts(config))).chain(warnings).collect()
+/// The subject, and what to know of it.
+fn told(about: &About) -> Vec<Part> {
+    let mut facts = vec![fact("Subject", about.subject.clone())];
+    facts.extend(about.facts.iter().cloned());
+    let warnings = about.warnings.iter().cloned().map(Part::Text);
+    std::iter::once(Part::Facts(facts)).chain(warnings).collect()
 }
 
-fn answer(study: &StudyRecord) -> Vec<Part> {
-    let rows = &study.table.rows;
+fn answer(table: &WorkPrecision, plan: &Plan) -> Vec<Part> {
+    let rows = &table.rows;
     let count = |status| rows.iter().filter(|row| row.status == status).count();
-    let cells = answer_rows(&study.table).into_iter();
+    let cells = answer_rows(table).into_iter();
     vec![
         Part::Table(Table {
             caption: "The run of the shortest processor time among those whose error e is at most so large"
@@ -66,8 +68,8 @@ fn answer(study: &StudyRecord) -> Vec<Part> {
             count(Status::Ok),
             count(Status::Failed),
             count(Status::Cut),
-            study.config.study.max_rhs,
-            study.config.study.max_seconds
+            plan.max_rhs,
+            plan.max_seconds
         )),
     ]
 }
@@ -77,23 +79,26 @@ fn heading(name: &str, about: &str) -> Heading {
 }
 
 /// Every run with the columns in which runs differ; what all have in common is said once.
-fn runs(rows: &[Row]) -> Vec<Part> {
+fn runs(subject: &About, rows: &[Row]) -> Vec<Part> {
     let common = |column: &&Column| {
         let mut values = rows.iter().map(|row| (column.value)(row));
         let first = values.next();
         values.all(|value| Some(value) == first)
     };
-    let (same, differing): (Vec<&Column>, Vec<&Column>) = COLUMNS.iter().partition(common);
+    let columns = shown(rows);
+    let (same, differing): (Vec<&Column>, Vec<&Column>) = columns.iter().copied().partition(common);
     let same = same.iter().filter_map(|column| {
         let value = text((column.value)(rows.first()?));
         (!value.is_empty()).then(|| format!("{} {value}", column.label()))
     });
-    let same: Vec<String> = same.collect();
+    let leading = subject.leading.iter().map(|(name, _, value)| format!("{name} {value}"));
+    let same: Vec<String> = leading.chain(same).collect();
     let mut caption = format!("All {} runs, in the order of the configuration", rows.len());
     if !same.is_empty() {
         caption += &format!("; the same in all: {}", same.join(", "));
     }
-    let about = COLUMNS.iter().map(|column| fact(&column.label(), column.about));
+    let leading = subject.leading.iter().map(|(name, about, _)| fact(name, *about));
+    let about = leading.chain(columns.iter().map(|column| fact(&column.label(), column.about)));
     vec![
         Part::Folded("What the columns mean".into(), vec![Part::Facts(about.collect())]),
         Part::Table(Table {
@@ -115,31 +120,30 @@ fn text(value: Value) -> String {
     }
 }
 
-fn method(study: &StudyRecord) -> Vec<Part> {
-    let asked = &study.config.study;
-    let methods = asked.methods.iter().filter_map(|name| Method::named(name));
+fn method(table: &WorkPrecision, plan: &Plan) -> Vec<Part> {
+    let mut methods: Vec<&Method> = plan.settings.iter().map(|setting| setting.method).collect();
+    methods.dedup_by_key(|method| method.name);
     let row = |method: &Method| {
         let order = Value::Count(Some(method.order as u64));
         vec![Value::Text(method.name.into()), order, Value::Text(method.about.into())]
     };
     vec![
         Part::Text(
-            "Located: the mode (free, slip, stick) is frozen within a step, and every step that crosses \
-             δ = 0 is retaken until it ends there. Blind: the mode is read off the state at every stage, \
-             as a model written with branches does."
+            "Located: the mode is frozen within a step, and every step that crosses the zero of a guard is retaken until it \
+             ends there. Blind: the mode is read off the state at every stage, as a model written with branches \
+             does."
                 .into(),
         ),
         Part::Text(format!(
-            "The error e is the worst sample's larger of pin error over clearance and angle error over \
-             the largest angle, {:.4} rad. Events pair in order with those of the reference; missed and \
+            "The error e is the worst sample's {}. Events pair in order with those of the reference; missed and \
              spurious are those without a partner. The time of a run is that of its thread on the processor, the shortest of its repeats, {} each in \
              turns round all runs, with {} runs at the same time.",
-            study.table.reference.theta_scale_rad, asked.repeats, asked.threads
+            table.reference.measure(), plan.repeats, plan.threads
         )),
         Part::Table(Table {
             caption: "The methods compared".into(),
             columns: ["method", "order", "what it is for"].map(|name| heading(name, "")).into(),
-            rows: methods.map(row).collect(),
+            rows: methods.into_iter().map(row).collect(),
         }),
     ]
 }
@@ -170,9 +174,9 @@ fn reference(reference: &ReferenceSummary) -> Vec<Part> {
     std::iter::once(Part::Facts(facts)).chain(limits).collect()
 }
 
-fn machine(study: &StudyRecord) -> Vec<(String, String)> {
-    let mut facts = vec![fact("Program", format!("deltazero {}", study.version))];
-    if let Some(machine) = &study.machine {
+fn machine(provenance: &Provenance) -> Vec<(String, String)> {
+    let mut facts = vec![fact("Program", format!("deltazero {}", provenance.version))];
+    if let Some(machine) = &provenance.machine {
         facts.extend([
             fact("Built by", machine.built_by.clone()),
             fact("Processor", machine.cpu.clone().unwrap_or_else(|| "not known".into())),
@@ -180,20 +184,6 @@ fn machine(study: &StudyRecord) -> Vec<(String, String)> {
             fact("System", machine.os.clone()),
         ]);
     }
-    facts.extend(study.time.as_ref().map(|time| fact("Measured", time.clone())));
+    facts.extend(provenance.time.as_ref().map(|time| fact("Measured", time.clone())));
     facts
-}
-
-fn redo(study: &StudyRecord) -> Vec<Part> {
-    vec![
-        Part::Text("With the configuration below as study.toml:".into()),
-        Part::Code("deltazero study study.toml --out redone".into()),
-        Part::Text(
-            "Errors, events and counts of work come out the same, times do not. The tables, the figures \
-             and this page alone, from the directory that holds study.json:"
-                .into(),
-        ),
-        Part::Code("deltazero report DIR".into()),
-        Part::Folded("The configuration".into(), vec![Part::Code(study.config.to_toml())]),
-    ]
 }

@@ -1,6 +1,6 @@
 //! The loop over time: step, control, events, samples.
 
-use deltazero::run::ModeChange;
+use deltazero_study::run::{ModeChange};
 use deltazero_solvers::root::{Bracket, find_root, minimum};
 
 use super::joint::{Joint, Mode, Y};

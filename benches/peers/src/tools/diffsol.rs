@@ -13,7 +13,7 @@ use std::error::Error;
 use deltazero::model::contact::Touch;
 use deltazero::model::mode::N_GUARDS;
 use deltazero::model::{Block, Mode, State};
-use deltazero::run::ModeChange;
+use deltazero_study::run::{ModeChange};
 use deltazero_solvers::{ModeOfState, Next, System};
 use diffsol::{
     BdfState, NalgebraContext, NalgebraLU, NalgebraMat, NalgebraVec, NonLinearOp, OdeBuilder,

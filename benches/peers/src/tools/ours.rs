@@ -3,10 +3,9 @@
 
 use std::sync::atomic::AtomicBool;
 
-use deltazero::config::Events;
-use deltazero::run::{
-    Accuracy, BlockTrajectory, Limits, Run, Setting, integrate_pair, mode_changes,
-};
+use deltazero_study::setting::Events;
+use deltazero_study::run::{Accuracy, Limits, Setting};
+use deltazero::run::{BlockTrajectory, Run, integrate_pair, mode_changes};
 use deltazero_solvers::{Grid, METHODS, Method, Stats};
 
 use crate::entry::{Entry, Handling, ladder};

@@ -1,0 +1,82 @@
+//! A hammer falls on a pad: a contact of one's own, studied as the paper's mechanism is.
+//!
+//! ```text
+//! ẍ = −g                      in flight, x > 0
+//! ẍ = −g − (K x + D ẋ)/m      on the pad, until its force is zero
+//! ```
+//!
+//! `cargo run --release --example drop_hammer` writes `study.csv`, `study.md`, `report.html` and the figures into
+//! `drop-hammer-out`, and prints which method is the cheapest at which error.
+#![allow(clippy::print_stdout, reason = "an example shows its answer")]
+
+use deltazero::report::About;
+use deltazero::studied::Studied;
+use deltazero_solvers::{Next, Real, System};
+use deltazero_study::problem::{Problem, Quantity, Role, Touch};
+use deltazero_study::{Plan, Subject};
+
+/// Mass [kg], stiffness [N/m] and damping [N s/m] of the pad.
+struct Hammer {
+    m: f64,
+    k: f64,
+    d: f64,
+}
+
+impl Hammer {
+    fn push<S: Real>(&self, on_pad: bool, &[x, v]: &[S; 2]) -> S {
+        if on_pad { -x * self.k - v * self.d } else { S::cst(0.0) }
+    }
+}
+
+impl System for Hammer {
+    /// Whether it is on the pad.
+    type Mode = bool;
+    type State<S: Real> = [S; 2];
+    type Guards<S: Real> = [S; 1];
+
+    fn dim(&self) -> usize {
+        2
+    }
+    fn n_guards(&self) -> usize {
+        1
+    }
+    fn initial_mode(&self, _t: f64, y: &[f64; 2]) -> bool {
+        y[0] < 0.0
+    }
+    fn rhs<S: Real>(&self, on_pad: bool, _t: S, y: &[S; 2], dydt: &mut [S; 2]) {
+        *dydt = [y[1], self.push(on_pad, y) / self.m - 9.81];
+    }
+    fn guards<S: Real>(&self, on_pad: bool, _t: S, y: &[S; 2], g: &mut [S; 1]) {
+        *g = [if on_pad { self.push(true, y) } else { y[0] }];
+    }
+    fn guard_bounds(&self, on_pad: bool, _t: f64, y: &[f64; 2], bounds: &mut [f64; 1]) {
+        *bounds = [1e-15 * if on_pad { self.k * y[0].abs() + self.d * y[1].abs() } else { 1.0 }];
+    }
+    fn transition<S: Real>(&self, on_pad: bool, _: usize, _t: S, _y: &mut [S; 2]) -> Next<bool> {
+        Next::Mode(!on_pad)
+    }
+}
+
+impl Problem for Hammer {
+    fn start(&self) -> [f64; 2] {
+        [0.05, 0.0]
+    }
+    fn states(&self) -> Vec<Quantity> {
+        vec![Quantity::new("x", "m", 0.05), Quantity::new("v", "m/s", 1.0)]
+    }
+    fn role(&self, on_pad: &bool, _site: usize) -> Role {
+        if *on_pad { Role::Contact } else { Role::Free }
+    }
+    fn touch<S: Real>(&self, on_pad: &bool, y: &[S; 2], _site: usize) -> Option<Touch<S>> {
+        Some(Touch { depth: -y[0], rate: -y[1], force: self.push(*on_pad, y) })
+    }
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let hammer = Hammer { m: 2.0, k: 1e6, d: 200.0 };
+    let about = About::new("A hammer on a pad");
+    let studied = Studied::new(about, &Subject::of(hammer), Plan::new(1.0))?;
+    studied.write("drop-hammer-out")?;
+    println!("{}", studied.answer());
+    Ok(())
+}

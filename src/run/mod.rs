@@ -1,0 +1,128 @@
+//! One run of a mechanism, joint by joint.
+
+mod at_once;
+mod joints;
+
+use deltazero_solvers::{Error, Grid, Next, Outcome, Stats, Switch, Trajectory};
+use deltazero_study::run::{
+    Braked, Limit, Limits, ModeChange, PartRun, Price, Setting, Took, integrate,
+};
+
+use crate::config::Config;
+use crate::model::{Block, Jointed, Mechanism, Mode, Part, State};
+
+pub use at_once::{integrate_many, integrate_pair};
+pub use joints::{JointHistory, JointSample, histories, switches, trajectories};
+
+/// The `[solver]` table of a configuration; none if its method does not exist.
+pub fn setting(config: &Config) -> Option<Setting> {
+    use deltazero_solvers::Method;
+    use deltazero_study::setting::Accuracy;
+    let solver = &config.solver;
+    let method = Method::named(&solver.method)?;
+    let accuracy = if method.is_fixed_step() {
+        Accuracy::Step(solver.step)
+    } else {
+        Accuracy::Rtol(solver.rtol, solver.atol.map(Into::into))
+    };
+    Some(Setting { method, events: solver.events, accuracy })
+}
+
+/// Samples and events of a block.
+pub type BlockTrajectory = Trajectory<State<f64>, Mode>;
+
+/// A run of a mechanism with its trajectories.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// What became of each part.
+    pub parts: Vec<PartRun>,
+    /// Samples and events of each joint.
+    pub trajectories: Vec<BlockTrajectory>,
+    /// The limit that broke it off, if one did.
+    pub cut: Option<Limit>,
+}
+
+impl Run {
+    /// Runs the parts of `mechanism` from the paper's start to `t_end`, keeping samples on
+    /// `grid`, within `limits`.
+    pub fn new(
+        mechanism: &Mechanism,
+        setting: &Setting,
+        t_end: f64,
+        grid: &Grid,
+        limits: Limits<'_>,
+    ) -> Self {
+        let (mut left, price) = (limits, Price::of_setting(setting));
+        let mut all = Self { parts: Vec::new(), trajectories: Vec::new(), cut: None };
+        for part in &mechanism.parts {
+            let (run, trajectories, cut) = match part {
+                Part::Block(block) => one(block, setting, t_end, grid, left),
+                Part::Chain(chain) => one(chain, setting, t_end, grid, left),
+            };
+            left = left.after(&run, price);
+            all.cut = all.cut.or(cut);
+            all.parts.push(run);
+            all.trajectories.extend(trajectories);
+        }
+        all
+    }
+
+    /// Work of all parts together.
+    pub fn stats(&self) -> Stats {
+        let mut sum = Stats::default();
+        for part in &self.parts {
+            sum += part.stats;
+        }
+        sum
+    }
+
+    /// Time that the integration of all parts took.
+    pub fn took(&self) -> Took {
+        self.parts.iter().map(|part| part.took).sum()
+    }
+
+    /// Whether a limit broke it off.
+    pub fn is_broken_off(&self) -> bool {
+        self.parts.iter().any(|part| part.outcome == Ok(Outcome::Interrupted))
+    }
+
+    /// The first failure, if any.
+    pub fn error(&self) -> Option<&Error> {
+        self.parts.iter().find_map(|part| part.outcome.as_ref().err())
+    }
+}
+
+/// One part of a [`Run`].
+fn one<P: Jointed>(
+    part: &P,
+    setting: &Setting,
+    t_end: f64,
+    grid: &Grid,
+    limits: Limits<'_>,
+) -> (PartRun, Vec<BlockTrajectory>, Option<Limit>) {
+    let mut watch = limits.watch(Price::of_setting(setting));
+    let mut record = (Trajectory::on(grid.clone()), Braked(&mut watch));
+    let run = integrate(part, setting, part.start(), t_end, &mut record);
+    let trajectories = trajectories(part, &record.0);
+    (run.plain(), trajectories, watch.cut)
+}
+
+/// Contacts that began at the floor of the impact speed or below it, of a law that asks for that speed.
+pub fn contacts_at_floor(block: &Block, events: &[Switch<Mode>]) -> usize {
+    let is_at_floor = |switch: &&Switch<Mode>| match switch.after {
+        Next::Mode(after) => block.begins_at_floor(switch.before, after),
+        Next::Stop => false,
+    };
+    events.iter().filter(is_at_floor).count()
+}
+
+/// The mode changes among the events of a block; free apart and free relaxing are one mode.
+pub fn mode_changes(trajectory: &BlockTrajectory) -> Vec<ModeChange> {
+    let change = |switch: &Switch<Mode>| match switch.after {
+        Next::Mode(after) if after.code() != switch.before.code() => {
+            Some(ModeChange { t: switch.t, before: switch.before.code(), after: after.code() })
+        }
+        _ => None,
+    };
+    trajectory.events.iter().filter_map(change).collect()
+}

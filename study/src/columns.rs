@@ -1,0 +1,273 @@
+//! The columns of `study.csv`: their names, units and meaning, and what a row has in each.
+
+use crate::errors::work::PhaseWork;
+use crate::work_precision::Row;
+
+/// What a row has in a column.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A word or a message.
+    Text(String),
+    /// A number, if there is one.
+    Number(Option<f64>),
+    /// A count, if there is one.
+    Count(Option<u64>),
+}
+
+impl Value {
+    /// As a number, if it is one.
+    pub fn number(self) -> Option<f64> {
+        match self {
+            Self::Text(_) => None,
+            Self::Number(x) => x,
+            Self::Count(n) => n.map(|n| n as f64),
+        }
+    }
+}
+
+/// A column.
+#[derive(Clone, Copy, Debug)]
+pub struct Column {
+    /// Its name in the header.
+    pub name: &'static str,
+    /// Unit; empty for what has none.
+    pub unit: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// Of which problems it is.
+    pub given: Given,
+    /// What a row has there.
+    pub value: fn(&Row) -> Value,
+}
+
+/// Of which problems a column is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Given {
+    /// All.
+    Always,
+    /// Those that tell of contacts.
+    Contact,
+    /// Those that tell of forces in them.
+    Force,
+    /// Those that tell of energies.
+    Energy,
+}
+
+impl Given {
+    /// Whether these rows are of such a problem.
+    fn is_in(self, rows: &[Row]) -> bool {
+        let any = |has: fn(&Row) -> bool| rows.iter().any(has);
+        match self {
+            Self::Always => true,
+            Self::Contact => any(|row| row.work_by_phase.tells_of_contact()),
+            Self::Force => any(|row| row.errors.impulse_n_s.is_some()),
+            Self::Energy => any(|row| row.errors.dissipated_j.is_some()),
+        }
+    }
+}
+
+/// The columns of a table of these rows: what the problem does not tell has none.
+pub fn shown(rows: &[Row]) -> Vec<&'static Column> {
+    COLUMNS.iter().filter(|column| column.given.is_in(rows)).collect()
+}
+
+impl Column {
+    /// The column called `name`.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        COLUMNS.iter().find(|column| column.name == name)
+    }
+
+    /// Name and unit, for an axis.
+    pub fn label(&self) -> String {
+        if self.unit.is_empty() {
+            self.name.to_owned()
+        } else {
+            format!("{} [{}]", self.name, self.unit)
+        }
+    }
+}
+
+use Value::{Number, Text};
+
+fn count(n: u64) -> Value {
+    Value::Count(Some(n))
+}
+
+fn size(n: Option<usize>) -> Value {
+    Value::Count(n.map(|n| n as u64))
+}
+
+fn steps(phase: Option<PhaseWork>) -> Value {
+    count(phase.map_or(0, |phase| phase.n_accepted))
+}
+
+fn evaluations(phase: Option<PhaseWork>) -> Value {
+    count(phase.map_or(0, |phase| phase.counts.n_rhs))
+}
+
+/// A line of the table.
+const fn column(
+    name: &'static str,
+    unit: &'static str,
+    about: &'static str,
+    value: fn(&Row) -> Value,
+) -> Column {
+    Column { name, unit, about, given: Given::Always, value }
+}
+
+impl Column {
+    /// The same of problems that tell of this alone.
+    const fn of(self, given: Given) -> Self {
+        Self { given, ..self }
+    }
+}
+
+/// Every column, in order.
+pub const COLUMNS: &[Column] = &[
+    column("method", "", "method", |row| Text(row.method.clone())),
+    column("events", "", "what it does with events", |row| Text(row.events.to_string())),
+    column("rtol", "", "relative tolerance, if it has one", |row| Number(row.rtol)),
+    column("step", "s", "fixed step, if it has one", |row| Number(row.step)),
+    column(
+        "status",
+        "",
+        "ok, failed, cut (by study.max_rhs or study.max_seconds) or interrupted",
+        |row| Text(row.status.name().to_owned()),
+    ),
+    column("e", "", "worst sample's largest error of a group of states over its scale", |row| {
+        Number(row.e)
+    }),
+    column("event_time_error_s", "s", "worst time error of the paired events", |row| {
+        Number(row.event_time_error_s)
+    }),
+    column("n_events", "", "events of the whole run, the start's own left out", |row| {
+        size(row.n_events)
+    }),
+    column("missed", "", "events of the reference that it lacks", |row| size(row.missed)),
+    column("spurious", "", "events that the reference lacks", |row| size(row.spurious)),
+    column("horizon_s", "s", "time up to which errors are taken", |row| {
+        Number(Some(row.horizon_s))
+    }),
+    column(
+        "n_rhs",
+        "",
+        "evaluations of the right-hand side of a part, those of Jacobians apart",
+        |row| count(row.n_rhs),
+    ),
+    column("n_accepted", "", "accepted steps", |row| count(row.n_accepted)),
+    column("n_rejected", "", "rejected steps", |row| count(row.n_rejected)),
+    column("n_jac", "", "Jacobians", |row| count(row.n_jac)),
+    column("n_lin_solves", "", "linear systems solved", |row| count(row.n_lin_solves)),
+    column("wall_s_min", "s", "shortest time of the repeats", |row| Number(row.wall_s_min)),
+    column("wall_s_median", "s", "median time of the repeats", |row| Number(row.wall_s_median)),
+    column("wall_s_max", "s", "longest time of the repeats", |row| Number(row.wall_s_max)),
+    column("cpu_s_min", "s", "shortest processor time of the repeats, which ranks", |row| {
+        Number(row.cpu_s_min)
+    }),
+    column("cpu_s_median", "s", "median processor time of the repeats", |row| {
+        Number(row.cpu_s_median)
+    }),
+    column("n_retaken", "", "steps retaken to land on events", |row| count(row.n_retaken)),
+    column("n_factorisations", "", "factorisations of an iteration matrix", |row| {
+        count(row.n_factorisations)
+    }),
+    column("n_rhs_flight", "", "of n_rhs, those of steps in flight", |row| {
+        evaluations(row.work_by_phase.flight)
+    })
+    .of(Given::Contact),
+    column("n_rhs_contact", "", "of n_rhs, those of steps slipping in contact", |row| {
+        evaluations(row.work_by_phase.contact)
+    })
+    .of(Given::Contact),
+    column("n_rhs_stick", "", "of n_rhs, those of steps sticking", |row| {
+        evaluations(row.work_by_phase.stick)
+    })
+    .of(Given::Contact),
+    column("n_rhs_restart", "", "of n_rhs, those that began phases", |row| {
+        count(row.n_rhs_restart)
+    }),
+    column("n_rhs_location", "", "of n_rhs, those that located events", |row| {
+        count(row.n_rhs_location)
+    }),
+    column("n_rhs_per_event", "", "n_rhs_restart and n_rhs_location for each transition", |row| {
+        Number(row.work_by_phase.n_rhs_per_event())
+    }),
+    column("n_accepted_flight", "", "of n_accepted, those in flight", |row| {
+        steps(row.work_by_phase.flight)
+    })
+    .of(Given::Contact),
+    column("n_accepted_contact", "", "of n_accepted, those slipping in contact", |row| {
+        steps(row.work_by_phase.contact)
+    })
+    .of(Given::Contact),
+    column("n_accepted_stick", "", "of n_accepted, those sticking", |row| {
+        steps(row.work_by_phase.stick)
+    })
+    .of(Given::Contact),
+    column("e_max", "", "largest e on the dense output, between the samples too", |row| {
+        Number(row.errors.e_max)
+    }),
+    column("e_l2", "", "root mean square of e over time, on the dense output", |row| {
+        Number(row.errors.e_l2)
+    }),
+    column(
+        "e_final",
+        "",
+        "worst of the states at the end, each over the largest value that it takes",
+        |row| Number(row.errors.e_final),
+    ),
+    column(
+        "peak_force_error",
+        "",
+        "worst error of a contact's peak force, over the largest peak",
+        |row| Number(row.errors.peak_force_error),
+    )
+    .of(Given::Force),
+    column(
+        "contact_impulse_error",
+        "",
+        "worst error of a contact's impulse, over the largest one",
+        |row| Number(row.errors.contact_impulse_error),
+    )
+    .of(Given::Force),
+    column(
+        "impulse_error",
+        "",
+        "error of the impulse of all contacts of the whole run, relative",
+        |row| Number(row.errors.impulse_error),
+    )
+    .of(Given::Force),
+    column(
+        "dissipation_error",
+        "",
+        "error of the energy dissipated in the whole run, over the work of the drive",
+        |row| Number(row.errors.dissipation_error),
+    )
+    .of(Given::Energy),
+    column(
+        "energy_residual",
+        "",
+        "what the run's own energy balance lacks, over the work of the drive",
+        |row| Number(row.errors.energy_residual),
+    )
+    .of(Given::Energy),
+    column("peak_force_n", "N", "largest normal force of the whole run", |row| {
+        Number(row.errors.peak_force_n)
+    })
+    .of(Given::Force),
+    column("impulse_n_s", "N s", "impulse of all contacts of the whole run", |row| {
+        Number(row.errors.impulse_n_s)
+    })
+    .of(Given::Force),
+    column("dissipated_j", "J", "energy dissipated in the whole run", |row| {
+        Number(row.errors.dissipated_j)
+    })
+    .of(Given::Energy),
+    column("error", "", "why it failed, or what cut it", |row| {
+        Text(row.error.clone().unwrap_or_default())
+    }),
+    column("warnings", "", "codes of what it tells of itself and the reference does not", |row| {
+        let codes: Vec<_> = row.warnings.iter().map(|warning| warning.code.name()).collect();
+        Text(codes.join(" "))
+    }),
+];

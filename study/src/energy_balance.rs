@@ -1,0 +1,130 @@
+//! The energy balance of a run: a recorder that integrates powers over each step, and what it tells of the run.
+
+use std::ops::ControlFlow;
+
+use deltazero_solvers::{Accepted, Event, Next, Record};
+use serde::{Deserialize, Serialize};
+
+use crate::json_number;
+use crate::problem::{Energy, Power, Problem};
+use crate::quadrature::GAUSS;
+use crate::self_check::SelfCheck;
+use crate::setting::Events;
+
+/// Where the energy went, all in J, summed over parts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Balance {
+    /// Work of the drive torques, or of that which holds a crank's speed.
+    #[serde(with = "json_number::one")]
+    pub work: f64,
+    /// Kinetic energy at the end.
+    #[serde(with = "json_number::one")]
+    pub kinetic: f64,
+    /// Elastic energy of the contacts at the end.
+    #[serde(with = "json_number::one")]
+    pub elastic: f64,
+    /// Taken by damping, by friction, and left in the bush where contact ends without adhesion.
+    #[serde(with = "json_number::one")]
+    pub dissipated: f64,
+    /// `work + energy at the start − kinetic − elastic − dissipated`: zero for an exact run of a
+    /// consistent reading (`pin`, `full`).
+    #[serde(with = "json_number::one")]
+    pub residual: f64,
+}
+
+impl std::ops::AddAssign for Balance {
+    fn add_assign(&mut self, other: Self) {
+        self.work += other.work;
+        self.kinetic += other.kinetic;
+        self.elastic += other.elastic;
+        self.dissipated += other.dissipated;
+        self.residual += other.residual;
+    }
+}
+
+/// Integrates the powers of one problem along its run: Gauss quadrature on the dense output of every step. Of a problem
+/// without energies there is no balance.
+#[derive(Clone, Debug)]
+pub struct EnergyBalance<'a, P> {
+    problem: &'a P,
+    events: Events,
+    is_given: bool,
+    start: f64,
+    work: f64,
+    dissipated: f64,
+    /// What it says of the run.
+    pub check: SelfCheck,
+}
+
+impl<'a, P: Problem> EnergyBalance<'a, P> {
+    /// The balance of a run of `problem` from `y0` that treats events in this way.
+    pub fn new(problem: &'a P, events: Events, y0: &P::State<f64>) -> Self {
+        let energy = problem.energies(&problem.initial_mode(0.0, y0), y0);
+        let start = energy.map_or(0.0, |energy| energy.kinetic + energy.elastic);
+        let check = SelfCheck::of(problem.laws(), start);
+        let is_given = energy.is_some();
+        Self { problem, events, is_given, start, work: 0.0, dissipated: 0.0, check }
+    }
+
+    /// The balance at the end of the run, at `y` in `mode`; none where no energies are given.
+    pub fn at(&self, mode: &P::Mode, y: &P::State<f64>) -> Option<Balance> {
+        let Energy { kinetic, elastic } = self.problem.energies(mode, y)?;
+        let Self { work, dissipated, .. } = *self;
+        let residual = work + self.start - kinetic - elastic - dissipated;
+        Some(Balance { work, kinetic, elastic, dissipated, residual })
+    }
+
+    fn mode_inside(&self, mode: &P::Mode, t: f64, y: &P::State<f64>) -> P::Mode {
+        match self.events {
+            Events::Located => mode.clone(),
+            Events::Blind => self.problem.mode_read(mode, t, y),
+        }
+    }
+}
+
+impl<P: Problem> Record<P> for EnergyBalance<'_, P> {
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
+        let step = accepted.step;
+        let mode = self.mode_inside(&accepted.mode, step.t1(), step.y1());
+        if self.is_given {
+            let h = step.t1() - step.t0();
+            let drive_work = self.problem.drive_work(step.y0(), step.y1());
+            self.work += drive_work.unwrap_or(0.0);
+            let mut y = step.y0().clone();
+            for (node, weight) in GAUSS {
+                let t = step.t0() + node * h;
+                step.interpolate(t, &mut y);
+                let mode = self.mode_inside(&accepted.mode, t, &y);
+                let power: Power = self.problem.powers(&mode, &y).unwrap_or_default();
+                self.dissipated += weight * h * power.dissipated();
+                self.check.dissipated(weight * h * power.damping, weight * h * power.friction);
+                if drive_work.is_none() {
+                    self.work += weight * h * power.drive;
+                }
+            }
+            if let Some(balance) = self.at(&mode, step.y1()) {
+                self.check.reached(step.t1(), &balance);
+            }
+        }
+        for site in 0..self.problem.n_sites() {
+            if self.problem.role(&mode, site).is_contact()
+                && let Some(touch) = self.problem.touch(&mode, step.y1(), site)
+            {
+                self.check.penetrated(step.t1(), touch.depth);
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
+        // A contact that ends or begins at δ = 0 holds no energy there; a blind run sees it later.
+        if let Next::Mode(after) = &event.after
+            && self.problem.relaxes(&event.before, after)
+        {
+            let elastic =
+                |mode| self.problem.energies(mode, event.y).map_or(0.0, |own| own.elastic);
+            self.dissipated += elastic(&event.before) - elastic(after);
+        }
+        ControlFlow::Continue(())
+    }
+}

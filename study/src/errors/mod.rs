@@ -1,0 +1,271 @@
+//! How far a run is from the reference, in states, events and contacts; and where its work went.
+
+pub mod contact_summary;
+pub mod contacts;
+pub mod dense;
+pub mod work;
+
+use serde::{Deserialize, Serialize};
+
+use crate::problem::{Group, GroupScale};
+use crate::run::ModeChange;
+
+/// Two events further apart than this are not the same event, in units of the problem's time.
+const EVENT_WINDOW: f64 = 1e-3;
+/// The least scale of a group measured by its largest magnitude, in natural sizes of its states: one that rests is
+/// not measured by its rounding.
+const LEAST_SCALE: f64 = 1e-12;
+
+/// A group of states, and what its error is divided by.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScaledGroup {
+    /// Indices of its states.
+    pub states: Vec<usize>,
+    /// Its scale, in the states' unit.
+    pub scale: f64,
+    /// The site that it belongs to.
+    pub site: usize,
+}
+
+/// The scales that the errors of one problem are measured in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ErrorScale {
+    /// The groups of its states.
+    pub groups: Vec<ScaledGroup>,
+    /// Two events further apart than this are not the same event [s].
+    pub event_window: f64,
+}
+
+impl ErrorScale {
+    /// Of these groups, of a problem whose time is counted in `unit_of_time` [s]; those that are measured by their largest
+    /// length have it from `largest`, by name.
+    pub fn new(groups: &[Group], unit_of_time: f64, largest: &Largest) -> Self {
+        let scaled = |group: &Group| ScaledGroup {
+            states: group.states.clone(),
+            scale: match group.scale {
+                GroupScale::Fixed(scale) => scale,
+                GroupScale::Largest => largest.of(&group.name),
+            },
+            site: group.site,
+        };
+        let groups = groups.iter().map(scaled).collect();
+        Self { groups, event_window: EVENT_WINDOW * unit_of_time }
+    }
+
+    /// `e` of one state against the reference: the largest, over groups, of the Euclidean error over its scale.
+    pub fn error(&self, y: &[f64], reference: &[f64]) -> f64 {
+        self.groups.iter().map(|group| group.error(y, reference)).fold(0.0, worse)
+    }
+
+    /// The same of the groups of one site.
+    pub fn error_of_site(&self, site: usize, y: &[f64], reference: &[f64]) -> f64 {
+        let own = self.groups.iter().filter(|group| group.site == site);
+        own.map(|group| group.error(y, reference)).fold(0.0, worse)
+    }
+}
+
+impl ScaledGroup {
+    fn error(&self, y: &[f64], reference: &[f64]) -> f64 {
+        length(self.states.iter().map(|&i| y[i] - reference[i])) / self.scale
+    }
+}
+
+/// Euclidean length.
+fn length(each: impl Iterator<Item = f64>) -> f64 {
+    each.fold(0.0, |sum: f64, x| if sum == 0.0 { x.abs() } else { libm::hypot(sum, x) })
+}
+
+/// The largest lengths that groups take, by their names.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Largest(Vec<(String, f64)>);
+
+impl Largest {
+    /// No state was seen of these groups; `scales` are the natural sizes of the states.
+    pub fn begin(&mut self, groups: &[Group], scales: &[f64]) {
+        for group in groups.iter().filter(|group| group.scale == GroupScale::Largest) {
+            let natural = group.states.iter().map(|&i| scales[i]).fold(0.0, f64::max);
+            self.take(&group.name, (LEAST_SCALE * natural).max(f64::MIN_POSITIVE));
+        }
+    }
+
+    /// A state was seen.
+    pub fn see(&mut self, groups: &[Group], y: &[f64]) {
+        for group in groups.iter().filter(|group| group.scale == GroupScale::Largest) {
+            self.take(&group.name, length(group.states.iter().map(|&i| y[i])));
+        }
+    }
+
+    fn take(&mut self, name: &str, length: f64) {
+        match self.0.iter_mut().find(|known| known.0 == name) {
+            Some(known) => known.1 = known.1.max(length),
+            None => self.0.push((name.to_owned(), length)),
+        }
+    }
+
+    /// Those that were found before.
+    pub fn known(all: impl IntoIterator<Item = (String, f64)>) -> Self {
+        Self(all.into_iter().collect())
+    }
+
+    /// The largest length of the groups of this name.
+    pub fn of(&self, name: &str) -> f64 {
+        self.0.iter().find(|known| known.0 == name).map_or(f64::MIN_POSITIVE, |known| known.1)
+    }
+}
+
+/// The larger of two errors; not a number where either is not, which `f64::max` would drop.
+pub fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
+/// A run's events against the reference's.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EventMatch {
+    /// Pairs.
+    pub paired: usize,
+    /// Events of the reference without a partner.
+    pub missed: usize,
+    /// Events of the run without a partner.
+    pub spurious: usize,
+    /// Largest difference in time within a pair [s].
+    pub time_error: f64,
+}
+
+/// Pairs the events of one site in order: the longest common subsequence of equal modes within `window` [s], and of
+/// those the one with the smallest time error.
+pub fn match_events(run: &[ModeChange], reference: &[ModeChange], window: f64) -> EventMatch {
+    // row[j]: most pairs of the events so far with the first j of the reference, and their error.
+    let mut row = vec![(0_usize, 0.0_f64); reference.len() + 1];
+    let better = |a: (usize, f64), b: (usize, f64)| {
+        if a.0 > b.0 || (a.0 == b.0 && a.1 <= b.1) { a } else { b }
+    };
+    for event in run {
+        let mut diagonal = row[0];
+        for (j, other) in reference.iter().enumerate() {
+            let above = row[j + 1];
+            let apart = (event.t - other.t).abs();
+            let same = (event.before, event.after) == (other.before, other.after);
+            let skip = better(above, row[j]);
+            row[j + 1] = if same && apart <= window {
+                better((diagonal.0 + 1, diagonal.1.max(apart)), skip)
+            } else {
+                skip
+            };
+            diagonal = above;
+        }
+    }
+    let (paired, time_error) = row[reference.len()];
+    EventMatch {
+        paired,
+        missed: reference.len() - paired,
+        spurious: run.len() - paired,
+        time_error,
+    }
+}
+
+/// Slope of `log₁₀ y` over `log₁₀ x` by least squares; none for fewer than two points.
+pub fn log_log_slope(points: &[(f64, f64)]) -> Option<f64> {
+    if points.len() < 2 {
+        return None;
+    }
+    let logs: Vec<(f64, f64)> =
+        points.iter().map(|(x, y)| (libm::log10(*x), libm::log10(*y))).collect();
+    let n = logs.len() as f64;
+    let (mean_x, mean_y) =
+        (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
+    let covariance: f64 = logs.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum();
+    let variance: f64 = logs.iter().map(|p| (p.0 - mean_x) * (p.0 - mean_x)).sum();
+    (variance > 0.0).then_some(covariance / variance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    const WINDOW: f64 = 1e-3;
+
+    fn events(list: &[(f64, i8, i8)]) -> Vec<ModeChange> {
+        list.iter().map(|&(t, before, after)| ModeChange { t, before, after }).collect()
+    }
+
+    #[test]
+    fn equal_sequences_pair_whole_and_show_their_worst_time() {
+        let reference = events(&[(0.1, 0, 1), (0.2, 1, 0)]);
+        let run = events(&[(0.1 + 1e-9, 0, 1), (0.2 - 3e-9, 1, 0)]);
+        let found = match_events(&run, &reference, WINDOW);
+        assert_eq!((found.paired, found.missed, found.spurious), (2, 0, 0));
+        assert!((found.time_error - 3e-9).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_flight_that_was_missed_is_two_missed_events() {
+        let reference = events(&[(0.1, 1, 0), (0.1001, 0, 1), (0.2, 1, -1)]);
+        let found = match_events(&events(&[(0.2, 1, -1)]), &reference, WINDOW);
+        assert_eq!((found.paired, found.missed, found.spurious), (1, 2, 0));
+    }
+
+    #[test]
+    fn chatter_is_spurious_and_the_nearest_of_its_events_is_the_pair() {
+        let reference = events(&[(0.1, 1, 0)]);
+        let run = events(&[(0.0995, 1, 0), (0.0998, 0, 1), (0.1, 1, 0)]);
+        let found = match_events(&run, &reference, WINDOW);
+        assert_eq!((found.paired, found.missed, found.spurious), (1, 0, 2));
+        assert_eq!(found.time_error, 0.0);
+    }
+
+    #[test]
+    fn events_beyond_the_window_are_not_the_same() {
+        let found = match_events(&events(&[(0.1, 1, 0)]), &events(&[(0.102, 1, 0)]), WINDOW);
+        assert_eq!((found.paired, found.missed, found.spurious), (0, 1, 1));
+    }
+
+    fn group(name: &'static str, states: Vec<usize>, scale: GroupScale) -> Group {
+        Group { name: name.into(), unit: "".into(), states, scale, site: 0 }
+    }
+
+    #[test]
+    fn the_error_is_that_of_the_worst_group_over_its_scale() {
+        let groups = [
+            group("pin", vec![0, 1], GroupScale::Fixed(1e-4)),
+            group("angle", vec![2], GroupScale::Largest),
+        ];
+        let mut largest = Largest::default();
+        largest.begin(&groups, &[1.0; 3]);
+        for y in [[0.0, 0.0, -0.5], [0.0, 0.0, 0.25]] {
+            largest.see(&groups, &y);
+        }
+        let scale = ErrorScale::new(&groups, 1.0, &largest);
+        assert_eq!(scale.groups[1].scale, 0.5);
+        assert_eq!(scale.error(&[3e-4, 4e-4, 0.0], &[0.0; 3]), 5.0);
+        assert_eq!(scale.error(&[3e-4, 4e-4, 4.0], &[0.0; 3]), 8.0);
+    }
+
+    #[test]
+    fn a_state_that_rests_is_not_measured_by_its_rounding() {
+        let groups = [group("y", vec![0], GroupScale::Largest)];
+        let mut largest = Largest::default();
+        largest.begin(&groups, &[2.0]);
+        largest.see(&groups, &[1e-30]);
+        assert_eq!(largest.of("y"), 2e-12);
+    }
+
+    #[test]
+    fn a_sample_that_is_not_a_number_has_no_small_error() {
+        let groups = [
+            group("pin", vec![0, 1], GroupScale::Fixed(1e-4)),
+            group("angle", vec![2], GroupScale::Fixed(1.0)),
+        ];
+        let scale = ErrorScale::new(&groups, 1.0, &Largest::default());
+        for i in 0..3 {
+            let mut y = [0.0; 3];
+            y[i] = f64::NAN;
+            assert!(scale.error(&y, &[0.0; 3]).is_nan());
+        }
+    }
+
+    #[test]
+    fn the_slope_of_a_power_is_its_exponent() {
+        let points: Vec<(f64, f64)> =
+            (1..5).map(|k| (f64::from(k), f64::from(k).powi(4))).collect();
+        assert!((log_log_slope(&points).unwrap() - 4.0).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,227 @@
+//! A subject of a study: one problem, or several that share no term; each whatever its type.
+
+use std::fmt;
+use std::sync::Arc;
+
+use deltazero_solvers::{Grid, Trajectory};
+
+use crate::check::{ProblemError, check};
+use crate::errors::{ErrorScale, Largest};
+use crate::measured::{MeasuredPart, measure};
+use crate::problem::{Group, Problem, Quantity, nudged};
+use crate::reference::{Maker, PartReference, Path, ReferenceError, path};
+use crate::run::{Brake, Braked, Limits, ModeChange, PartRun, Setting, integrate};
+use crate::steps::step_size::{Steps, steps};
+use crate::trace::Trace;
+
+/// Where a run starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// At the problem's start.
+    Exact,
+    /// Each of its numbers moved up by its last bit.
+    Up,
+    /// Each moved down.
+    Down,
+}
+
+impl Start {
+    /// The state of `problem` there.
+    pub fn of<P: Problem>(self, problem: &P) -> P::State<f64> {
+        match self {
+            Self::Exact => problem.start(),
+            Self::Up => nudged(problem, f64::next_up),
+            Self::Down => nudged(problem, f64::next_down),
+        }
+    }
+}
+
+/// The runs of a problem that a study makes.
+pub(crate) trait Runs: Send + Sync {
+    /// Samples on `grid` and events, timed.
+    fn run(
+        &self,
+        setting: &Setting,
+        start: Start,
+        t_end: f64,
+        grid: &Grid,
+        brake: &mut dyn Brake,
+    ) -> (PartRun, Trace);
+
+    /// All that a reference keeps.
+    fn path(
+        &self,
+        maker: &Maker,
+        start: Start,
+        t_end: f64,
+        times: &[f64],
+        limits: Limits<'_>,
+    ) -> Result<Path, ReferenceError>;
+
+    /// All that is measured against a reference.
+    fn measure(
+        &self,
+        setting: &Setting,
+        reference: &PartReference,
+        t_end: f64,
+        grid: &Grid,
+        brake: &mut dyn Brake,
+    ) -> MeasuredPart;
+
+    /// Whether what the problem says of itself fits together.
+    fn check(&self) -> Result<(), ProblemError>;
+
+    /// Every step.
+    fn steps(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> (PartRun, Steps);
+}
+
+impl<P: Problem> Runs for P {
+    fn run(
+        &self,
+        setting: &Setting,
+        start: Start,
+        t_end: f64,
+        grid: &Grid,
+        brake: &mut dyn Brake,
+    ) -> (PartRun, Trace) {
+        let mut record = (Trajectory::on(grid.clone()), Braked(brake));
+        let run = integrate(self, setting, start.of(self), t_end, &mut record);
+        (run.plain(), Trace::of(self, &record.0))
+    }
+
+    fn path(
+        &self,
+        maker: &Maker,
+        start: Start,
+        t_end: f64,
+        times: &[f64],
+        limits: Limits<'_>,
+    ) -> Result<Path, ReferenceError> {
+        path(self, maker, start, t_end, times, limits)
+    }
+
+    fn measure(
+        &self,
+        setting: &Setting,
+        reference: &PartReference,
+        t_end: f64,
+        grid: &Grid,
+        brake: &mut dyn Brake,
+    ) -> MeasuredPart {
+        measure(self, setting, reference, t_end, grid, brake)
+    }
+
+    fn check(&self) -> Result<(), ProblemError> {
+        check(self)
+    }
+
+    fn steps(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> (PartRun, Steps) {
+        steps(self, setting, t_end, brake)
+    }
+}
+
+/// One problem of a subject, whatever its type.
+#[derive(Clone)]
+pub struct Part {
+    /// Its name; empty where it is alone and has none.
+    pub name: String,
+    /// Names of its sites.
+    pub sites: Vec<String>,
+    /// Its states.
+    pub states: Vec<Quantity>,
+    /// How its errors are measured.
+    pub groups: Vec<Group>,
+    /// In what its time is counted [s].
+    pub unit_of_time: f64,
+    /// Whether it has runs that read their mode off the state.
+    pub has_blind_runs: bool,
+    pub(crate) starts_on_surface: bool,
+    pub(crate) runs: Arc<dyn Runs>,
+}
+
+impl fmt::Debug for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Part").field("name", &self.name).field("sites", &self.sites).finish()
+    }
+}
+
+impl Part {
+    /// The part that `problem` is.
+    pub fn new<P: Problem + 'static>(problem: P) -> Self {
+        Self {
+            name: problem.name(),
+            sites: (0..problem.n_sites()).map(|site| problem.site_name(site)).collect(),
+            states: problem.states(),
+            groups: problem.groups(),
+            unit_of_time: problem.unit_of_time(),
+            has_blind_runs: problem.has_blind_runs(),
+            starts_on_surface: problem.starts_on_surface(),
+            runs: Arc::new(problem),
+        }
+    }
+
+    /// Whether what it says of itself fits together.
+    ///
+    /// # Errors
+    /// [`ProblemError`], the first that is found.
+    pub fn check(&self) -> Result<(), ProblemError> {
+        self.runs.check()
+    }
+
+    /// Runs it at `setting` from `start` to `t_end`, samples kept on `grid`.
+    pub fn run(
+        &self,
+        setting: &Setting,
+        start: Start,
+        t_end: f64,
+        grid: &Grid,
+        brake: &mut dyn Brake,
+    ) -> (PartRun, Trace) {
+        self.runs.run(setting, start, t_end, grid, brake)
+    }
+
+    /// The scales of its errors, by these largest lengths.
+    pub fn error_scale(&self, largest: &Largest) -> ErrorScale {
+        ErrorScale::new(&self.groups, self.unit_of_time, largest)
+    }
+
+    /// Enters the lengths that its groups take in `states`.
+    pub fn measure(&self, states: &[Vec<f64>], largest: &mut Largest) {
+        largest.begin(&self.groups, &self.scales());
+        states.iter().for_each(|y| largest.see(&self.groups, y));
+    }
+
+    /// The natural sizes of its states.
+    pub fn scales(&self) -> Vec<f64> {
+        self.states.iter().map(|state| state.scale).collect()
+    }
+}
+
+/// The events of a site that count: all but the one of a start on the surface, whose time has no digits.
+pub fn counted(events: &[ModeChange], starts_on_surface: bool) -> &[ModeChange] {
+    &events[usize::from(starts_on_surface && !events.is_empty())..]
+}
+
+/// What a study is about: problems that share no term, run one after the other.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// Its parts.
+    pub parts: Vec<Part>,
+}
+
+impl Subject {
+    /// One problem.
+    pub fn of<P: Problem + 'static>(problem: P) -> Self {
+        Self { parts: vec![Part::new(problem)] }
+    }
+
+    /// In what its time is counted [s].
+    pub fn unit_of_time(&self) -> f64 {
+        self.parts.first().map_or(1.0, |part| part.unit_of_time)
+    }
+
+    /// Whether each of its parts has runs that read their mode off the state.
+    pub fn has_blind_runs(&self) -> bool {
+        self.parts.iter().all(|part| part.has_blind_runs)
+    }
+}

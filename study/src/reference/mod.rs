@@ -1,0 +1,398 @@
+//! What errors are measured against: the best run that serves, told its own error by a second one.
+//!
+//! In f64 both are Taylor series at two high orders, or what comes next where those are out of reach.
+
+mod solve;
+mod summary;
+
+use serde::{Deserialize, Serialize};
+
+use crate::check::ProblemError;
+use crate::energy_balance::Balance;
+use crate::errors::contacts::{Contact, total_impulse};
+use crate::errors::dense::Node;
+use crate::errors::{ErrorScale, EventMatch, Largest, match_events, worse};
+use crate::part::{Part, Subject, counted};
+use crate::problem::GroupScale;
+use crate::run::{Limits, ModeChange};
+use crate::trace::Trace;
+
+pub use solve::{HORIZON_ERROR, RECIPE, parted_at, settings};
+pub(crate) use solve::{Maker, Path, path};
+use solve::{Solved, solve, solve_extended};
+pub use summary::{PartSummary, ReferenceSummary, ScaleSummary, SiteSummary};
+
+/// Why there is no reference.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReferenceError {
+    /// A run of it failed.
+    #[error("no reference: {method} stopped{place} at t = {t} s in {mode}: {error}")]
+    Failed {
+        /// The method.
+        method: &'static str,
+        /// On which part, as ` on joint 1`; empty where there is one without a name.
+        place: String,
+        /// Time of the last accepted step [s].
+        t: f64,
+        /// Mode there.
+        mode: String,
+        /// Why.
+        error: deltazero_solvers::Error,
+    },
+    /// It cost more than the limit of work.
+    #[error(
+        "no reference: it needs more than study.max_rhs = {max_rhs} right-hand sides; shorten run.t_end or raise the limit"
+    )]
+    TooMuchWork {
+        /// The limit.
+        max_rhs: u64,
+    },
+    /// It took longer than the limit of time.
+    #[error(
+        "no reference: it takes longer than study.max_seconds = {max_seconds} s; shorten run.t_end or raise the limit"
+    )]
+    TooMuchTime {
+        /// The limit [s].
+        max_seconds: f64,
+    },
+    /// The problem contradicts itself.
+    #[error("no reference: {0}")]
+    Problem(#[from] ProblemError),
+    /// It was interrupted.
+    #[error("no reference: interrupted")]
+    Interrupted,
+    /// A method that it is built on is not in the list of methods.
+    #[error("no reference: there is no method {0}")]
+    NoMethod(&'static str),
+}
+
+/// ` on joint 1`; nothing of what has no name.
+fn place(name: &str) -> String {
+    if name.is_empty() { String::new() } else { format!(" on {name}") }
+}
+
+/// The reference of one site.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SiteReference {
+    /// Counted events at the roots of their guards; the first one may be the start's own, see [`counted`].
+    pub events: Vec<ModeChange>,
+    /// Contacts, where they are known.
+    pub contacts: Option<Vec<Contact>>,
+}
+
+/// The reference of one part.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PartReference {
+    /// Times of the samples [s].
+    pub times: Vec<f64>,
+    /// States there.
+    pub samples: Vec<Vec<f64>>,
+    /// What is kept of each site.
+    pub sites: Vec<SiteReference>,
+    /// First sample time at which a last-bit change of the start exceeds [`HORIZON_ERROR`] [s]; infinite where none
+    /// does.
+    #[serde(with = "finite_or_none")]
+    pub lost_at: f64,
+    /// The end of the run [s].
+    pub t_end: f64,
+    /// State there.
+    pub y_end: Vec<f64>,
+    /// Scales of its errors.
+    pub scale: ErrorScale,
+    /// Largest magnitude of each state over the nodes.
+    pub amplitude: Vec<f64>,
+    /// States between the samples.
+    pub nodes: Vec<Node>,
+    /// Whether its first event is the start's own.
+    pub starts_on_surface: bool,
+}
+
+/// JSON has no infinity.
+mod finite_or_none {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        x.is_finite().then_some(*x).serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(from)?.unwrap_or(f64::INFINITY))
+    }
+}
+
+/// The reference of a subject.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reference {
+    /// Part by part.
+    pub parts: Vec<PartReference>,
+    /// How it was made, and how good it is.
+    pub summary: ReferenceSummary,
+}
+
+impl Reference {
+    /// Makes the reference of `subject` on the sample times `times` up to `t_end`.
+    ///
+    /// Of each part a run by Taylor series at rtol 1e-14, one at 1e-15, which tells the error of the
+    /// first, and one like the first from a start changed in its last bit, whose growth is the horizon. A
+    /// part whose series cost more than `limits` allow (one of order N as N²/2 right-hand sides), fail, or
+    /// differ by more than 1e-8 or in their events, goes to `radau5` at 1e-14 and 1e-13, then to `rodas5p`
+    /// with `radau5`, then to `vern98` with `dop853`.
+    ///
+    /// # Errors
+    /// [`ReferenceError`].
+    pub fn new(
+        subject: &Subject,
+        t_end: f64,
+        times: &[f64],
+        limits: Limits<'_>,
+    ) -> Result<Self, ReferenceError> {
+        Self::by(subject, |part| solve(part, t_end, times, limits))
+    }
+
+    /// The same with 31 digits: Taylor series of order 25 over pairs of f64, at rtol 1e-18, its error told by
+    /// a run at 1e-20. It has no other method to go to where series are out of reach.
+    ///
+    /// # Errors
+    /// [`ReferenceError`].
+    pub fn extended(
+        subject: &Subject,
+        t_end: f64,
+        times: &[f64],
+        limits: Limits<'_>,
+    ) -> Result<Self, ReferenceError> {
+        Self::by(subject, |part| solve_extended(part, t_end, times, limits))
+    }
+
+    fn by(
+        subject: &Subject,
+        solve: impl FnMut(&Part) -> Result<Solved, ReferenceError>,
+    ) -> Result<Self, ReferenceError> {
+        subject.parts.iter().try_for_each(Part::check)?;
+        let solved = subject.parts.iter().map(solve).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self::joined(subject, solved))
+    }
+
+    /// The reference that these runs of the parts of `subject` make, whatever they were computed in.
+    fn joined(subject: &Subject, solved: Vec<Solved>) -> Self {
+        let mut largest = Largest::default();
+        for (part, solved) in subject.parts.iter().zip(&solved) {
+            part.measure(&solved.path.trace.states, &mut largest);
+        }
+        let mut agreement = 0.0_f64;
+        let mut event_agreement = Some(0.0_f64);
+        let mut energy: Option<Balance> = None;
+        let of_parts = |text: fn(&Solved) -> &String| joined_text(subject, solved.iter().map(text));
+        let (method, check) = (of_parts(|s| &s.method), of_parts(|s| &s.check_method));
+        let (mut parts, mut warnings) = (Vec::new(), Vec::new());
+        for (part, solved) in subject.parts.iter().zip(solved) {
+            let scale = part.error_scale(&largest);
+            let lost_at = solved.lost_at(&scale);
+            let (e, times) = solved.disagreement(part, &scale, lost_at);
+            agreement = worse(agreement, e);
+            event_agreement = event_agreement.zip(times).map(|(a, b)| a.max(b));
+            if let Some(balance) = solved.path.balance {
+                *energy.get_or_insert_default() += balance;
+            }
+            warnings.extend_from_slice(&solved.path.warnings);
+            parts.push(PartReference::new(part, solved, scale, lost_at));
+        }
+        let summary = ReferenceSummary {
+            method,
+            check,
+            agreement,
+            event_time_agreement_s: event_agreement,
+            scales: scales(subject, &largest),
+            parts: subject.parts.iter().zip(&parts).map(PartReference::summary).collect(),
+            energy,
+            warnings,
+        };
+        Self { parts, summary }
+    }
+
+    /// Leaves of its samples, events, nodes and contacts those up to `t_end` [s], and measures groups by the
+    /// largest length that is left; states at the end, balances and the summary stay those of the whole.
+    pub fn cut(&mut self, subject: &Subject, t_end: f64) {
+        let mut largest = Largest::default();
+        for (part, own) in subject.parts.iter().zip(&mut self.parts) {
+            own.cut(t_end);
+            part.measure(&own.samples, &mut largest);
+        }
+        for (part, own) in subject.parts.iter().zip(&mut self.parts) {
+            own.scale = part.error_scale(&largest);
+        }
+    }
+
+    /// The shortest horizon of its parts [s].
+    pub fn horizon(&self) -> f64 {
+        self.parts.iter().fold(f64::INFINITY, |least, part| least.min(part.horizon()))
+    }
+
+    /// The number of its counted events.
+    pub fn n_events(&self) -> usize {
+        self.parts.iter().map(PartReference::n_events).sum()
+    }
+}
+
+/// The scales of the groups of all parts, each name once.
+fn scales(subject: &Subject, largest: &Largest) -> Vec<ScaleSummary> {
+    let mut all: Vec<ScaleSummary> = Vec::new();
+    for group in subject.parts.iter().flat_map(|part| &part.groups) {
+        if all.iter().any(|known| known.group == group.name) {
+            continue;
+        }
+        let (is_largest, scale) = match group.scale {
+            GroupScale::Fixed(scale) => (false, scale),
+            GroupScale::Largest => (true, largest.of(&group.name)),
+        };
+        let (group, unit) = (group.name.to_string(), group.unit.to_string());
+        all.push(ScaleSummary { group, unit, scale, is_largest });
+    }
+    all
+}
+
+/// What is said of the parts: once, where it is the same.
+fn joined_text<'a>(
+    subject: &Subject,
+    mut of_parts: impl Iterator<Item = &'a String> + Clone,
+) -> String {
+    let all = of_parts.clone();
+    match of_parts.next() {
+        Some(first) if of_parts.all(|other| other == first) => first.clone(),
+        _ => {
+            let parts = subject.parts.iter().zip(all);
+            let texts = parts.map(|(part, text)| format!("{}: {text}", part.name));
+            texts.collect::<Vec<_>>().join("; ")
+        }
+    }
+}
+
+impl PartReference {
+    fn new(part: &Part, solved: Solved, scale: ErrorScale, lost_at: f64) -> Self {
+        let path = solved.path;
+        let mut amplitude = vec![0.0_f64; part.states.len()];
+        for node in &path.nodes {
+            for (largest, y) in amplitude.iter_mut().zip(&node.y) {
+                *largest = largest.max(y.abs());
+            }
+        }
+        let mut contacts = path.contacts.map(Vec::into_iter);
+        let site = |events| SiteReference {
+            events,
+            contacts: contacts.as_mut().map(|contacts| contacts.next().unwrap_or_default()),
+        };
+        Self {
+            sites: path.events.into_iter().map(site).collect(),
+            times: path.trace.times,
+            samples: path.trace.states,
+            lost_at,
+            t_end: path.run.t,
+            y_end: path.run.y,
+            scale,
+            amplitude,
+            nodes: path.nodes,
+            starts_on_surface: part.starts_on_surface,
+        }
+    }
+
+    fn summary((part, own): (&Part, &Self)) -> PartSummary {
+        let site = |(name, site): (&String, &SiteReference)| SiteSummary {
+            name: name.clone(),
+            n_events: counted(&site.events, own.starts_on_surface).len(),
+            impulse_n_s: site.contacts.as_deref().map(total_impulse),
+        };
+        PartSummary {
+            name: part.name.clone(),
+            horizon_s: own.horizon(),
+            t_end_s: own.t_end,
+            sites: part.sites.iter().zip(&own.sites).map(site).collect(),
+        }
+    }
+
+    fn cut(&mut self, t_end: f64) {
+        let n = self.times.partition_point(|t| *t <= t_end);
+        self.times.truncate(n);
+        self.samples.truncate(n);
+        self.nodes.truncate(self.nodes.partition_point(|node| node.t <= t_end));
+        for site in &mut self.sites {
+            site.events.retain(|event| event.t <= t_end);
+            if let Some(contacts) = &mut site.contacts {
+                contacts.retain(|contact| contact.end <= t_end);
+            }
+        }
+    }
+
+    /// Whether `t` lies within the horizon.
+    pub fn is_within(&self, t: f64) -> bool {
+        t < self.lost_at
+    }
+
+    /// The time up to which the run is predictable: where it is lost, or its end [s].
+    pub fn horizon(&self) -> f64 {
+        self.lost_at.min(self.t_end)
+    }
+
+    /// The counted events of all sites.
+    pub fn counted_events(&self) -> impl Iterator<Item = &ModeChange> {
+        self.sites.iter().flat_map(|site| counted(&site.events, self.starts_on_surface))
+    }
+
+    fn n_events(&self) -> usize {
+        self.counted_events().count()
+    }
+
+    /// The nodes within the horizon.
+    pub fn nodes_within(&self) -> &[Node] {
+        &self.nodes[..self.nodes.partition_point(|node| self.is_within(node.t))]
+    }
+
+    /// Largest `e` of a run's samples, on the same times, within the horizon; infinite for a run that ends
+    /// before them.
+    pub fn error(&self, run: &Trace) -> f64 {
+        let errors = self.pairs_within(run).map(|(y, own)| self.scale.error(own, y));
+        if self.ends_early(run) { f64::INFINITY } else { errors.fold(0.0, worse) }
+    }
+
+    /// The same of the groups of one site.
+    pub fn error_of_site(&self, site: usize, run: &Trace) -> f64 {
+        let pairs = self.pairs_within(run);
+        let errors = pairs.map(|(y, own)| self.scale.error_of_site(site, own, y));
+        if self.ends_early(run) { f64::INFINITY } else { errors.fold(0.0, worse) }
+    }
+
+    /// Whether a run ends before the samples of the reference do. One that ends a sample early stopped at its end
+    /// beside the sample; one that ends earlier still went astray.
+    fn ends_early(&self, run: &Trace) -> bool {
+        let n_within = self.times.iter().filter(|t| self.is_within(**t)).count();
+        run.states.len() + 1 < n_within
+    }
+
+    fn pairs_within<'a>(
+        &'a self,
+        run: &'a Trace,
+    ) -> impl Iterator<Item = (&'a [f64], &'a [f64])> + 'a {
+        let pairs = self.times.iter().zip(self.samples.iter().zip(&run.states));
+        let within = pairs.filter(|(t, _)| self.is_within(**t));
+        within.map(|(_, (y, own))| (y.as_slice(), own.as_slice()))
+    }
+
+    /// Error of the state at a run's end: the worst of all states, each relative to the largest
+    /// magnitude that it takes; none where the end lies beyond the horizon.
+    pub fn end_error(&self, y_end: &[f64]) -> Option<f64> {
+        let errors = (0..self.y_end.len()).map(|i| match (y_end[i] - self.y_end[i]).abs() {
+            0.0 => 0.0,
+            error => error / self.amplitude[i],
+        });
+        (self.lost_at == f64::INFINITY).then(|| errors.fold(0.0, worse))
+    }
+
+    /// The events of a run's site against its own, within the horizon.
+    pub fn matched(&self, site: usize, run: &Trace) -> EventMatch {
+        let within = |events: &[ModeChange]| -> Vec<ModeChange> {
+            let events = counted(events, self.starts_on_surface).iter();
+            events.filter(|event| self.is_within(event.t)).copied().collect()
+        };
+        let (own, reference) = (within(&run.changes[site]), within(&self.sites[site].events));
+        match_events(&own, &reference, self.scale.event_window)
+    }
+}

@@ -1,0 +1,164 @@
+//! How a reference was made, and how good it is.
+
+use serde::{Deserialize, Serialize};
+
+use crate::energy_balance::Balance;
+use crate::errors::Largest;
+use crate::json_number;
+use crate::warning::Warning;
+
+/// The scale of a group of states.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScaleSummary {
+    /// Name of the group.
+    pub group: String,
+    /// Unit of its states.
+    pub unit: String,
+    /// The scale, in that unit.
+    pub scale: f64,
+    /// Whether it is the largest length that the group takes.
+    pub is_largest: bool,
+}
+
+/// The reference of one site, in short.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SiteSummary {
+    /// Its name.
+    pub name: String,
+    /// Counted events, the start's own left out.
+    pub n_events: usize,
+    /// Impulse of its contacts [N s], where they are known.
+    pub impulse_n_s: Option<f64>,
+}
+
+/// The reference of one part, in short.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PartSummary {
+    /// Its name.
+    pub name: String,
+    /// The time up to which it is predictable [s].
+    pub horizon_s: f64,
+    /// The end of its run [s].
+    pub t_end_s: f64,
+    /// Its sites.
+    pub sites: Vec<SiteSummary>,
+}
+
+/// How a reference was made, and how good it is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ReferenceSummary {
+    /// The method and setting of the reference run.
+    pub method: String,
+    /// The method and setting of the run that tells its error.
+    pub check: String,
+    /// Its error: the largest `e` between both, within the horizon.
+    #[serde(with = "json_number::one")]
+    pub agreement: f64,
+    /// The error of its event times: the largest difference between both, within the horizon [s]; none
+    /// where their sequences differ.
+    #[serde(default, with = "json_number::maybe")]
+    pub event_time_agreement_s: Option<f64>,
+    /// What errors are measured in.
+    pub scales: Vec<ScaleSummary>,
+    /// Part by part.
+    pub parts: Vec<PartSummary>,
+    /// Energy balance, all parts together, where it is known.
+    pub energy: Option<Balance>,
+    /// What its runs tell of themselves.
+    #[serde(default)]
+    pub warnings: Vec<Warning>,
+}
+
+impl ReferenceSummary {
+    /// Whether the reference is good enough to tell which runs reach an error `e`.
+    pub fn can_decide(&self, e: f64) -> bool {
+        self.unsound().is_none() && self.agreement <= 0.1 * e
+    }
+
+    /// The warning by which its runs are wrong, if they are.
+    fn unsound(&self) -> Option<&Warning> {
+        self.warnings.iter().find(|warning| warning.code.is_of_a_wrong_run())
+    }
+
+    /// Why it does not decide on some error, in words.
+    pub fn undecided(&self) -> String {
+        match self.unsound() {
+            Some(warning) => {
+                format!("the reference is wrong, by its own account: {}", warning.message)
+            }
+            None => format!("the reference is good to {:.1e}", self.agreement),
+        }
+    }
+
+    /// Those of the `warnings` of another run that are its own: that it is wrong, or what the reference does not have,
+    /// as what both have is the motion's.
+    pub fn not_shared(&self, mut warnings: Vec<Warning>) -> Vec<Warning> {
+        let is_shared =
+            |warning: &Warning| self.warnings.iter().any(|own| own.code == warning.code);
+        warnings.retain(|warning| warning.code.is_of_a_wrong_run() || !is_shared(warning));
+        warnings
+    }
+
+    /// The sites of all parts.
+    pub fn sites(&self) -> impl Iterator<Item = &SiteSummary> {
+        self.parts.iter().flat_map(|part| &part.sites)
+    }
+
+    /// What `e` is, in words: `larger of |Δ pin|/1e-4 m and |Δ angle|/0.0202 rad`.
+    pub fn measure(&self) -> String {
+        let group = |own: &ScaleSummary| {
+            let unit = if own.unit.is_empty() { String::new() } else { format!(" {}", own.unit) };
+            format!("|Δ {}|/{}{unit}", own.group, short(own.scale))
+        };
+        let groups: Vec<String> = self.scales.iter().map(group).collect();
+        match groups.split_last() {
+            Some((last, rest)) if !rest.is_empty() => {
+                let size = if rest.len() == 1 { "larger" } else { "largest" };
+                format!("{size} of {} and {last}", rest.join(", "))
+            }
+            _ => groups.concat(),
+        }
+    }
+
+    /// The largest lengths that groups are measured by.
+    pub fn largest(&self) -> Largest {
+        let own = self.scales.iter().filter(|scale| scale.is_largest);
+        Largest::known(own.map(|scale| (scale.group.clone(), scale.scale)))
+    }
+
+    /// The horizon of each part [s].
+    pub fn horizons(&self) -> String {
+        let horizons = self.parts.iter().map(|part| part.horizon_s.to_string());
+        horizons.collect::<Vec<_>>().join(" and ")
+    }
+
+    /// What it cannot serve for, a sentence each.
+    pub fn limits(&self) -> Vec<String> {
+        let mut limits = Vec::new();
+        limits.extend(self.warnings.iter().map(|warning| warning.message.clone()));
+        if self.agreement > 1e-10 {
+            let good = self.agreement;
+            limits.push(format!(
+                "the reference is good to e = {good:.1e}: it decides nothing below ten times that"
+            ));
+        }
+        if self.event_time_agreement_s.is_none() {
+            limits.push("its two runs differ in their events: missed, spurious and event times are doubtful".into());
+        }
+        for PartSummary { name, horizon_s, t_end_s, .. } in &self.parts {
+            if horizon_s < t_end_s {
+                let name = if name.is_empty() { "the motion" } else { name };
+                limits.push(format!(
+                    "{name} is predictable up to {horizon_s} s of {t_end_s} s: beyond, only the number of events, impulse and dissipation are compared"
+                ));
+            }
+        }
+        limits
+    }
+}
+
+/// A scale to four digits.
+fn short(x: f64) -> String {
+    let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
+    if (1e-3..1e4).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
+}

@@ -1,0 +1,199 @@
+//! What breaks a run off: too much work, too much time, a wish from outside.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use deltazero_solvers::{Accepted, Event, Needs, Record, Stats, System};
+
+use super::{Ran, Setting};
+
+/// A series costs this many right-hand sides for each of its orders: 2.2 at order 8, 1.9 at 11, 2.1 at 15, 2.3
+/// at 19 (Table 1, located).
+pub const SERIES: f64 = 2.0;
+/// An attempt of the Taylor method that is rejected sums its series and begins another: this part of what a series
+/// costs. Of blind runs of reading `full` at rtol 1e-8 to 1e-12, which reject 27 to 45 attempts for each
+/// series, a rejected one takes 0.7 µs.
+const REJECTED: f64 = 0.25;
+/// Accepted steps between two looks at the clock.
+const STEPS_A_LOOK: u64 = 64;
+
+/// How much a run may take.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits<'a> {
+    /// Work in [right-hand sides](Price) beyond which it is cut.
+    pub max_rhs: u64,
+    /// Time beyond which it is cut [s]; infinite for none.
+    pub max_seconds: f64,
+    /// Set from outside to interrupt it.
+    pub stop: &'a AtomicBool,
+}
+
+impl<'a> Limits<'a> {
+    /// No limit but the flag that interrupts it.
+    pub fn none(stop: &'a AtomicBool) -> Self {
+        Self { max_rhs: u64::MAX, max_seconds: f64::INFINITY, stop }
+    }
+
+    /// Whether it was interrupted from outside.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// What they leave after a part of a run whose work has this price.
+    pub fn after<Y, M>(self, part: &Ran<Y, M>, price: Price) -> Self {
+        Self {
+            max_rhs: self.max_rhs.saturating_sub(price.of(&part.stats) as u64),
+            max_seconds: self.max_seconds - part.took.wall.as_secs_f64(),
+            ..self
+        }
+    }
+
+    /// A recorder that breaks off a run which begins now, whose work has this price.
+    pub fn watch(self, price: Price) -> Watch<'a> {
+        let most_rhs = (self.max_rhs as f64 / price.rhs) as u64;
+        Watch { limits: self, price, most_rhs, clock: Clock::of(self.max_seconds), cut: None }
+    }
+
+    /// That one of them was reached, with its number.
+    pub fn told(&self, limit: Limit) -> String {
+        match limit {
+            Limit::Work => format!("more than study.max_rhs = {} right-hand sides", self.max_rhs),
+            Limit::Time => format!("more than study.max_seconds = {} s", self.max_seconds),
+        }
+    }
+}
+
+/// A limit that a run has reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// That of work.
+    Work,
+    /// That of time.
+    Time,
+}
+
+/// What counts of work are worth in evaluations of the right-hand side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Price {
+    /// One that is counted as an evaluation, which may be a series.
+    pub rhs: f64,
+    /// A rejected attempt, beyond what it is counted as already.
+    pub rejected: f64,
+}
+
+impl Price {
+    /// That of the methods whose evaluations are all counted.
+    pub const PLAIN: Self = Self { rhs: 1.0, rejected: 0.0 };
+
+    /// That of the method of a setting: a series of order p is worth 2 p, a rejected one a quarter of it.
+    pub fn of_setting(setting: &Setting) -> Self {
+        let order = setting.method.series_order(setting.rtol());
+        order.map_or(Self::PLAIN, |order| Self::of_series(SERIES * order as f64))
+    }
+
+    /// That of a method of series, each of them worth so much.
+    pub fn of_series(rhs: f64) -> Self {
+        Self { rhs, rejected: REJECTED * rhs }
+    }
+
+    /// What these counts are worth.
+    pub fn of(&self, stats: &Stats) -> f64 {
+        self.rhs * stats.work.n_rhs as f64 + self.rejected(stats)
+    }
+
+    /// What the rejected attempts among them are worth beyond what is counted.
+    pub fn rejected(&self, stats: &Stats) -> f64 {
+        self.rejected * stats.n_rejected as f64
+    }
+}
+
+/// The time that a run has, looked at now and then.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock {
+    end: Option<Instant>,
+}
+
+impl Clock {
+    /// That of a run which begins now and has `seconds`; one of infinitely many has no end.
+    pub fn of(seconds: f64) -> Self {
+        let left = Duration::try_from_secs_f64(seconds.max(0.0)).ok();
+        Self { end: left.and_then(|left| Instant::now().checked_add(left)) }
+    }
+
+    /// Whether it is over.
+    pub fn is_over(&self) -> bool {
+        self.end.is_some_and(|end| Instant::now() >= end)
+    }
+
+    /// Whether it is over, after an accepted step: most of them do not look.
+    pub fn is_over_after(&self, stats: &Stats) -> bool {
+        stats.n_accepted.is_multiple_of(STEPS_A_LOOK) && self.is_over()
+    }
+}
+
+/// What may break a run off: asked after every accepted step, and while attempts are rejected.
+pub trait Brake {
+    /// A step was accepted that ends at `t` [s]; the work so far.
+    fn step(&mut self, t: f64, stats: &Stats) -> ControlFlow<()>;
+
+    /// More attempts were rejected; see [`Record::rejected`].
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()>;
+}
+
+/// A [`Brake`] as a recorder of whatever problem.
+pub struct Braked<'a>(pub &'a mut dyn Brake);
+
+impl<P: System> Record<P> for Braked<'_> {
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
+        self.0.step(accepted.step.t1(), accepted.stats)
+    }
+
+    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        self.0.rejected(stats)
+    }
+
+    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+        Needs::Ends
+    }
+}
+
+/// The brake of [`Limits`].
+#[derive(Clone, Copy, Debug)]
+pub struct Watch<'a> {
+    limits: Limits<'a>,
+    price: Price,
+    /// What the limit of work is in counted evaluations.
+    most_rhs: u64,
+    clock: Clock,
+    /// The limit that it broke the run off at.
+    pub cut: Option<Limit>,
+}
+
+impl Watch<'_> {
+    fn judge(&mut self, is_too_much: bool, is_late: bool) -> ControlFlow<()> {
+        if is_too_much {
+            self.cut = Some(Limit::Work);
+        } else if is_late {
+            self.cut = Some(Limit::Time);
+        } else if !self.limits.is_stopped() {
+            return ControlFlow::Continue(());
+        }
+        ControlFlow::Break(())
+    }
+}
+
+impl Brake for Watch<'_> {
+    fn step(&mut self, _t: f64, stats: &Stats) -> ControlFlow<()> {
+        self.judge(stats.work.n_rhs > self.most_rhs, self.clock.is_over_after(stats))
+    }
+
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        let is_too_much = self.price.of(stats) > self.limits.max_rhs as f64;
+        self.judge(is_too_much, self.clock.is_over())
+    }
+}

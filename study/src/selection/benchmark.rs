@@ -1,0 +1,86 @@
+//! Where methods are compared: a subject, its time, and the reference that judges.
+
+use crate::part::Subject;
+use crate::reference::{Reference, ReferenceError};
+use crate::run::Limits;
+
+/// A problem that is predictable for less than this is ill-posed \[[units of time](Subject::unit_of_time)\].
+const ILL_POSED_BELOW: f64 = 0.2;
+
+/// A subject with the time over which methods are compared on it.
+#[derive(Clone, Debug)]
+pub struct Benchmark {
+    /// What is integrated.
+    pub subject: Subject,
+    /// The run that judges.
+    pub reference: Reference,
+    /// When states are compared [s].
+    pub times: Vec<f64>,
+    /// The end of the runs [s].
+    pub t_end: f64,
+    /// The time at which a change of the start's last bit is seen [s]; none where it is beyond the time
+    /// looked at.
+    pub horizon: Option<f64>,
+    /// Events of the reference that count.
+    pub n_events: usize,
+    /// The longest that a run may take [s].
+    pub max_seconds: f64,
+}
+
+impl Benchmark {
+    /// The whole run of a subject to `t_end` [s] where that is predictable, else the first half of what is, states
+    /// compared at `times` [s].
+    ///
+    /// Beyond the first half an error of the size of a tolerance is more and more the amplified error
+    /// of the first steps: how good a method is shows before.
+    ///
+    /// # Errors
+    /// [`ReferenceError`] where there is no reference.
+    pub fn new(
+        subject: Subject,
+        mut t_end: f64,
+        mut times: Vec<f64>,
+        limits: Limits<'_>,
+    ) -> Result<Self, ReferenceError> {
+        let mut reference = Reference::new(&subject, t_end, &times, limits)?;
+        let lost = reference.parts.iter().fold(f64::INFINITY, |least, b| least.min(b.lost_at));
+        let horizon = lost.is_finite().then_some(lost);
+        if let Some(horizon) = horizon {
+            t_end = 0.5 * horizon;
+            times.retain(|t| *t <= t_end);
+            reference = Reference::new(&subject, t_end, &times, limits)?;
+        }
+        let (n_events, max_seconds) = (reference.n_events(), limits.max_seconds);
+        Ok(Self { subject, reference, times, t_end, horizon, n_events, max_seconds })
+    }
+
+    /// Its first part with the first `most` events, up to a sample; itself where it has no more.
+    pub fn with_at_most(mut self, most: usize) -> Self {
+        let events = self.reference.parts.iter().flat_map(|part| part.counted_events());
+        let mut at: Vec<f64> = events.map(|event| event.t).collect();
+        at.sort_by(f64::total_cmp);
+        let Some(last) = at.get(most) else {
+            return self;
+        };
+        if let Some(&t_end) = self.times.iter().find(|t| *t >= last) {
+            self.t_end = t_end;
+            self.times.retain(|t| *t <= t_end);
+            self.reference.cut(&self.subject, t_end);
+            self.n_events = self.reference.n_events();
+        }
+        self
+    }
+
+    /// The time that a run covers, its parts added [s].
+    pub(super) fn whole(&self) -> f64 {
+        self.t_end * self.subject.parts.len() as f64
+    }
+
+    /// The reason why methods cannot be compared on it, where it is predictable for too short a time.
+    pub fn ill_posed(&self) -> Option<String> {
+        let least = ILL_POSED_BELOW * self.subject.unit_of_time();
+        let rounded = (1e6 * least).round() / 1e6;
+        let is_short = self.horizon.is_some_and(|horizon| horizon < least);
+        is_short.then(|| format!("predictable for less than {rounded} s"))
+    }
+}

@@ -1,0 +1,414 @@
+//! The contest: of several methods, each at the cheapest setting that truly reaches an accuracy, which
+//! one is the fastest?
+//!
+//! A [`Setting`] reaches an accuracy if its error `e` keeps below it up to the end, and if, at an accuracy
+//! of [`EVENTS_FROM`] or better, a run that locates events has found each event of the reference and no
+//! other. A blind run makes no claim about events. How many of them are wrong is told beside `e`.
+//!
+//! Error against tolerance is jagged, so one run that reaches it proves little. A setting counts if
+//! `e` keeps a [`MARGIN`], and so does the next tighter setting, and both again from a start moved by
+//! its last bit: the spread of the four goes with the answer.
+//!
+//! The search is ordered by *work*, a count that is the same on every machine: all candidates run
+//! under a budget that grows until one of them arrives; from then on a run is cut at [`CUT`] times the
+//! least work so far, or at [`FINAL`] times the least of its own kind (explicit or implicit, located or
+//! blind). So cheap winners come first, hopeless ones cost little, and the best of each kind is known
+//! where it comes within ten times the best of all. Those that stay within [`FINAL`] times the least work of a
+//! method that is the same throughout, which `auto` is not, are then timed, one after the other in turns, so
+//! that what disturbs the machine disturbs them alike.
+
+mod benchmark;
+mod finals;
+mod ladder;
+mod search;
+mod trial;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use deltazero_solvers::{METHODS, Method, Stats};
+use serde::{Deserialize, Serialize};
+
+use crate::json_number;
+use crate::setting::{Accuracy, Atol, Events, Setting};
+
+pub use benchmark::Benchmark;
+pub use trial::{Start, Trial, TrialEnd, work};
+
+use search::{Search, Step};
+
+/// A setting counts if `e` keeps below this part of the accuracy.
+pub const MARGIN: f64 = 0.8;
+/// A run is cut at this many times the least work of those that arrived.
+pub const CUT: f64 = 10.0;
+/// Candidates within this many times the least work of a method that is the same throughout are timed.
+pub const FINAL: f64 = 3.0;
+/// From this accuracy on a run that locates events must have their sequence right.
+pub const EVENTS_FROM: f64 = 1e-6;
+/// Work of the first budget: some milliseconds.
+const FIRST_BUDGET: f64 = 5e4;
+/// Growth of the budget while no candidate has arrived.
+const BUDGET_GROWTH: f64 = 4.0;
+
+/// A method with what it does about events; the contest finds its setting.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate {
+    /// The method.
+    pub method: &'static Method,
+    /// What it does about events.
+    pub events: Events,
+}
+
+impl Candidate {
+    /// Every pair of `methods`, by name, and `events`; an unknown method none.
+    pub fn all(methods: &[String], events: &[Events]) -> Vec<Self> {
+        let known = METHODS.iter().filter(|method| methods.iter().any(|name| name == method.name));
+        known.flat_map(|method| events.iter().map(move |&events| Self { method, events })).collect()
+    }
+}
+
+/// Who takes part in contests, and how they are run.
+#[derive(Clone, Debug)]
+pub struct Rules {
+    /// Who takes part.
+    pub candidates: Vec<Candidate>,
+    /// Absolute tolerance that goes with every relative one; none: its multiple of the scales.
+    pub atol: Option<Atol>,
+    /// Times that each of the fastest is run.
+    pub repeats: u32,
+    /// Work beyond which a run is cut whatever the others need.
+    pub max_work: f64,
+}
+
+impl Default for Rules {
+    /// Every method, its events located.
+    fn default() -> Self {
+        let located = |method| Candidate { method, events: Events::Located };
+        let candidates = METHODS.iter().map(located).collect();
+        Self { candidates, atol: None, repeats: 5, max_work: 1e8 }
+    }
+}
+
+/// What a contest is about.
+#[derive(Clone, Debug)]
+pub struct Contest<'a> {
+    /// On what.
+    pub benchmark: &'a Benchmark,
+    /// The error `e` to be reached.
+    pub accuracy: f64,
+    /// Absolute tolerance that goes with every relative one; none: its multiple of the scales.
+    pub atol: Option<Atol>,
+    /// Times that each of the fastest is run.
+    pub repeats: u32,
+    /// Work beyond which a run is cut whatever the others need.
+    pub max_work: f64,
+    /// Set from outside to interrupt it.
+    pub stop: &'a AtomicBool,
+}
+
+/// A candidate that reaches the accuracy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Entry {
+    /// Method.
+    pub method: String,
+    /// What it does about events.
+    pub events: Events,
+    /// Relative tolerance, if it has one.
+    pub rtol: Option<f64>,
+    /// Fixed step [s], if it has one.
+    pub step: Option<f64>,
+    /// Its error.
+    #[serde(with = "json_number::one")]
+    pub e: f64,
+    /// Least and largest error of it, the next tighter setting, and the start moved by its last bit.
+    #[serde(with = "json_number::pair")]
+    pub e_spread: [f64; 2],
+    /// Events of the reference that it lacks.
+    pub missed: usize,
+    /// Events that the reference lacks.
+    pub spurious: usize,
+    /// Whether it is implicit; `auto`, which is by turns, is not.
+    pub implicit: bool,
+    /// Evaluations of the right-hand side of a part.
+    pub n_rhs: u64,
+    /// Accepted steps.
+    pub n_accepted: u64,
+    /// Those of them that `auto` took with its implicit half; none of another method, or where an earlier version
+    /// did not say.
+    #[serde(default)]
+    pub n_implicit: Option<u64>,
+    /// Mean of the accepted steps [s].
+    #[serde(with = "json_number::one")]
+    pub mean_step_s: f64,
+    /// Steps that a tolerance ten times tighter takes for each of its own; none for a fixed step.
+    #[serde(default, with = "json_number::maybe")]
+    pub growth: Option<f64>,
+    /// Whether stability, not accuracy, sets its steps.
+    pub bound_by_stability: bool,
+    /// Work; see [`work`].
+    #[serde(with = "json_number::one")]
+    pub work: f64,
+    /// Shortest time of its runs [s].
+    #[serde(with = "json_number::one")]
+    pub wall_s: f64,
+    /// Shortest time of the processor of its runs [s], by which entries are ranked; none where an earlier version did
+    /// not say, and the shortest time ranks.
+    #[serde(default)]
+    pub cpu_s: Option<f64>,
+    /// How uncertain that is, as a factor: the median of those in turns over the shortest; none where there were no
+    /// turns.
+    #[serde(default)]
+    pub noise: Option<f64>,
+    /// Whether a tighter setting has the events wrong.
+    pub grazes: bool,
+    /// Whether it was timed in turns with the fastest.
+    pub timed: bool,
+}
+
+impl Entry {
+    /// Whether it is the method that chooses between others as it goes.
+    pub fn is_auto(&self) -> bool {
+        chooses(&self.method)
+    }
+
+    /// The time that ranks [s]: of the processor, or on the wall where that is all that is known.
+    pub fn time_s(&self) -> f64 {
+        self.cpu_s.unwrap_or(self.wall_s)
+    }
+
+    /// Whether the noise of their times leaves open which of it and the faster `first` is the faster one.
+    pub fn is_within_noise_of(&self, first: &Self) -> bool {
+        let noise = |entry: &Self| entry.noise.unwrap_or(1.0);
+        self.timed && self.time_s() <= first.time_s() * noise(self).max(noise(first))
+    }
+
+    /// What `auto` is here, as text: `4007 of its 4704 steps implicit`; none of another method.
+    pub fn implicit_steps(&self) -> Option<String> {
+        let n_implicit = self.n_implicit?;
+        Some(format!("{n_implicit} of its {} steps implicit", self.n_accepted))
+    }
+
+    /// Tolerance or step as text: `rtol 1e-6`, `h 1e-4 s`.
+    pub fn setting(&self) -> String {
+        let accuracy = Accuracy::of_columns(self.rtol, self.step, None);
+        accuracy.map_or_else(String::new, |accuracy| accuracy.to_string())
+    }
+}
+
+/// Why a candidate does not reach the accuracy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FailureKind {
+    /// It needs more than [`CUT`] times the least work, [`FINAL`] times that of its kind, or the limit.
+    Cut,
+    /// Its error stays above the accuracy, however tight the setting.
+    OutOfReach,
+    /// Its error is small enough, its sequence of events wrong.
+    EventsWrong,
+    /// Its iteration does not converge.
+    NoConvergence,
+    /// Its events accumulate, or two modes hand over to each other.
+    EventStorm,
+    /// It stopped for another reason.
+    Failed,
+    /// It was interrupted.
+    Interrupted,
+}
+
+impl FailureKind {
+    /// As the files write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cut => "cut",
+            Self::OutOfReach => "out_of_reach",
+            Self::EventsWrong => "events_wrong",
+            Self::NoConvergence => "no_convergence",
+            Self::EventStorm => "event_storm",
+            Self::Failed => "failed",
+            Self::Interrupted => "interrupted",
+        }
+    }
+}
+
+/// A candidate that does not reach the accuracy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Failure {
+    /// Method.
+    pub method: String,
+    /// What it does about events.
+    pub events: Events,
+    /// Whether it is implicit.
+    pub implicit: bool,
+    /// Why.
+    pub kind: FailureKind,
+    /// The same with numbers.
+    pub message: String,
+    /// Mean accepted step of its last run [s], if it took one.
+    pub mean_step_s: Option<f64>,
+}
+
+impl Failure {
+    /// Whether it is of the method that chooses between others as it goes.
+    pub fn is_auto(&self) -> bool {
+        chooses(&self.method)
+    }
+}
+
+/// Whether the method called `name` is one that chooses between explicit and implicit as it goes.
+fn chooses(name: &str) -> bool {
+    Method::named(name).is_some_and(Method::chooses)
+}
+
+/// How a contest ended.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Standings {
+    /// Those that reach the accuracy, the fastest first.
+    pub entries: Vec<Entry>,
+    /// Those that do not, in the order of the candidates.
+    pub failures: Vec<Failure>,
+    /// Runs made, the repeats for time left out.
+    pub n_trials: usize,
+}
+
+impl<'a> Contest<'a> {
+    /// The contest on `benchmark` at `accuracy`.
+    pub fn new(
+        benchmark: &'a Benchmark,
+        accuracy: f64,
+        rules: &Rules,
+        stop: &'a AtomicBool,
+    ) -> Self {
+        let Rules { atol, repeats, max_work, .. } = rules;
+        Self {
+            benchmark,
+            accuracy,
+            atol: atol.clone(),
+            repeats: *repeats,
+            max_work: *max_work,
+            stop,
+        }
+    }
+}
+
+impl Contest<'_> {
+    /// Whether the reference is good enough to tell who reaches the accuracy.
+    pub fn is_decidable(&self) -> bool {
+        self.benchmark.reference.summary.can_decide(self.accuracy)
+    }
+
+    /// Runs the contest between `candidates`; `progress` hears of each that is through.
+    pub fn run(&self, candidates: &[Candidate], progress: &dyn Fn(&str)) -> Standings {
+        let mut searches: Vec<Search<'_>> =
+            candidates.iter().map(|candidate| Search::new(self, *candidate)).collect();
+        let of_note = self.search(&mut searches, progress);
+        let mut standings = Standings {
+            n_trials: searches.iter().map(|search| search.n_trials).sum(),
+            ..Standings::default()
+        };
+        let mut settings = Vec::new();
+        for search in &searches {
+            match search.entry() {
+                Ok((setting, entry)) => {
+                    settings.push(setting);
+                    standings.entries.push(entry);
+                }
+                Err(failure) => standings.failures.push(failure),
+            }
+        }
+        finals::time(self, &settings, &mut standings.entries, of_note);
+        standings
+    }
+
+    /// Advances every search until it is over, under budgets that grow; the work up to which candidates are
+    /// timed.
+    fn search(&self, searches: &mut [Search<'_>], progress: &dyn Fn(&str)) -> f64 {
+        let (mut budget, mut least) = (FIRST_BUDGET, Least::default());
+        loop {
+            let mut open = false;
+            for search in searches.iter_mut().filter(|search| !search.is_over()) {
+                let most = self.max_work.min(least.limit(search.candidate));
+                let limit = budget.min(most);
+                match search.advance(limit, least.of_note()) {
+                    Step::Over => {
+                        least.arrived(search.candidate, search.work());
+                        progress(search.candidate.method.name);
+                    }
+                    // A later, lower limit would cut it all the more.
+                    Step::Cut if limit >= most => {
+                        search.give_up(least.of_all());
+                        progress(search.candidate.method.name);
+                    }
+                    Step::Cut => open = true,
+                }
+            }
+            if !open {
+                return least.of_note();
+            }
+            let first = least.of_all();
+            budget = if first.is_finite() { CUT * first } else { BUDGET_GROWTH * budget };
+        }
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    fn setting(&self, candidate: Candidate, rung: i32) -> Setting {
+        let Candidate { method, events } = candidate;
+        Setting { method, events, accuracy: ladder::accuracy(method, rung, self.atol.clone()) }
+    }
+}
+
+/// The least work of those that arrived, kind by kind: explicit and implicit, located and blind, and of
+/// `auto`, which is cut as an explicit method is and cuts none.
+struct Least([f64; 5]);
+
+/// Place of `auto` among the kinds.
+const AUTO_KIND: usize = 4;
+
+impl Default for Least {
+    fn default() -> Self {
+        Self([f64::INFINITY; 5])
+    }
+}
+
+impl Least {
+    fn kind(candidate: Candidate) -> usize {
+        let blind = candidate.events == Events::Blind;
+        2 * usize::from(candidate.method.is_implicit()) + usize::from(blind)
+    }
+
+    fn arrived(&mut self, candidate: Candidate, work: f64) {
+        let kind = if candidate.method.chooses() { AUTO_KIND } else { Self::kind(candidate) };
+        let own = &mut self.0[kind];
+        *own = own.min(work);
+    }
+
+    fn of_all(&self) -> f64 {
+        least(self.0)
+    }
+
+    /// The work up to which a candidate may be among the fastest.
+    fn of_note(&self) -> f64 {
+        let fixed = least(self.0[..AUTO_KIND].iter().copied());
+        FINAL * if fixed.is_finite() { fixed } else { self.of_all() }
+    }
+
+    /// Where a candidate is cut.
+    fn limit(&self, candidate: Candidate) -> f64 {
+        (CUT * self.of_all()).min(FINAL * self.0[Self::kind(candidate)])
+    }
+}
+
+fn least(each: impl IntoIterator<Item = f64>) -> f64 {
+    each.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// Whether a run that treats events in this way has them right, or need not have at this accuracy.
+pub fn accepts_events(accuracy: f64, events: Events, trial: &Trial) -> bool {
+    accuracy > EVENTS_FROM || events == Events::Blind || trial.events_are_right()
+}
+
+/// Mean accepted step [s] of a run that came `covered` seconds far, blocks added.
+fn mean_step(covered: f64, stats: &Stats) -> Option<f64> {
+    (stats.n_accepted > 0).then(|| covered / stats.n_accepted as f64)
+}

@@ -1,0 +1,447 @@
+//! The search for the loosest setting of one candidate that can be trusted to reach the accuracy.
+
+use std::collections::BTreeMap;
+
+use deltazero_solvers::Error;
+
+use super::ladder::{self, A_DECADE};
+use super::trial::{ON_COURSE, Start, Trial, TrialEnd};
+use super::{Candidate, Contest, Entry, Failure, FailureKind, MARGIN, accepts_events, mean_step};
+use crate::run::Setting;
+
+/// Longest move between two rungs that are looked at: two decades.
+const LONGEST: i32 = 2 * A_DECADE;
+/// Rungs that are skipped where events are wrong, the next time twice as many, and so on; or where a run
+/// fails.
+const EVENTS_WRONG: i32 = 2;
+const FAILED: i32 = A_DECADE;
+/// After so many moves without half the error, tighter settings are held not to help.
+const STAGNATIONS: u32 = 2;
+/// A run cut with more than this many times the events that the reference has by then, and some, chatters:
+/// a tighter one may cost less.
+const CHATTER: (f64, f64) = (4.0, 10.0);
+/// Errors above this tell nothing: the run has lost the motion.
+const LOST: f64 = 0.1;
+/// Largest distance of two rungs whose steps are compared for [`Entry::growth`].
+const GROWTH_SPAN: i32 = 2 * A_DECADE;
+
+/// A fixed step whose error is below this part of the accuracy is not chosen for accuracy.
+const TOO_GOOD: f64 = 0.01;
+
+/// What came of a search under a limit of work.
+pub(super) enum Step {
+    /// It is over.
+    Over,
+    /// It needs a higher limit.
+    Cut,
+}
+
+/// The search of one candidate.
+pub(super) struct Search<'a> {
+    contest: &'a Contest<'a>,
+    pub(super) candidate: Candidate,
+    trials: BTreeMap<i32, Trial>,
+    nudged: BTreeMap<i32, Vec<Trial>>,
+    verdict: Option<Result<i32, (FailureKind, String)>>,
+    last: i32,
+    /// Work beyond which its setting need not be found to a quarter of a decade.
+    of_note: f64,
+    pub(super) n_trials: usize,
+}
+
+/// What a rung is.
+enum Kind {
+    /// It reaches the accuracy.
+    Meets,
+    /// It does not; a tighter one may, so many rungs away.
+    Misses(i32),
+    /// It needs more than the limit.
+    Cut,
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(contest: &'a Contest<'a>, candidate: Candidate) -> Self {
+        Self {
+            contest,
+            candidate,
+            trials: BTreeMap::new(),
+            nudged: BTreeMap::new(),
+            verdict: None,
+            last: 0,
+            of_note: f64::INFINITY,
+            n_trials: 0,
+        }
+    }
+
+    pub(super) fn is_over(&self) -> bool {
+        self.verdict.is_some()
+    }
+
+    /// Ends it as cut, when `least` is the least work of the others.
+    pub(super) fn give_up(&mut self, least: f64) {
+        let needs = self.needs(self.last);
+        let is_late = |trial: &Trial| trial.end == TrialEnd::OutOfTime;
+        let message = if self.trials.get(&self.last).is_some_and(is_late) {
+            format!("needs more than study.max_seconds = {} s", self.contest.benchmark.max_seconds)
+        } else if needs.is_finite() && least.is_finite() {
+            format!("would need some {:.0} times the work of the best", needs / least)
+        } else {
+            "needs more than the limit of work".to_owned()
+        };
+        self.verdict = Some(Err((FailureKind::Cut, message)));
+    }
+
+    /// Goes on until it is over or `limit` of work cuts it; up to `of_note` it may be among the fastest.
+    pub(super) fn advance(&mut self, limit: f64, of_note: f64) -> Step {
+        self.of_note = of_note;
+        // What was on course for more than this limit, too, is not run again.
+        let hopeless: Vec<i32> =
+            self.trials.keys().copied().filter(|at| self.needs(*at) > ON_COURSE * limit).collect();
+        self.trials.retain(|at, trial| trial.end != TrialEnd::Cut || hopeless.contains(at));
+        let found = match self.bracket(limit) {
+            Ok(rung) => self.confirm(rung, limit),
+            Err(end) => Err(end),
+        };
+        if self.contest.is_interrupted() {
+            let message = "interrupted".to_owned();
+            self.verdict = Some(Err((FailureKind::Interrupted, message)));
+            return Step::Over;
+        }
+        match found {
+            Ok(rung) => {
+                self.verdict = Some(Ok(rung));
+                Step::Over
+            }
+            Err(End::Cut) => Step::Cut,
+            Err(End::Failure(kind, message)) => {
+                self.verdict = Some(Err((kind, message)));
+                Step::Over
+            }
+        }
+    }
+
+    /// The loosest rung that meets the accuracy, as far as bisection finds it.
+    fn bracket(&mut self, limit: f64) -> Result<i32, End> {
+        let contest = self.contest;
+        let rungs = ladder::rungs(self.candidate.method, contest.benchmark.t_end);
+        let (loosest, tightest) = (*rungs.start(), *rungs.end());
+        let mut rung =
+            ladder::first(self.candidate.method, contest.benchmark.t_end, contest.accuracy);
+        // Below `misses` no rung is looked at any more, nor above `meets` or `cut`.
+        let (mut misses, mut meets, mut cut) = (None::<i32>, None::<i32>, None::<i32>);
+        let (mut stagnations, mut least_e) = (0, f64::INFINITY);
+        let mut times_wrong = 0;
+        loop {
+            let mut away = 1;
+            match self.look(rung, limit) {
+                Kind::Meets => {
+                    meets = Some(rung);
+                    away = self.slack(rung);
+                }
+                // Looser than one that was affordable: it cost more for being too loose.
+                Kind::Cut if meets.is_some() => misses = Some(rung),
+                Kind::Cut => {
+                    let is_hopeless = self.needs(rung) > self.looser_saves(rung) * limit;
+                    if is_hopeless && misses.is_some() {
+                        return Err(End::Cut);
+                    }
+                    // Too loose a setting may cost more than a tighter one: it rejects, or chatters.
+                    if is_hopeless {
+                        misses = Some(rung)
+                    } else {
+                        cut = Some(rung)
+                    }
+                    away = LONGEST;
+                }
+                Kind::Misses(to_go) => {
+                    misses = Some(rung);
+                    let e = self.trials.get(&rung).map_or(f64::INFINITY, |trial| trial.e);
+                    if e < LOST && e > contest.accuracy && e > 0.5 * least_e {
+                        stagnations += 1;
+                    } else if e < LOST {
+                        (stagnations, least_e) = (0, e);
+                    }
+                    away = to_go.max(away);
+                    if e <= MARGIN * contest.accuracy {
+                        times_wrong += 1;
+                        away *= times_wrong;
+                    }
+                }
+            }
+            if contest.is_interrupted() {
+                return Err(End::Cut);
+            }
+            rung = match (misses, meets.or(cut)) {
+                (Some(low), Some(high)) if high - low <= self.fineness(low, meets) => {
+                    return meets.ok_or(End::Cut);
+                }
+                (Some(low), Some(high)) => self.between(low, high),
+                (None, Some(high)) if high == loosest => return meets.ok_or(End::Cut),
+                (None, Some(high)) => (high - away).max(loosest),
+                (Some(low), None) if low == tightest || stagnations >= STAGNATIONS => {
+                    return Err(self.failure(low));
+                }
+                (Some(low), None) => (low + away).min(tightest),
+                (None, None) => return Err(End::Cut),
+            };
+        }
+    }
+
+    /// To how many rungs the setting is to be found: to one where it may be among the fastest; to any
+    /// where what misses already needs too much for that, and to a decade where what meets does.
+    fn fineness(&self, misses: i32, meets: Option<i32>) -> i32 {
+        let is_dear = |rung: i32| self.trials.get(&rung).is_some_and(|t| t.work > self.of_note);
+        match meets {
+            Some(_) if is_dear(misses) => i32::MAX,
+            Some(meets) if is_dear(meets) => A_DECADE,
+            _ => 1,
+        }
+    }
+
+    /// The first rung from `rung` on that meets the accuracy together with the next one, and from starts
+    /// moved by the last bit.
+    fn confirm(&mut self, mut rung: i32, limit: f64) -> Result<i32, End> {
+        let tightest = *ladder::rungs(self.candidate.method, self.contest.benchmark.t_end).end();
+        loop {
+            let next = (rung + 1).min(tightest);
+            let failed = [rung, next].into_iter().rev().find_map(|at| match self.look(at, limit) {
+                Kind::Meets => None,
+                Kind::Misses(_) => Some(Ok(at)),
+                Kind::Cut => Some(Err(End::Cut)),
+            });
+            rung = match failed {
+                None if self.holds_when_nudged(rung) => return Ok(rung),
+                None => rung + 1,
+                Some(Err(end)) => return Err(end),
+                Some(Ok(at)) => at + 1,
+            };
+            if self.contest.is_interrupted() {
+                return Err(End::Cut);
+            }
+            if rung > tightest {
+                return Err(self.failure(tightest));
+            }
+        }
+    }
+
+    /// The work that a run needs to its end, by what it needed up to where it was cut.
+    fn needs(&self, rung: i32) -> f64 {
+        let whole = self.contest.benchmark.whole();
+        self.trials.get(&rung).map_or(f64::INFINITY, |trial| trial.work * whole / trial.covered)
+    }
+
+    /// The factor by which the loosest setting that may still reach the accuracy, two decades from
+    /// `rung`, can at best reduce the work: `10^(1/p)` a decade at order p.
+    fn looser_saves(&self, rung: i32) -> f64 {
+        let loosest = *ladder::rungs(self.candidate.method, self.contest.benchmark.t_end).start();
+        let decades = f64::from((rung - loosest).min(LONGEST)) / f64::from(A_DECADE);
+        libm::exp10(decades / self.candidate.method.order as f64)
+    }
+
+    /// Runs a rung, unless that is done, and judges it.
+    fn look(&mut self, rung: i32, limit: f64) -> Kind {
+        let (contest, candidate) = (self.contest, self.candidate);
+        self.last = rung;
+        let n_trials = &mut self.n_trials;
+        let trial = self.trials.entry(rung).or_insert_with(|| {
+            *n_trials += 1;
+            let setting = contest.setting(candidate, rung);
+            Trial::new(contest.benchmark, &setting, Start::Exact, limit, contest.stop)
+        });
+        let goal = MARGIN * contest.accuracy;
+        let (times, more) = CHATTER;
+        let whole = contest.benchmark.whole();
+        let most_events = times * contest.benchmark.n_events as f64 * trial.covered / whole + more;
+        match &trial.end {
+            TrialEnd::Cut if trial.stats.n_events as f64 > most_events => Kind::Misses(LONGEST),
+            TrialEnd::Cut | TrialEnd::OutOfTime | TrialEnd::Interrupted => Kind::Cut,
+            TrialEnd::Failed(_) => Kind::Misses(FAILED),
+            TrialEnd::Reached if trial.e <= goal => {
+                // One that was affordable under an earlier, higher limit.
+                if trial.work > limit {
+                    Kind::Cut
+                } else if accepts_events(contest.accuracy, candidate.events, trial) {
+                    Kind::Meets
+                } else {
+                    Kind::Misses(EVENTS_WRONG)
+                }
+            }
+            TrialEnd::Reached => Kind::Misses(rungs_of(trial.e / goal).ceil() as i32),
+        }
+    }
+
+    /// Whether a rung reaches the accuracy from starts moved by the last bit, too; not asked where it
+    /// cannot be among the fastest.
+    fn holds_when_nudged(&mut self, rung: i32) -> bool {
+        if self.trials.get(&rung).is_some_and(|trial| trial.work > self.of_note) {
+            return true;
+        }
+        let (contest, candidate) = (self.contest, self.candidate);
+        let setting = contest.setting(candidate, rung);
+        let n_trials = &mut self.n_trials;
+        let nudged = self.nudged.entry(rung).or_insert_with(|| {
+            *n_trials += 2;
+            let run =
+                |start| Trial::new(contest.benchmark, &setting, start, f64::INFINITY, contest.stop);
+            vec![run(Start::Up), run(Start::Down)]
+        });
+        let goal = MARGIN * contest.accuracy;
+        nudged.iter().all(|trial| {
+            trial.e <= goal && accepts_events(contest.accuracy, candidate.events, trial)
+        })
+    }
+
+    /// How many rungs looser than one that meets the accuracy another might meet it.
+    fn slack(&self, rung: i32) -> i32 {
+        let e = self.trials.get(&rung).map_or(0.0, |trial| trial.e);
+        (rungs_of(MARGIN * self.contest.accuracy / e).floor() as i32).clamp(1, LONGEST)
+    }
+
+    /// A rung between one that misses and one that meets (or is cut): where a power law through both
+    /// errors has the accuracy, or else the middle.
+    fn between(&self, low: i32, high: i32) -> i32 {
+        let e = |rung: i32| {
+            self.trials.get(&rung).map(|trial| trial.e).filter(|e| *e > 0.0 && e.is_finite())
+        };
+        let goal = MARGIN * self.contest.accuracy;
+        let part = match (e(low), e(high)) {
+            (Some(a), Some(b)) if a > goal && goal > b => libm::log(a / goal) / libm::log(a / b),
+            _ => 0.5,
+        };
+        let at = f64::from(low) + part * f64::from(high - low);
+        (at.round() as i32).clamp(low + 1, high - 1)
+    }
+
+    /// Why no setting reaches the accuracy, told by the last one looked at.
+    fn failure(&self, rung: i32) -> End {
+        let Some(trial) = self.trials.get(&rung) else {
+            return End::Cut;
+        };
+        let setting = self.contest.setting(self.candidate, rung).accuracy;
+        let (kind, what) = match &trial.end {
+            TrialEnd::Cut | TrialEnd::OutOfTime | TrialEnd::Interrupted => return End::Cut,
+            TrialEnd::Failed(error) => {
+                let kind = match error {
+                    Error::NoConvergence { .. } => FailureKind::NoConvergence,
+                    Error::EventStorm { .. } | Error::Chatter { .. } => FailureKind::EventStorm,
+                    _ => FailureKind::Failed,
+                };
+                (kind, error.to_string())
+            }
+            TrialEnd::Reached if trial.e <= self.contest.accuracy => {
+                let (missed, spurious) = (trial.missed, trial.spurious);
+                (FailureKind::EventsWrong, format!("{missed} events missed, {spurious} spurious"))
+            }
+            TrialEnd::Reached => (FailureKind::OutOfReach, format!("e = {:.1e}", trial.e)),
+        };
+        End::Failure(kind, format!("at {setting}: {what}"))
+    }
+
+    fn accepts_events(&self, trial: &Trial) -> bool {
+        accepts_events(self.contest.accuracy, self.candidate.events, trial)
+    }
+
+    /// Whether a setting tighter than the one found has the events wrong.
+    fn grazes(&self, rung: i32) -> bool {
+        let wrong = |trial: &Trial| trial.end == TrialEnd::Reached && !self.accepts_events(trial);
+        self.trials.range(rung + 1..).any(|(_, trial)| wrong(trial))
+    }
+
+    /// The work of the setting that was found; infinite where none was.
+    pub(super) fn work(&self) -> f64 {
+        let found = self.verdict.as_ref().and_then(|verdict| verdict.as_ref().ok());
+        found.and_then(|rung| self.trials.get(rung)).map_or(f64::INFINITY, |trial| trial.work)
+    }
+
+    /// What was found, with its setting.
+    pub(super) fn entry(&self) -> Result<(Setting, Entry), Failure> {
+        let Candidate { method, events } = self.candidate;
+        let failure = |kind, message: &str, last: Option<&Trial>| Failure {
+            method: method.name.to_owned(),
+            events,
+            implicit: method.is_implicit(),
+            kind,
+            message: message.to_owned(),
+            mean_step_s: last.and_then(|trial| mean_step(trial.covered, &trial.stats)),
+        };
+        let last = self.trials.get(&self.last);
+        let (rung, trial) = match &self.verdict {
+            Some(Ok(rung)) => match self.trials.get(rung) {
+                Some(trial) => (*rung, trial),
+                None => return Err(failure(FailureKind::Interrupted, "not run", None)),
+            },
+            Some(Err((kind, message))) => return Err(failure(*kind, message, last)),
+            None => return Err(failure(FailureKind::Interrupted, "not finished", last)),
+        };
+        let next = self.trials.get(&(rung + 1));
+        let nudged = self.nudged.get(&rung).into_iter().flatten();
+        let neighbours = next.into_iter().chain(nudged).map(|trial| trial.e);
+        let spread = neighbours.fold([trial.e; 2], |[a, b], e| [a.min(e), b.max(e)]);
+        let setting = self.contest.setting(self.candidate, rung);
+        let growth = self.growth(rung, trial);
+        let entry = Entry {
+            method: method.name.to_owned(),
+            events,
+            rtol: setting.rtol(),
+            step: setting.step(),
+            e: trial.e,
+            e_spread: spread,
+            missed: trial.missed,
+            spurious: trial.spurious,
+            implicit: method.is_implicit(),
+            n_rhs: trial.stats.work.n_rhs,
+            n_accepted: trial.stats.n_accepted,
+            n_implicit: method.chooses().then_some(trial.stats.n_implicit),
+            mean_step_s: mean_step(trial.covered, &trial.stats).unwrap_or(f64::NAN),
+            growth,
+            bound_by_stability: self.is_bound_by_stability(trial, growth),
+            work: trial.work,
+            wall_s: trial.took.wall.as_secs_f64(),
+            cpu_s: Some(trial.took.cpu.as_secs_f64()),
+            noise: None,
+            grazes: self.grazes(rung),
+            timed: false,
+        };
+        Ok((setting, entry))
+    }
+
+    /// See [`Entry::growth`].
+    fn growth(&self, rung: i32, trial: &Trial) -> Option<f64> {
+        if self.candidate.method.is_fixed_step() {
+            return None;
+        }
+        let mut tighter = self.trials.range(rung + 1..=rung + GROWTH_SPAN);
+        let (other, far) = tighter.rfind(|(_, trial)| trial.end == TrialEnd::Reached)?;
+        let ratio = far.stats.n_accepted as f64 / trial.stats.n_accepted as f64;
+        Some(libm::pow(ratio, f64::from(A_DECADE) / f64::from(other - rung)))
+    }
+
+    /// Whether stability sets the steps: of a method that chooses them, where they depend on the
+    /// tolerance less than a quarter as much as accuracy asks, `10^(1/p)` a decade at order p; of a
+    /// fixed step, where the error is far below what was asked.
+    fn is_bound_by_stability(&self, trial: &Trial, growth: Option<f64>) -> bool {
+        let method = self.candidate.method;
+        if method.is_implicit() {
+            return false;
+        }
+        if method.is_fixed_step() {
+            return trial.e < TOO_GOOD * self.contest.accuracy;
+        }
+        growth.is_some_and(|growth| growth < libm::exp10(0.25 / method.order as f64))
+    }
+}
+
+/// Why a search stops.
+enum End {
+    /// The limit of work.
+    Cut,
+    /// No setting reaches the accuracy.
+    Failure(FailureKind, String),
+}
+
+/// Rungs that a factor in the error is worth, where error goes with tolerance.
+fn rungs_of(factor: f64) -> f64 {
+    let rungs = f64::from(A_DECADE) * libm::log10(factor);
+    let longest = f64::from(LONGEST);
+    if rungs.is_nan() { longest } else { rungs.clamp(-longest, longest) }
+}

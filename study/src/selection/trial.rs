@@ -1,0 +1,195 @@
+//! One run of a contest, measured and judged.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use deltazero_solvers::{Error, Grid, Method, Outcome, Stats, Work};
+
+use super::benchmark::Benchmark;
+use crate::errors::worse;
+use crate::part::Part;
+use crate::reference::PartReference;
+use crate::run::{Brake, Clock, Price, SERIES, Setting, Took};
+
+pub use crate::part::Start;
+
+/// A linear system of six states costs about this many right-hand sides: rodas5p, radau5, bdf and
+/// esdirk34 take 4.2 to 7.5 times the time of an explicit method's for each of theirs (Table 1). Of more states it is
+/// taken for as much, which is not measured.
+const LIN_SOLVE: f64 = 5.0;
+
+/// The work of a run in right-hand sides: a measure of cost that is the same on every machine, and
+/// right within a factor of about two.
+///
+/// ```text
+/// n_rhs + 5 n_lin_solves        a Taylor series of order p counts 2 p
+/// ```
+pub fn work(method: &Method, rtol: Option<f64>, counts: &Work) -> f64 {
+    let rhs = method.series_order(rtol).map_or(1.0, |order| SERIES * order as f64);
+    rhs * counts.n_rhs as f64 + LIN_SOLVE * counts.n_lin_solves as f64
+}
+
+/// How a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TrialEnd {
+    /// At the end of its time.
+    Reached,
+    /// At the limit of work.
+    Cut,
+    /// At the limit of time.
+    OutOfTime,
+    /// It could not go on.
+    Failed(Error),
+    /// Interrupted from outside.
+    Interrupted,
+}
+
+/// A run, judged by the reference.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// How it ended.
+    pub end: TrialEnd,
+    /// Error `e`; infinite where it has not reached its end.
+    pub e: f64,
+    /// Events of the reference that it lacks.
+    pub missed: usize,
+    /// Events that the reference lacks.
+    pub spurious: usize,
+    /// Counts.
+    pub stats: Stats,
+    /// Work; see [`work`].
+    pub work: f64,
+    /// Time that the parts came far, added [s].
+    pub covered: f64,
+    /// Time that it took.
+    pub took: Took,
+}
+
+impl Trial {
+    /// Runs `setting` on `benchmark` from `start`, and cuts it at `limit` of [`work`], or where it is on
+    /// course for twice that.
+    pub fn new(
+        benchmark: &Benchmark,
+        setting: &Setting,
+        start: Start,
+        limit: f64,
+        stop: &AtomicBool,
+    ) -> Self {
+        let mut trial = Self {
+            end: TrialEnd::Reached,
+            e: 0.0,
+            missed: 0,
+            spurious: 0,
+            stats: Stats::default(),
+            work: 0.0,
+            covered: 0.0,
+            took: Took::default(),
+        };
+        for (part, reference) in benchmark.subject.parts.iter().zip(&benchmark.reference.parts) {
+            trial.add((part, reference), (benchmark, setting, start), limit, stop);
+            if trial.end != TrialEnd::Reached {
+                break;
+            }
+        }
+        trial
+    }
+
+    /// Runs one part, which has this reference.
+    fn add(
+        &mut self,
+        (part, reference): (&Part, &PartReference),
+        (benchmark, setting, start): (&Benchmark, &Setting, Start),
+        limit: f64,
+        stop: &AtomicBool,
+    ) {
+        let mut brake = WorkLimit {
+            setting,
+            work_before: self.work,
+            t_before: self.covered,
+            whole: benchmark.whole(),
+            limit,
+            stop,
+            clock: Clock::of(benchmark.max_seconds - self.took.wall.as_secs_f64()),
+            reached: 0.0,
+            cut: None,
+        };
+        let grid = Grid::Times(benchmark.times.clone());
+        let (run, trace) = part.run(setting, start, benchmark.t_end, &grid, &mut brake);
+        self.stats += run.stats;
+        self.work += work(setting.method, setting.rtol(), &run.stats.work);
+        self.covered += run.t;
+        self.took = self.took + run.took;
+        self.end = match run.outcome {
+            Err(error) => TrialEnd::Failed(error),
+            Ok(Outcome::Interrupted) => brake.cut.unwrap_or(TrialEnd::Interrupted),
+            Ok(_) => TrialEnd::Reached,
+        };
+        if self.end != TrialEnd::Reached {
+            self.e = f64::INFINITY;
+            return;
+        }
+        self.e = worse(self.e, reference.error(&trace));
+        for site in 0..reference.sites.len() {
+            let events = reference.matched(site, &trace);
+            self.missed += events.missed;
+            self.spurious += events.spurious;
+        }
+    }
+
+    /// Whether its sequence of events is that of the reference.
+    pub fn events_are_right(&self) -> bool {
+        self.missed + self.spurious == 0
+    }
+}
+
+/// Breaks a run off at a limit of work, or once a tenth of that shows that it is on course for twice the
+/// limit; at the limit of time; or from outside.
+struct WorkLimit<'a> {
+    setting: &'a Setting,
+    /// Work and time of the parts before.
+    work_before: f64,
+    t_before: f64,
+    /// Time of all parts.
+    whole: f64,
+    limit: f64,
+    stop: &'a AtomicBool,
+    clock: Clock,
+    /// Time of the last accepted step.
+    reached: f64,
+    /// The end that it made.
+    cut: Option<TrialEnd>,
+}
+
+impl WorkLimit<'_> {
+    /// What follows from the work of this part, rejected attempts beyond what is counted `besides`.
+    fn judge(&mut self, stats: &Stats, besides: f64, is_late: bool) -> ControlFlow<()> {
+        let own = work(self.setting.method, self.setting.rtol(), &stats.work);
+        let done = self.work_before + own + besides;
+        let part = (self.t_before + self.reached) / self.whole;
+        let is_hopeless = done > EARLY * self.limit && done > ON_COURSE * self.limit * part;
+        if done > self.limit || is_hopeless {
+            self.cut = Some(TrialEnd::Cut);
+        } else if is_late {
+            self.cut = Some(TrialEnd::OutOfTime);
+        } else if !self.stop.load(Ordering::Relaxed) {
+            return ControlFlow::Continue(());
+        }
+        ControlFlow::Break(())
+    }
+}
+
+/// See [`WorkLimit`].
+const EARLY: f64 = 0.1;
+pub(super) const ON_COURSE: f64 = 2.0;
+
+impl Brake for WorkLimit<'_> {
+    fn step(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {
+        self.reached = t;
+        self.judge(stats, 0.0, self.clock.is_over_after(stats))
+    }
+
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        let besides = Price::of_setting(self.setting).rejected(stats);
+        self.judge(stats, besides, self.clock.is_over())
+    }
+}
