@@ -47,7 +47,7 @@ const MISFIT: f64 = 0.02;
 
 /// A guard that falls within a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Fall {
+pub struct GuardCrossing {
     /// Which guard.
     pub guard: usize,
     /// When it falls, on the step's dense output.
@@ -240,7 +240,7 @@ impl<P: System> GuardWatch<P> {
         step: &dyn Step<P::State<f64>>,
         precision: f64,
         doubt: Option<&Tolerance>,
-    ) -> Result<Option<Fall>, Error> {
+    ) -> Result<Option<GuardCrossing>, Error> {
         let (t0, t1) = (step.t0(), step.t1());
         let h = t1 - t0;
         self.doubts.as_mut().fill(0.0);
@@ -252,7 +252,7 @@ impl<P: System> GuardWatch<P> {
             problem.guards(mode.clone(), t0 + 0.25 * f64::from(quarter) * h, &self.y, values);
         }
         self.violated(problem, mode.clone(), t1, step.y1())?;
-        let mut first: Option<Fall> = None;
+        let mut first: Option<GuardCrossing> = None;
         let mut knows_first = false;
         for guard in 0..self.end.as_ref().len() {
             let is_violated = self.end.as_ref()[guard].re < -self.bounds.as_ref()[guard];
@@ -280,7 +280,7 @@ impl<P: System> GuardWatch<P> {
             let bracket = Bracket { above: t0 + top * h, below: violated_at };
             let t = find_root(clearance, bracket, precision * h.abs());
             if first.is_none_or(|other| (t - t0).abs() < (other.t - t0).abs()) {
-                first = Some(Fall { guard, t, violated_at });
+                first = Some(GuardCrossing { guard, t, violated_at });
                 knows_first = false;
             }
         }

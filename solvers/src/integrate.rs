@@ -29,7 +29,7 @@ pub struct Integration<'a, P: System> {
     pub point: Point<P>,
     /// Work so far.
     pub stats: Stats,
-    switchboard: Switchboard<P>,
+    transitions: Transitions<P>,
 }
 
 impl<'a, P: System> Integration<'a, P> {
@@ -40,7 +40,7 @@ impl<'a, P: System> Integration<'a, P> {
             problem,
             point: Point { t, y, mode },
             stats: Stats::default(),
-            switchboard: Switchboard::new(problem, t),
+            transitions: Transitions::new(problem, t),
         }
     }
 
@@ -75,7 +75,7 @@ impl<'a, P: System> Integration<'a, P> {
         t_end: f64,
         record: &mut dyn Record<P>,
     ) -> Result<Option<Outcome>, Error> {
-        match self.switchboard.begin(self.problem, &self.point, t_end)? {
+        match self.transitions.begin(self.problem, &self.point, t_end)? {
             Some(guard) => self.pass(PhaseEnd::Guard(guard), record),
             None => Ok(None),
         }
@@ -94,7 +94,7 @@ impl<'a, P: System> Integration<'a, P> {
             PhaseEnd::Guard(guard) => {
                 let Point { t, y, mode } = &mut self.point;
                 let at = Instant { t: *t, y, mode };
-                self.switchboard.switch(self.problem, at, guard, &mut self.stats, record)
+                self.transitions.switch(self.problem, at, guard, &mut self.stats, record)
             }
         }
     }
@@ -120,7 +120,7 @@ pub(crate) fn rounded<P: System, B: Real>(y: &P::State<B>) -> P::State<f64> {
 }
 
 /// What happens between phases: transitions, until no guard is violated.
-pub(crate) struct Switchboard<P: System> {
+pub(crate) struct Transitions<P: System> {
     watch: GuardWatch<P>,
     /// Times of the last events, one fewer than are held to accumulate.
     last_events: VecDeque<f64>,
@@ -129,7 +129,7 @@ pub(crate) struct Switchboard<P: System> {
     t_end: f64,
 }
 
-impl<P: System> Switchboard<P> {
+impl<P: System> Transitions<P> {
     /// For an integration that starts at `t`.
     pub(crate) fn new(problem: &P, t: f64) -> Self {
         let n_storm = STORM.max(2 * problem.n_guards());

@@ -4,7 +4,7 @@ mod land;
 
 use crate::control::{Control, StepController, Verdict};
 use crate::error::Error;
-use crate::event::{Fall, GuardWatch};
+use crate::event::{GuardCrossing, GuardWatch};
 use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
 use crate::record::{Accepted, Needs, Record, reject};
 use crate::stats::Stats;
@@ -83,7 +83,7 @@ pub trait OneStep<P: System> {
         mode: P::Mode,
         watch: &mut GuardWatch<P>,
         stats: &mut Stats,
-    ) -> Result<Option<Fall>, Error> {
+    ) -> Result<Option<GuardCrossing>, Error> {
         if watch.is_clear(problem, mode.clone(), self.step()) {
             return Ok(None);
         }
@@ -194,29 +194,29 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     /// fixed or time does not resolve it. The end of the phase where the recorder breaks it off.
     fn unconverged(
         &mut self,
-        scene: &mut Scene<'_, P>,
-        course: &mut Course,
+        context: &mut PhaseContext<'_, P>,
+        phase: &mut PhaseState,
         h: f64,
     ) -> Result<Option<PhaseEnd>, Error> {
-        let (t, mode) = (scene.point.t, scene.point.mode.clone());
+        let (t, mode) = (context.point.t, context.point.mode.clone());
         let error = || Error::NoConvergence { t, h, mode: format!("{mode:?}") };
-        self.shortened(scene, course, h, error)
+        self.shortened(context, phase, h, error)
     }
 
     /// Counts a step of size `h` that has no end; a smaller one is tried next, or it is an `error` where the size is
     /// fixed or time does not resolve it. The end of the phase where the recorder breaks it off.
     fn shortened(
         &mut self,
-        scene: &mut Scene<'_, P>,
-        course: &mut Course,
+        context: &mut PhaseContext<'_, P>,
+        phase: &mut PhaseState,
         h: f64,
         error: impl FnOnce() -> Error,
     ) -> Result<Option<PhaseEnd>, Error> {
-        let Scene { point, stats, record, .. } = scene;
+        let PhaseContext { point, stats, record, .. } = context;
         let go_on = reject(stats, *record);
         let smaller = self.controller.halved(h);
         let resolved = smaller.filter(|smaller| point.t + 0.1 * smaller != point.t);
-        course.h = resolved.ok_or_else(error)?;
+        phase.h = resolved.ok_or_else(error)?;
         Ok(go_on.is_break().then_some(PhaseEnd::Interrupted))
     }
 
@@ -224,48 +224,48 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     /// where the recorder breaks it off.
     fn rejected(
         &self,
-        scene: &mut Scene<'_, P>,
-        course: &mut Course,
+        context: &mut PhaseContext<'_, P>,
+        phase: &mut PhaseState,
         smaller: f64,
     ) -> Result<Option<PhaseEnd>, Error> {
-        let Scene { point, stats, record, .. } = scene;
+        let PhaseContext { point, stats, record, .. } = context;
         let go_on = reject(stats, *record);
         if point.t + 0.1 * smaller == point.t {
             check_finite(point, self.method.step().y1())?;
             check_finite(point, self.method.error())?;
             return Err(underflow(point, smaller));
         }
-        course.h = smaller;
+        phase.h = smaller;
         Ok(go_on.is_break().then_some(PhaseEnd::Interrupted))
     }
 
     /// Settles the size of the step that is due, if one is: what the method proposes under adaptive control, else
     /// what the controller made of the last one, or a first one.
     #[inline(always)]
-    pub(crate) fn pace(
+    pub(crate) fn choose_step(
         &mut self,
         problem: &P,
         point: &Point<P>,
-        course: &mut Course,
+        phase: &mut PhaseState,
         stats: &mut Stats,
     ) {
-        self.pace_by(problem, point, course, stats, |method, tolerance, stats| {
+        self.choose_step_by(problem, point, phase, stats, |method, tolerance, stats| {
             method.propose(problem, point.mode.clone(), tolerance, stats)
         });
     }
 
     /// The same with what `propose` gives in place of the method.
     #[inline(always)]
-    pub(crate) fn pace_by(
+    pub(crate) fn choose_step_by(
         &mut self,
         problem: &P,
         point: &Point<P>,
-        course: &mut Course,
+        phase: &mut PhaseState,
         stats: &mut Stats,
         propose: impl FnOnce(&mut M, &Tolerance, &mut Stats) -> Option<f64>,
     ) {
-        let Some(due) = course.due.take() else { return };
-        let (span, before) = (course.t_end - point.t, stats.work);
+        let Some(due) = phase.due.take() else { return };
+        let (span, before) = (phase.t_end - point.t, stats.work);
         if span == 0.0 {
             return;
         }
@@ -279,15 +279,15 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         // An infinite one is the whole span.
         let proposed = proposed.map(|h| h.min(span.abs()));
         match due {
-            Due::Next => course.h = proposed.unwrap_or(course.h).copysign(span),
+            Due::Next => phase.h = proposed.unwrap_or(phase.h).copysign(span),
             Due::First { least } => {
                 let h = match (proposed.or(self.h), self.controller.control()) {
                     (Some(h), _) | (None, &Control::Fixed(h)) => h,
                     (None, Control::Adaptive(tolerance)) => {
-                        self.first_step(tolerance, problem, point, course.t_end, stats)
+                        self.first_step(tolerance, problem, point, phase.t_end, stats)
                     }
                 };
-                course.h = h.abs().min(self.longest).max(least).copysign(span);
+                phase.h = h.abs().min(self.longest).max(least).copysign(span);
                 stats.restart += stats.work - before;
             }
         }
@@ -295,14 +295,14 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
 }
 
 impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
-    /// Begins a phase from `point` towards `t_end`, another time; its first step is [due](Self::pace).
+    /// Begins a phase from `point` towards `t_end`, another time; its first step is [due](Self::choose_step).
     pub(crate) fn begin(
         &mut self,
         problem: &P,
         point: &Point<P>,
         t_end: f64,
         stats: &mut Stats,
-    ) -> Result<Course, Error> {
+    ) -> Result<PhaseState, Error> {
         let mode = point.mode.clone();
         let before = stats.work;
         let (stretch, least) = match self.controller.control() {
@@ -313,24 +313,24 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         check_finite(point, self.method.step().slope0())?;
         self.watch.begin(problem, mode, point.t, &point.y, self.method.step().slope0());
         stats.restart += stats.work - before;
-        Ok(Course { t_end, stretch, h: 0.0, due: Some(Due::First { least }) })
+        Ok(PhaseState { t_end, stretch, h: 0.0, due: Some(Due::First { least }) })
     }
 
     /// Judges the last attempt, of size `h`, and does what follows; how the phase ended, if it did.
     #[inline(always)]
-    pub(crate) fn settle(
+    pub(crate) fn judge(
         &mut self,
-        scene: &mut Scene<'_, P>,
-        course: &mut Course,
+        context: &mut PhaseContext<'_, P>,
+        phase: &mut PhaseState,
         h: f64,
     ) -> Result<Option<PhaseEnd>, Error> {
         if !self.method.has_converged() {
-            return self.unconverged(scene, course, h);
+            return self.unconverged(context, phase, h);
         }
         let is_proposed = M::PROPOSES && self.is_proposed;
         let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
         let verdict = self.controller.verdict(is_proposed, h, error_sq);
-        self.follow(scene, course, h, verdict)
+        self.apply_verdict(context, phase, h, verdict)
     }
 
     /// Completes the accepted attempt, and lands on the guard that falls first on it.
@@ -338,8 +338,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     /// # Errors
     /// [`Error::NonFinite`], [`Error::NonFiniteGuard`] or [`Error::NoConvergence`] of a step that is too long.
     #[inline(always)]
-    fn completed(&mut self, scene: &mut Scene<'_, P>) -> Result<Option<usize>, Error> {
-        let Scene { problem, point, stats, .. } = scene;
+    fn completed(&mut self, context: &mut PhaseContext<'_, P>) -> Result<Option<usize>, Error> {
+        let PhaseContext { problem, point, stats, .. } = context;
         let mode = point.mode.clone();
         check_finite(point, self.method.step().y1())?;
         self.method.complete(problem, mode.clone(), stats);
@@ -355,18 +355,18 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     /// What follows the `verdict` on the last attempt, of size `h`: another size to try, an event to land
     /// on, an accepted step.
     #[inline(always)]
-    pub(crate) fn follow(
+    pub(crate) fn apply_verdict(
         &mut self,
-        scene: &mut Scene<'_, P>,
-        course: &mut Course,
+        context: &mut PhaseContext<'_, P>,
+        phase: &mut PhaseState,
         h: f64,
         verdict: Verdict,
     ) -> Result<Option<PhaseEnd>, Error> {
         match verdict {
-            Verdict::Reject(smaller) => return self.rejected(scene, course, smaller),
-            Verdict::Accept(next) => course.h = next.abs().min(self.longest).copysign(next),
+            Verdict::Reject(smaller) => return self.rejected(context, phase, smaller),
+            Verdict::Accept(next) => phase.h = next.abs().min(self.longest).copysign(next),
         }
-        let landed_on = match self.completed(scene) {
+        let landed_on = match self.completed(context) {
             // It leaves the domain of the model, or iterated further it diverges: the attempt was good by luck.
             Err(
                 error @ (Error::NonFinite { .. }
@@ -374,18 +374,18 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
                 | Error::NoConvergence { .. }),
             ) => {
                 self.watch.forget_dips();
-                return self.shortened(scene, course, h, || error);
+                return self.shortened(context, phase, h, || error);
             }
             landed_on => landed_on?,
         };
-        let Scene { problem, point, record, .. } = scene;
+        let PhaseContext { problem, point, record, .. } = context;
         let mode = point.mode.clone();
         if landed_on.is_some() {
             let h_landed = self.method.step().t1() - point.t;
             let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
             if let Some(smaller) = self.controller.refusal(h_landed, error_sq) {
                 self.watch.forget_dips();
-                return self.rejected(scene, course, smaller);
+                return self.rejected(context, phase, smaller);
             }
         }
         let needs = record.needs(point.t, self.method.step().t1());
@@ -393,22 +393,22 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             // What sampling costs is no part of the work.
             self.method.densify(problem, mode, &mut Stats::default());
         }
-        Ok(self.accept(scene, course, landed_on, needs))
+        Ok(self.accept(context, phase, landed_on, needs))
     }
 
     /// Makes the last attempt, complete and found to hold or to land on a guard, a step of the run.
     #[inline(always)]
     pub(crate) fn accept(
         &mut self,
-        scene: &mut Scene<'_, P>,
-        course: &mut Course,
+        context: &mut PhaseContext<'_, P>,
+        phase: &mut PhaseState,
         landed_on: Option<usize>,
         needs: Needs,
     ) -> Option<PhaseEnd> {
-        let Scene { point, stats, record, .. } = scene;
+        let PhaseContext { point, stats, record, .. } = context;
         let step = self.method.step();
         point.y.clone_from(step.y1());
-        self.arrive(step.t1(), &mut point.t, course, stats);
+        self.arrive(step.t1(), &mut point.t, phase, stats);
         if needs != Needs::Nothing {
             let (mode, step) = (point.mode.clone(), self.method.step());
             if record.step(&Accepted { mode, step, landed_on, stats }).is_break() {
@@ -423,17 +423,23 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
 
     /// Counts a step to `t1` that is accepted, after which the next is due.
     #[inline(always)]
-    pub(crate) fn arrive(&mut self, t1: f64, t: &mut f64, course: &mut Course, stats: &mut Stats) {
+    pub(crate) fn arrive(
+        &mut self,
+        t1: f64,
+        t: &mut f64,
+        phase: &mut PhaseState,
+        stats: &mut Stats,
+    ) {
         stats.n_accepted += 1;
         *t = t1;
-        self.h = Some(course.h);
-        course.due = M::PROPOSES.then_some(Due::Next);
+        self.h = Some(phase.h);
+        phase.due = M::PROPOSES.then_some(Due::Next);
     }
 }
 
 /// A phase under way: where it is to end, and the size of the step to try next.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Course {
+pub(crate) struct PhaseState {
     pub(crate) t_end: f64,
     stretch: f64,
     pub(crate) h: f64,
@@ -453,7 +459,7 @@ pub(crate) enum Due {
     Next,
 }
 
-impl Course {
+impl PhaseState {
     /// The end and the size of the step to attempt from `point`, none at the end of time.
     #[inline(always)]
     pub(crate) fn next<P: System>(&self, point: &Point<P>) -> Result<Option<(f64, f64)>, Error> {
@@ -471,7 +477,7 @@ impl Course {
 }
 
 /// Whose phase it is, where it stands, and who watches.
-pub(crate) struct Scene<'a, P: System> {
+pub(crate) struct PhaseContext<'a, P: System> {
     pub(crate) problem: &'a P,
     pub(crate) point: &'a mut Point<P>,
     pub(crate) stats: &'a mut Stats,
@@ -491,13 +497,13 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
             return Ok(PhaseEnd::EndOfTime);
         }
         let mode = point.mode.clone();
-        let mut course = self.begin(problem, point, t_end, stats)?;
-        let mut scene = Scene { problem, point, stats, record };
+        let mut phase = self.begin(problem, point, t_end, stats)?;
+        let mut context = PhaseContext { problem, point, stats, record };
         loop {
-            self.pace(problem, scene.point, &mut course, scene.stats);
-            let Some((t1, h)) = course.next(scene.point)? else { return Ok(PhaseEnd::EndOfTime) };
-            self.method.attempt(problem, mode.clone(), t1, h, scene.stats);
-            if let Some(end) = self.settle(&mut scene, &mut course, h)? {
+            self.choose_step(problem, context.point, &mut phase, context.stats);
+            let Some((t1, h)) = phase.next(context.point)? else { return Ok(PhaseEnd::EndOfTime) };
+            self.method.attempt(problem, mode.clone(), t1, h, context.stats);
+            if let Some(end) = self.judge(&mut context, &mut phase, h)? {
                 return Ok(end);
             }
         }

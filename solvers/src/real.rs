@@ -101,12 +101,12 @@ pub trait Real:
     const NEWTON_STEPS: usize = 6;
 
     /// `f(self)`, where `f` is long: code of its own, which does not slow down what is around it.
-    fn apart<F: Function>(self, f: &F) -> Self {
+    fn outlined<F: Function>(self, f: &F) -> Self {
         f.of(self)
     }
 
-    /// `f(x)` of several numbers, where `f` is long: as [`apart`](Self::apart).
-    fn all_apart<F: Functions<N, M>, const N: usize, const M: usize>(
+    /// `f(x)` of several numbers, where `f` is long: as [`outlined`](Self::outlined).
+    fn all_outlined<F: Functions<N, M>, const N: usize, const M: usize>(
         x: [Self; N],
         f: &F,
     ) -> [Self; M] {

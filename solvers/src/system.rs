@@ -86,7 +86,7 @@ pub trait System {
     type Guards<S: Real>: Vector<S>;
 
     /// Whether [`rhs`](Self::rhs) and [`guards`](Self::guards) of a mode take no decision on the
-    /// [value](Real::value) of a number, unless [apart](Real::apart): several runs are then computed at once,
+    /// [value](Real::value) of a number, unless [outlined](Real::outlined): several runs are then computed at once,
     /// in [`lanes`](crate::lanes).
     const IN_LANES: bool = false;
 
@@ -230,7 +230,7 @@ pub trait System {
 ///
 /// Where `numbers(mode)` are some, [`rhs`](System::rhs) and [`guards`](System::guards) of that mode are `rhs_of` and
 /// `guards_of` them to the bit (but for the sign of a zero), and neither takes a decision on the
-/// [value](Real::value) of a number, not even [apart](Real::apart): a series of two runs has one course. Bounds of rounding, transitions and accumulation stay each system's own.
+/// [value](Real::value) of a number, not even [outlined](Real::outlined): a series of two runs has one course. Bounds of rounding, transitions and accumulation stay each system's own.
 ///
 /// The operations are written over the numbers of one system, `C = f64`, or of several. Those enter as in
 /// `y * c`, `y + c` and `y - c`, or by `<S as Over<C>>::of(c)`; with each other they are not computed with, so a

@@ -284,7 +284,7 @@ impl Block {
         y: &State<S>,
     ) -> State<S> {
         // Apart: beside the struts' it would slow their series.
-        let [a_x, a_y] = S::all_apart(*y, &OfSliderCrank { block: self, crank, mode });
+        let [a_x, a_y] = S::all_outlined(*y, &OfSliderCrank { block: self, crank, mode });
         [y[3], y[4], y[5], a_x, a_y, S::cst(0.0)]
     }
 
@@ -449,7 +449,7 @@ impl System for Block {
         match &self.body {
             Body::Struts(inertia) => *g = self.guards_among(Held::Struts(inertia), mode, y, None),
             Body::SliderCrank(crank) => {
-                *g = S::all_apart(*y, &OfSliderCrank { block: self, crank, mode });
+                *g = S::all_outlined(*y, &OfSliderCrank { block: self, crank, mode });
             }
         }
     }

@@ -41,7 +41,7 @@ impl Elastic {
     pub fn force<S: Real>(&self, delta: S) -> S {
         match self {
             Self::Linear { stiffness } => delta * *stiffness,
-            _ => delta.apart(self),
+            _ => delta.outlined(self),
         }
     }
 

@@ -94,7 +94,8 @@ impl Bristles {
     #[inline(always)]
     pub(super) fn bent<S: Real>(&self, (mu, piece): (f64, u8), sigma: f64, v_t: S, z: S) -> (S, S) {
         let s = v_t * sigma;
-        let g = s.apart(&Piece { shape: self.without_viscosity(), mu, piece: Self::of_g(piece) });
+        let g =
+            s.outlined(&Piece { shape: self.without_viscosity(), mu, piece: Self::of_g(piece) });
         let z_dot = v_t - z * s * self.stiffness / g;
         (z * self.stiffness + z_dot * self.damping + v_t * self.viscosity, z_dot)
     }
@@ -194,7 +195,7 @@ impl Shape {
         if matches!(self, Self::Constant) {
             return S::cst(mu);
         }
-        s.apart(&Piece { shape: *self, mu, piece })
+        s.outlined(&Piece { shape: *self, mu, piece })
     }
 
     /// `dm/ds` [s/m] there.

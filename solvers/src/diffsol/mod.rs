@@ -174,15 +174,15 @@ impl<P: System> DiffsolSolver<P> {
                 self.watch.rates(problem, mode.clone(), t1, &step.y1, &step.slope1);
                 // A dip of it cannot be checked by retaking the step.
                 let doubt = Some(&self.tolerance);
-                let fall =
+                let crossing =
                     self.watch.first_to_fall(problem, mode.clone(), &step, f64::EPSILON, doubt)?;
-                if let Some(fall) = fall {
+                if let Some(crossing) = crossing {
                     let mut y = step.y1.clone();
-                    step.interpolate(fall.t, &mut y);
+                    step.interpolate(crossing.t, &mut y);
                     check_finite(point, &y)?;
-                    (step.t1, step.y1) = (fall.t, y);
-                    step.slope1 = slope(fall.t)?;
-                    landed_on = Some(fall.guard);
+                    (step.t1, step.y1) = (crossing.t, y);
+                    step.slope1 = slope(crossing.t)?;
+                    landed_on = Some(crossing.guard);
                 }
             }
             let go_on =

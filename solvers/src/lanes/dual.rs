@@ -185,7 +185,7 @@ impl<V: Simd> Real for DualLanes<V> {
         self.map(|x| Real::powf(x, a))
     }
 
-    fn apart<F: Function>(self, f: &F) -> Self {
+    fn outlined<F: Function>(self, f: &F) -> Self {
         self.map(|x| f.of(x))
     }
 }
@@ -221,14 +221,14 @@ mod tests {
             let value = Lanes::<V>::from_fn(|i| each[i]);
             let lanes = DualLanes::new(value, Lanes::from_fn(|i| rates[i]));
             let own = Own::<V>::from_fn(|i| rates[i]);
-            let (whole, apart) = (Everything.of(lanes), lanes.apart(&Everything));
+            let (whole, outlined) = (Everything.of(lanes), lanes.outlined(&Everything));
             let with_own = (lanes + own) * own - own;
             for i in 0..V::N {
                 let alone = Dual64::new(each[i], rates[i]);
                 let bits = |x: DualLanes<V>| [x.re, x.eps].map(|x| x.lane(i).to_bits());
                 let expected = |x: Dual64| [x.re, x.eps].map(f64::to_bits);
                 assert_eq!(bits(whole), expected(Everything.of(alone)));
-                assert_eq!(bits(apart), expected(Everything.of(alone)));
+                assert_eq!(bits(outlined), expected(Everything.of(alone)));
                 assert_eq!(bits(with_own), expected((alone + rates[i]) * rates[i] - rates[i]));
                 let plain = Everything.of(value).lane(i);
                 assert_eq!(plain.to_bits(), Everything.of(each[i]).to_bits());

@@ -4,7 +4,7 @@ use super::dual::DualLanes;
 use super::scalar::{Lanes, Own, Simd};
 use crate::erk::{InMode, Slope};
 use crate::system::{Alike, System, Vector};
-use crate::taylor::base::Base;
+use crate::taylor::coefficient::Coefficient;
 use crate::taylor::expand::SeriesField;
 use crate::taylor::series::Series;
 
@@ -48,7 +48,7 @@ impl<P: Alike, V: Simd> Slope<Lanes<V>, P::State<Lanes<V>>> for OfEach<P, V> {
 
 impl<P: Alike, V: Simd> SeriesField<P, Lanes<V>> for OfEach<P, V>
 where
-    Lanes<V>: Base,
+    Lanes<V>: Coefficient,
 {
     #[inline(always)]
     fn slope<'s>(

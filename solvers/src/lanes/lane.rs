@@ -6,7 +6,7 @@ use crate::control::Verdict;
 use crate::erk::ExplicitRk;
 use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
-use crate::one_step::{Course, OneStep, OneStepSolver, Scene};
+use crate::one_step::{OneStep, OneStepSolver, PhaseContext, PhaseState};
 use crate::phase::PhaseEnd;
 use crate::record::{Needs, Record};
 use crate::stats::Stats;
@@ -19,7 +19,7 @@ pub(super) struct Lane<'r, 'a, P: System, R, M> {
     pub(super) run: &'r mut Integration<'a, P>,
     pub(super) record: &'r mut R,
     pub(super) solver: OneStepSolver<P, M>,
-    pub(super) course: Course,
+    pub(super) course: PhaseState,
     pub(super) t1: f64,
     pub(super) h: f64,
     /// Whether its state and the step of its method are older than its time: the present ones are in the vectors alone.
@@ -93,7 +93,7 @@ impl<'r, 'a, P: System, R: Record<P>, M: OneStep<P>> Lane<'r, 'a, P, R, M> {
             Some(end) => self.pass(end),
             None => {
                 let Integration { problem, point, stats, .. } = &mut *self.run;
-                self.solver.pace(problem, point, &mut self.course, stats);
+                self.solver.choose_step(problem, point, &mut self.course, stats);
                 match self.course.next(point)? {
                     Some((t1, h)) => {
                         (self.t1, self.h) = (t1, h);
@@ -127,7 +127,7 @@ impl<'r, 'a, P: System, R: Record<P>, M: OneStep<P>> Lane<'r, 'a, P, R, M> {
         let Self { run, record, solver, course, t1, h, .. } = self;
         let (problem, mode) = (run.problem, run.point.mode.clone());
         solver.method.attempt(problem, mode, *t1, *h, &mut run.stats);
-        solver.settle(&mut scene(run, *record), course, *h)
+        solver.judge(&mut scene(run, *record), course, *h)
     }
 
     /// Passes from a phase that ended to the next.
@@ -236,7 +236,7 @@ impl<P: System, R: Record<P>, const S: usize> TableauLane<'_, '_, P, R, S> {
         let Self { run, record, solver, course, h, .. } = self;
         solver.method.take_stages((&attempt.method, lane));
         watch_from_start(run, solver);
-        solver.follow(&mut scene(run, *record), course, *h, verdict)
+        solver.apply_verdict(&mut scene(run, *record), course, *h, verdict)
     }
 }
 
@@ -254,7 +254,7 @@ fn enter<P: System, M: OneStep<P>>(
     run: &mut Integration<'_, P>,
     solver: &mut OneStepSolver<P, M>,
     t_end: f64,
-) -> Result<Option<(Course, f64, f64)>, Error> {
+) -> Result<Option<(PhaseState, f64, f64)>, Error> {
     if run.point.t == t_end {
         return Ok(None);
     }
@@ -262,13 +262,13 @@ fn enter<P: System, M: OneStep<P>>(
     if M::PROPOSES {
         return Ok(Some((course, run.point.t, 0.0)));
     }
-    solver.pace(run.problem, &run.point, &mut course, &mut run.stats);
+    solver.choose_step(run.problem, &run.point, &mut course, &mut run.stats);
     Ok(course.next(&run.point)?.map(|(t1, h)| (course, t1, h)))
 }
 
 pub(super) fn scene<'s, P: System>(
     run: &'s mut Integration<'_, P>,
     record: &'s mut dyn Record<P>,
-) -> Scene<'s, P> {
-    Scene { problem: run.problem, point: &mut run.point, stats: &mut run.stats, record }
+) -> PhaseContext<'s, P> {
+    PhaseContext { problem: run.problem, point: &mut run.point, stats: &mut run.stats, record }
 }

@@ -251,7 +251,7 @@ impl<V: Simd> Real for Lanes<V> {
         self.map(|x| Real::powf(x, a))
     }
 
-    fn apart<F: Function>(self, f: &F) -> Self {
+    fn outlined<F: Function>(self, f: &F) -> Self {
         self.map(|x| f.of(x))
     }
 }

@@ -189,7 +189,7 @@ impl<P: Alike, R: Record<P>> SeriesLane<'_, '_, P, R> {
     fn aim_by(&mut self, pair: &SeriesPair<P>) -> Part {
         let Self { index, run, solver, course, .. } = self;
         let Integration { problem, point, stats, .. } = &mut **run;
-        solver.pace_by(problem, point, course, stats, |method, _, stats| {
+        solver.choose_step_by(problem, point, course, stats, |method, _, stats| {
             stats.work.n_rhs += 1;
             method.reaches(pair.reach(*index))
         });
@@ -266,7 +266,7 @@ impl<P: Alike, R: Record<P>> SeriesLane<'_, '_, P, R> {
             _ => {
                 solver.method.take_all(pair, lane);
                 pick(&pair.error, lane, &mut solver.method.error);
-                solver.follow(&mut scene(run, *record), course, *h, verdict)
+                solver.apply_verdict(&mut scene(run, *record), course, *h, verdict)
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{OneStep, OneStepSolver};
 use crate::error::Error;
-use crate::event::Fall;
+use crate::event::GuardCrossing;
 use crate::root::Bracket;
 use crate::stats::Stats;
 use crate::step::Step;
@@ -20,12 +20,13 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         stats: &mut Stats,
     ) -> Result<Option<usize>, Error> {
         loop {
-            let falls = self.method.first_to_fall(problem, mode.clone(), &mut self.watch, stats)?;
-            let Some(fall) = falls else { return Ok(None) };
-            if let Some(guard) = self.land(problem, mode.clone(), fall, stats)? {
+            let crossing =
+                self.method.first_to_fall(problem, mode.clone(), &mut self.watch, stats)?;
+            let Some(crossing) = crossing else { return Ok(None) };
+            if let Some(guard) = self.land(problem, mode.clone(), crossing, stats)? {
                 return Ok(Some(guard));
             }
-            self.watch.disprove_dip(fall.guard);
+            self.watch.disprove_dip(crossing.guard);
         }
     }
 
@@ -40,12 +41,12 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         &mut self,
         problem: &P,
         mode: P::Mode,
-        fall: Fall,
+        crossing: GuardCrossing,
         stats: &mut Stats,
     ) -> Result<Option<usize>, Error> {
         let (t0, t1) = (self.method.step().t0(), self.method.step().t1());
-        let mut bracket = Bracket { above: 0.0, below: fall.violated_at - t0 };
-        if (fall.violated_at != t1 || !self.method.repeats())
+        let mut bracket = Bracket { above: 0.0, below: crossing.violated_at - t0 };
+        if (crossing.violated_at != t1 || !self.method.repeats())
             && self
                 .retake(problem, mode.clone(), t0 + bracket.below, bracket.below, stats)?
                 .is_none()
@@ -53,7 +54,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             self.retake(problem, mode, t1, t1 - t0, stats)?;
             return Ok(None);
         }
-        let (mut guard, mut h) = (fall.guard, fall.t - t0);
+        let (mut guard, mut h) = (crossing.guard, crossing.t - t0);
         let mut n = 0;
         loop {
             h = bracket.inside(h);

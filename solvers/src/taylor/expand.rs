@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use super::base::Base;
+use super::coefficient::Coefficient;
 use super::guards::FIRST_LOOK;
 use super::rows::{Rows, Table};
 use super::series::Series;
@@ -11,7 +11,7 @@ use crate::erk::InMode;
 use crate::system::{System, Vector};
 
 /// A right-hand side and guards to expand.
-pub(crate) trait SeriesField<P: System, B: Base> {
+pub(crate) trait SeriesField<P: System, B: Coefficient> {
     /// Writes the slope at `(t, y)` to `dydt`.
     fn slope<'s>(
         &self,
@@ -38,7 +38,7 @@ pub(crate) trait SeriesField<P: System, B: Base> {
     );
 }
 
-impl<P: System, B: Base> SeriesField<P, B> for InMode<'_, P> {
+impl<P: System, B: Coefficient> SeriesField<P, B> for InMode<'_, P> {
     #[inline(always)]
     fn slope<'s>(
         &self,
@@ -83,13 +83,13 @@ pub(crate) struct Expansion<B: Copy> {
     n_rows: usize,
 }
 
-impl<B: Base> Default for Expansion<B> {
+impl<B: Coefficient> Default for Expansion<B> {
     fn default() -> Self {
         Self { rows: Rows::new(), n_rows: 0 }
     }
 }
 
-impl<B: Base> Expansion<B> {
+impl<B: Coefficient> Expansion<B> {
     /// Begins an expansion about `(t0, y0)`, whose slope and guards there go to `slope` and `guards`: those of the
     /// system to the bit.
     pub(crate) fn begin<P: System>(
@@ -183,7 +183,7 @@ pub(super) struct Run<'a, F, B: Copy> {
 
 /// Time and state, of which `y` is the coefficient of the order of `table`.
 #[inline(always)]
-fn start<'a, B: Base, Y: Vector<Series<'a, B>>>(
+fn start<'a, B: Coefficient, Y: Vector<Series<'a, B>>>(
     table: Table<'a, B>,
     t0: B,
     y: &[B],
@@ -199,18 +199,18 @@ fn start<'a, B: Base, Y: Vector<Series<'a, B>>>(
 
 /// Highest order with code of its own: in a loop over many states the places of the coefficients are no
 /// constants, and there is nothing to gain.
-const fn highest_unrolled<P: System, B: Base>() -> usize {
+const fn highest_unrolled<P: System, B: Coefficient>() -> usize {
     if <P::State<B> as Vector<B>>::IS_SHORT { B::HIGHEST_UNROLLED } else { 0 }
 }
 
 /// The coefficients of the state of the next order, `y_(k+1) = f_k/(k + 1)`; gives the rows it took.
-struct RhsRun<'a, P: System, B: Base, F> {
+struct RhsRun<'a, P: System, B: Coefficient, F> {
     run: Run<'a, F, B>,
     y: &'a P::State<B>,
     next: &'a mut P::State<B>,
 }
 
-impl<P: System, B: Base, F: SeriesField<P, B>> OfOrder for RhsRun<'_, P, B, F> {
+impl<P: System, B: Coefficient, F: SeriesField<P, B>> OfOrder for RhsRun<'_, P, B, F> {
     type Output = usize;
 
     const HIGHEST: usize = highest_unrolled::<P, B>();
@@ -230,14 +230,14 @@ impl<P: System, B: Base, F: SeriesField<P, B>> OfOrder for RhsRun<'_, P, B, F> {
 }
 
 /// The same, and the coefficients of the guards to `g`, rounded.
-struct RhsWithGuardsRun<'a, P: System, B: Base, F> {
+struct RhsWithGuardsRun<'a, P: System, B: Coefficient, F> {
     run: Run<'a, F, B>,
     y: &'a P::State<B>,
     next: &'a mut P::State<B>,
     g: &'a mut P::Guards<B::Rounded>,
 }
 
-impl<P: System, B: Base, F: SeriesField<P, B>> OfOrder for RhsWithGuardsRun<'_, P, B, F> {
+impl<P: System, B: Coefficient, F: SeriesField<P, B>> OfOrder for RhsWithGuardsRun<'_, P, B, F> {
     type Output = usize;
 
     const HIGHEST: usize = highest_look::<P, B>();
@@ -258,35 +258,35 @@ impl<P: System, B: Base, F: SeriesField<P, B>> OfOrder for RhsWithGuardsRun<'_, 
     }
 }
 
-const fn highest_look<P: System, B: Base>() -> usize {
+const fn highest_look<P: System, B: Coefficient>() -> usize {
     let highest = highest_unrolled::<P, B>();
     if highest < FIRST_LOOK { highest } else { FIRST_LOOK }
 }
 
 #[inline(always)]
-fn zeros<'s, B: Base + 's, Y: Vector<Series<'s, B>>>(n: usize) -> Y {
+fn zeros<'s, B: Coefficient + 's, Y: Vector<Series<'s, B>>>(n: usize) -> Y {
     Y::from_fn(n, |_| Series::constant(B::cst(0.0)))
 }
 
 #[inline(always)]
-fn write_next<B: Base>(k: usize, f: &[Series<'_, B>], next: &mut [B]) {
+fn write_next<B: Coefficient>(k: usize, f: &[Series<'_, B>], next: &mut [B]) {
     let share = B::cst(1.0) / (k + 1) as f64;
     each(next.len().min(f.len()), |i| next[i] = f[i].coefficient(k) * share);
 }
 
 #[inline(always)]
-fn write_rounded<B: Base>(k: usize, series: &[Series<'_, B>], g: &mut [B::Rounded]) {
+fn write_rounded<B: Coefficient>(k: usize, series: &[Series<'_, B>], g: &mut [B::Rounded]) {
     each(g.len().min(series.len()), |i| g[i] = series[i].coefficient(k).rounded());
 }
 
 /// The coefficients of the guards to `g`, rounded; the same.
-pub(super) struct GuardsRun<'a, P: System, B: Base, F> {
+pub(super) struct GuardsRun<'a, P: System, B: Coefficient, F> {
     pub(super) run: Run<'a, F, B>,
     pub(super) y: &'a P::State<B>,
     pub(super) g: &'a mut P::Guards<B::Rounded>,
 }
 
-impl<P: System, B: Base, F: SeriesField<P, B>> OfOrder for GuardsRun<'_, P, B, F> {
+impl<P: System, B: Coefficient, F: SeriesField<P, B>> OfOrder for GuardsRun<'_, P, B, F> {
     type Output = usize;
 
     const HIGHEST: usize = highest_look::<P, B>();

@@ -15,8 +15,8 @@ use super::order::{self, Reach};
 use super::rows::MAX_ORDER;
 use crate::erk::InMode;
 use crate::error::{Error, Outcome};
-use crate::event::{Fall, GuardWatch};
-use crate::integrate::{Instant, Switchboard, rounded};
+use crate::event::{GuardCrossing, GuardWatch};
+use crate::integrate::{Instant, Transitions, rounded};
 use crate::phase::{PhaseEnd, Point, check_finite};
 use crate::real::Real;
 use crate::record::{Accepted, Record, reject};
@@ -52,7 +52,7 @@ pub struct ExtendedIntegration<'a, P: System> {
     /// The nearest `f64` of all that.
     step: TaylorStep<P::State<f64>>,
     watch: GuardWatch<P>,
-    switchboard: Switchboard<P>,
+    transitions: Transitions<P>,
 }
 
 impl<'a, P: System> ExtendedIntegration<'a, P> {
@@ -75,7 +75,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
             slope1: extended,
             step: TaylorStep::new(n, MAX_ORDER),
             watch: GuardWatch::new(problem),
-            switchboard: Switchboard::new(problem, t),
+            transitions: Transitions::new(problem, t),
         }
     }
 
@@ -96,11 +96,11 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     /// As [`Integration::run`](crate::Integration::run).
     pub fn run(&mut self, t_end: f64, record: &mut dyn Record<P>) -> Result<Outcome, Error> {
         self.tolerance.check(self.problem.dim())?;
-        let mut guard = self.switchboard.begin(self.problem, &self.point(), t_end)?;
+        let mut guard = self.transitions.begin(self.problem, &self.point(), t_end)?;
         loop {
             if let Some(guard) = guard {
                 let instant = Instant { t: self.t, y: &mut self.y[0], mode: &mut self.mode };
-                let ends = self.switchboard.switch(
+                let ends = self.transitions.switch(
                     self.problem,
                     instant,
                     guard,
@@ -221,14 +221,14 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         let (problem, mode) = (self.problem, self.mode.clone());
         loop {
             let polynomial = (self.t, &self.y[..], self.step.degree);
-            let falls = self.guards.first_to_fall(
+            let crossing = self.guards.first_to_fall(
                 problem,
                 mode.clone(),
                 &self.step,
                 polynomial,
                 &mut self.watch,
             )?;
-            let Some(Fall { guard, t, violated_at }) = falls else { return Ok(None) };
+            let Some(GuardCrossing { guard, t, violated_at }) = crossing else { return Ok(None) };
             if violated_at != self.step.t1 {
                 let t1 = self.t1;
                 self.attempt(TwoFloat::from(violated_at));

@@ -1,13 +1,13 @@
 //! Guards along a step: polynomials too, and when the first of them falls.
 
-use super::base::Base;
+use super::coefficient::Coefficient;
 use super::expand::{GuardsRun, Run, SeriesField};
 use super::polynomial::Polynomial;
 use super::rows::Rows;
 use super::unrolled::OfOrder;
 use crate::erk::InMode;
 use crate::error::Error;
-use crate::event::{Fall, GuardWatch};
+use crate::event::{GuardCrossing, GuardWatch};
 use crate::real::{Ordered, Real};
 use crate::root::minimum;
 use crate::step::Step;
@@ -33,7 +33,7 @@ pub struct GuardSeries<G, B: Copy> {
     n_alone: usize,
 }
 
-impl<G: Vector<B::Rounded>, B: Base> GuardSeries<G, B> {
+impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
     /// Memory for `n` guards to `order`, one at least.
     pub fn new(n: usize, order: usize) -> Self {
         let zeros = || G::from_fn(n, |_| B::Rounded::cst(0.0));
@@ -67,7 +67,7 @@ impl<G: Vector<B::Rounded>, B: Base> GuardSeries<G, B> {
     }
 
     /// Takes over low orders and the end from those of several runs, as `pick` does it.
-    pub(crate) fn take<L: Vector<C::Rounded>, C: Base>(
+    pub(crate) fn take<L: Vector<C::Rounded>, C: Coefficient>(
         &mut self,
         all: &GuardSeries<L, C>,
         pick: impl Fn(&L, &mut G),
@@ -119,7 +119,7 @@ impl<G: Vector<B::Rounded>, B: Base> GuardSeries<G, B> {
     }
 }
 
-impl<G: Vector<f64>, B: Base<Rounded = f64>> GuardSeries<G, B> {
+impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
     /// Guard `i` over a step of size `h`, to `degree` or where its series ceases to be finite.
     fn polynomial(&self, i: usize, h: f64, degree: usize) -> Polynomial {
         let is_finite = |g: &&G| g.as_ref()[i].is_finite();
@@ -156,7 +156,7 @@ impl<G: Vector<f64>, B: Base<Rounded = f64>> GuardSeries<G, B> {
         step: &dyn Step<P::State<f64>>,
         (t0, y, degree): (B, &[P::State<B>], usize),
         watch: &mut GuardWatch<P>,
-    ) -> Result<Option<Fall>, Error> {
+    ) -> Result<Option<GuardCrossing>, Error> {
         let (start, t1) = (step.t0(), step.t1());
         let (h, low) = (t1 - start, degree.min(self.highest_low()));
         let ends = self.end.as_ref().iter().enumerate();
@@ -167,7 +167,7 @@ impl<G: Vector<f64>, B: Base<Rounded = f64>> GuardSeries<G, B> {
         }
         watch.violated(problem, mode.clone(), t1, step.y1())?;
         let field = InMode { problem, mode: &mode };
-        let mut first: Option<Fall> = None;
+        let mut first: Option<GuardCrossing> = None;
         for guard in 0..self.g[0].as_ref().len() {
             let at_end = watch.is_violated(guard);
             let end = watch.value(guard);
@@ -205,7 +205,7 @@ impl<G: Vector<f64>, B: Base<Rounded = f64>> GuardSeries<G, B> {
             // At one instant, to rounding, the first in number is first.
             let tie = 4.0 * f64::EPSILON * t1.abs().max(start.abs());
             if first.is_none_or(|other| (t - start).abs() < (other.t - start).abs() - tie) {
-                first = Some(Fall { guard, t, violated_at });
+                first = Some(GuardCrossing { guard, t, violated_at });
             }
         }
         if first.is_none() {

@@ -1,13 +1,13 @@
 //! The method: a series about the start of each step, summed at its end.
 
-use super::base::Base;
+use super::coefficient::Coefficient;
 use super::expand::Expansion;
 use super::guards::GuardSeries;
 use super::order::{self, Reach};
 use super::rows::MAX_ORDER;
 use crate::erk::InMode;
 use crate::error::Error;
-use crate::event::{Fall, GuardWatch};
+use crate::event::{GuardCrossing, GuardWatch};
 use crate::one_step::OneStep;
 use crate::real::Real;
 use crate::stats::Stats;
@@ -172,7 +172,7 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
         mode: P::Mode,
         watch: &mut GuardWatch<P>,
         _stats: &mut Stats,
-    ) -> Result<Option<Fall>, Error> {
+    ) -> Result<Option<GuardCrossing>, Error> {
         let step = &self.step;
         let polynomial = (step.t0, &step.y[..], step.degree);
         self.guards.first_to_fall(problem, mode, step, polynomial, watch)
@@ -204,14 +204,19 @@ fn sum<Y: Vector<f64>>(c: &[Y], h: f64, y: &mut Y) {
     y.clone_from(last);
     for c in rest.iter().rev() {
         for (y, c) in y.as_mut().iter_mut().zip(c.as_ref()) {
-            *y = Base::fma(*y, h, *c);
+            *y = Coefficient::fma(*y, h, *c);
         }
     }
 }
 
 /// The same with its derivative.
 #[inline]
-pub(crate) fn sum_with_slope<T: Base, Y: Vector<T>>(c: &[Y], h: T, y: &mut Y, slope: &mut Y) {
+pub(crate) fn sum_with_slope<T: Coefficient, Y: Vector<T>>(
+    c: &[Y],
+    h: T,
+    y: &mut Y,
+    slope: &mut Y,
+) {
     let [rest @ .., last] = c else { return };
     y.clone_from(last);
     slope.as_mut().fill(T::cst(0.0));

@@ -18,7 +18,7 @@
 //! À. Jorba, M. Zou, "A software package for the numerical integration of ODEs by means of high-order
 //! Taylor methods", Exp. Math. 14(1), 99–117 (2005).
 
-pub mod base;
+pub mod coefficient;
 pub mod expand;
 pub mod extended;
 pub mod guards;

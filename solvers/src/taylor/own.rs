@@ -2,14 +2,14 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use super::base::Base;
+use super::coefficient::Coefficient;
 use super::series::Series;
 use crate::lanes::scalar::{Lanes, Own, Simd};
 use crate::real::Over;
 
 impl<V: Simd> Add<Own<V>> for Series<'_, Lanes<V>>
 where
-    Lanes<V>: Base,
+    Lanes<V>: Coefficient,
 {
     type Output = Self;
 
@@ -21,7 +21,7 @@ where
 
 impl<V: Simd> Sub<Own<V>> for Series<'_, Lanes<V>>
 where
-    Lanes<V>: Base,
+    Lanes<V>: Coefficient,
 {
     type Output = Self;
 
@@ -33,7 +33,7 @@ where
 
 impl<V: Simd> Mul<Own<V>> for Series<'_, Lanes<V>>
 where
-    Lanes<V>: Base,
+    Lanes<V>: Coefficient,
 {
     type Output = Self;
 
@@ -45,7 +45,7 @@ where
 
 impl<V: Simd> Over<Own<V>> for Series<'_, Lanes<V>>
 where
-    Lanes<V>: Base,
+    Lanes<V>: Coefficient,
 {
     #[inline(always)]
     fn of(constant: Own<V>) -> Self {

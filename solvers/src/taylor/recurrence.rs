@@ -9,7 +9,7 @@
 //! A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd ed., SIAM (2008), table 13.1 and 13.2;
 //! E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, I.8.
 
-use super::base::Base;
+use super::coefficient::Coefficient;
 use super::rows::Row;
 
 /// The highest order of a run whose sums are taken from the middle outwards, as straight code does best.
@@ -17,19 +17,19 @@ pub(super) const SHORT: usize = 5;
 
 /// `1/k`, a constant where the order is one.
 #[inline(always)]
-pub(super) fn reciprocal<B: Base>(k: usize) -> B {
+pub(super) fn reciprocal<B: Coefficient>(k: usize) -> B {
     B::cst(1.0) / k as f64
 }
 
 /// `Σ a_j b_(k−j)` over `j = 1 … k − 1`, `k ≥ 1`; none where there is none to sum.
 #[inline(always)]
-fn inner<B: Base>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
+fn inner<B: Coefficient>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
     if k > SHORT { Some(B::long_inner(k, a, b.tail(0))) } else { short_inner(k, a, b) }
 }
 
 /// The same, from the middle outwards.
 #[inline(always)]
-fn short_inner<B: Base>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
+fn short_inner<B: Coefficient>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
     let mut sum = if k.is_multiple_of(2) { Some(a.at(k / 2) * b.at(k / 2)) } else { None };
     for j in (1..k.div_ceil(2)).rev() {
         let of_j = match sum {
@@ -43,7 +43,7 @@ fn short_inner<B: Base>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
 
 /// The same for `b = a`.
 #[inline(always)]
-fn inner_square<B: Base>(k: usize, a: &Row<B>) -> Option<B> {
+fn inner_square<B: Coefficient>(k: usize, a: &Row<B>) -> Option<B> {
     if k > SHORT {
         return Some(B::long_inner(k, a, a.tail(0)));
     }
@@ -65,7 +65,7 @@ fn inner_square<B: Base>(k: usize, a: &Row<B>) -> Option<B> {
 
 /// `a b + sum`, of a sum that may be none.
 #[inline(always)]
-fn onto<B: Base>(sum: Option<B>, a: B, b: B) -> B {
+fn onto<B: Coefficient>(sum: Option<B>, a: B, b: B) -> B {
     match sum {
         None => a * b,
         Some(sum) => B::fma(a, b, sum),
@@ -74,7 +74,7 @@ fn onto<B: Base>(sum: Option<B>, a: B, b: B) -> B {
 
 /// `a − sum`, the same.
 #[inline(always)]
-fn less<B: Base>(a: B, sum: Option<B>) -> B {
+fn less<B: Coefficient>(a: B, sum: Option<B>) -> B {
     match sum {
         None => a,
         Some(sum) => a - sum,
@@ -83,13 +83,17 @@ fn less<B: Base>(a: B, sum: Option<B>) -> B {
 
 /// `c = a b`: `c_k = Σ a_j b_(k−j)`.
 #[inline(always)]
-pub(super) fn product<B: Base>(k: usize, (a, a_k): (&Row<B>, B), (b, b_k): (&Row<B>, B)) -> B {
+pub(super) fn product<B: Coefficient>(
+    k: usize,
+    (a, a_k): (&Row<B>, B),
+    (b, b_k): (&Row<B>, B),
+) -> B {
     B::fma(b_k, a.at(0), onto(inner(k, a, b), a_k, b.at(0)))
 }
 
 /// `c_(k+1) = Σ a_j b_(k+1−j)` of `c = a b`, `k ≥ 0`, in a run of order `k` that knows the factors to order `k + 1`.
 #[inline(always)]
-pub(super) fn product_ahead<B: Base>(
+pub(super) fn product_ahead<B: Coefficient>(
     k: usize,
     (a, a_next): (&Row<B>, B),
     (b, b_next): (&Row<B>, B),
@@ -105,40 +109,40 @@ pub(super) fn product_ahead<B: Base>(
 
 /// `c = a²`.
 #[inline(always)]
-pub(super) fn square<B: Base>(k: usize, (a, a_k): (&Row<B>, B)) -> B {
+pub(super) fn square<B: Coefficient>(k: usize, (a, a_k): (&Row<B>, B)) -> B {
     onto(inner_square(k, a), a.at(0) * 2.0, a_k)
 }
 
 /// `c = a/b`: `b_0 c_k = a_k − Σ c_j b_(k−j)` over `j < k`, as `a_k/b_0 − (Σ …)/b_0`, so that `a_k` waits for one
 /// operation; `b` keeps nothing, `c` keeps `1/b_0`.
 #[inline(always)]
-pub(super) fn quotient<B: Base>(k: usize, a_k: B, (b, b_k): (&Row<B>, B), c: &Row<B>) -> B {
+pub(super) fn quotient<B: Coefficient>(k: usize, a_k: B, (b, b_k): (&Row<B>, B), c: &Row<B>) -> B {
     let rest = onto(inner(k, c, b), b_k, c.at(0));
     B::fma(a_k, c.kept.get(), -(rest * c.kept.get()))
 }
 
 /// `c = √a`: `2 c_0 c_k = a_k − Σ c_j c_(k−j)` over `0 < j < k`; `c` keeps `1/(2 c_0)`.
 #[inline(always)]
-pub(super) fn sqrt<B: Base>(k: usize, a_k: B, c: &Row<B>) -> B {
+pub(super) fn sqrt<B: Coefficient>(k: usize, a_k: B, c: &Row<B>) -> B {
     less(a_k, inner_square(k, c)) * c.kept.get()
 }
 
 /// `Σ j a_j b_(k−j)/k` over `j = 1 … k`, of the row `d_j = j a_j`: what `b da/ds` integrates to.
 #[inline(always)]
-pub(super) fn integral<B: Base>(k: usize, (d, a_k): (&Row<B>, B), b: &Row<B>) -> B {
+pub(super) fn integral<B: Coefficient>(k: usize, (d, a_k): (&Row<B>, B), b: &Row<B>) -> B {
     onto(inner(k, d, b).map(|sum| sum * reciprocal::<B>(k)), a_k, b.at(0))
 }
 
 /// `c = ln a`: `a_0 c_k = a_k − Σ j c_j a_(k−j)/k` over `0 < j < k`, of the row `d_j = j c_j`, which
 /// keeps `1/a_0`.
 #[inline(always)]
-pub(super) fn ln<B: Base>(k: usize, (a, a_k): (&Row<B>, B), d: &Row<B>) -> B {
+pub(super) fn ln<B: Coefficient>(k: usize, (a, a_k): (&Row<B>, B), d: &Row<B>) -> B {
     less(a_k, inner(k, d, a).map(|sum| sum * reciprocal::<B>(k))) * d.kept.get()
 }
 
 /// `c = aᵖ`: `k a_0 c_k = Σ (p (k − j) − j) c_j a_(k−j)` over `j < k`; `c` keeps `1/a_0`.
 #[inline(always)]
-pub(super) fn power<B: Base>(k: usize, (a, a_k): (&Row<B>, B), p: f64, c: &Row<B>) -> B {
+pub(super) fn power<B: Coefficient>(k: usize, (a, a_k): (&Row<B>, B), p: f64, c: &Row<B>) -> B {
     let mut sum = B::cst(0.0);
     for j in 1..k {
         let weight = p * (k - j) as f64 - j as f64;

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use super::base::Base;
+use super::coefficient::Coefficient;
 
 /// The highest order of a series.
 pub const MAX_ORDER: usize = 25;
@@ -19,7 +19,7 @@ pub struct Row<B: Copy> {
     pub(super) kept: Cell<B>,
 }
 
-impl<B: Base> Row<B> {
+impl<B: Coefficient> Row<B> {
     fn new() -> Self {
         let zero = || Cell::new(B::cst(0.0));
         Self { coefficients: std::array::from_fn(|_| zero()), kept: zero() }
@@ -50,7 +50,7 @@ pub struct Tail<'a, B: Copy> {
     first: usize,
 }
 
-impl<B: Base> Tail<'_, B> {
+impl<B: Coefficient> Tail<'_, B> {
     /// That of order `first + k`.
     #[inline(always)]
     pub fn at(self, k: usize) -> B {
@@ -67,13 +67,13 @@ pub struct Rows<B: Copy> {
     rows: Vec<Row<B>>,
 }
 
-impl<B: Base> Default for Rows<B> {
+impl<B: Coefficient> Default for Rows<B> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<B: Base> Rows<B> {
+impl<B: Coefficient> Rows<B> {
     /// A table that is enough for most, and grows with its use.
     pub fn new() -> Self {
         Self { rows: (0..N_ROWS).map(|_| Row::new()).collect() }
@@ -115,7 +115,7 @@ pub(super) struct Table<'a, B: Copy> {
     pub(super) k: usize,
 }
 
-impl<'a, B: Base> Table<'a, B> {
+impl<'a, B: Coefficient> Table<'a, B> {
     /// The next row; any one where there is none, in a run that [begins anew](Rows::grow).
     #[inline(always)]
     pub(super) fn next(self) -> &'a Row<B> {
@@ -132,7 +132,7 @@ impl<'a, B: Base> Table<'a, B> {
     /// What `call` gives with a count of its own, and the row that it took last. A function that is
     /// not inlined would force the count into memory.
     #[inline(always)]
-    pub(super) fn apart(self, call: impl FnOnce(Table<'_, B>) -> B) -> (&'a Row<B>, B) {
+    pub(super) fn outlined(self, call: impl FnOnce(Table<'_, B>) -> B) -> (&'a Row<B>, B) {
         let n = Cell::new(self.n.get());
         let coefficient = call(Table { rows: self.rows, n: &n, k: self.k });
         self.n.set(n.get());
@@ -141,7 +141,7 @@ impl<'a, B: Base> Table<'a, B> {
 
     /// The same of several coefficients, whose rows it took last.
     #[inline(always)]
-    pub(super) fn all_apart<const M: usize>(
+    pub(super) fn all_outlined<const M: usize>(
         self,
         call: impl FnOnce(Table<'_, B>) -> [B; M],
     ) -> ([&'a Row<B>; M], [B; M]) {

@@ -4,7 +4,7 @@ mod operators;
 
 use std::fmt;
 
-use super::base::Base;
+use super::coefficient::Coefficient;
 use super::recurrence;
 use super::rows::{Row, Table};
 use crate::real::{
@@ -41,7 +41,7 @@ struct Place<'a, B: Copy> {
     row: &'a Row<B>,
 }
 
-impl<'a, B: Base> Series<'a, B> {
+impl<'a, B: Coefficient> Series<'a, B> {
     /// A constant.
     #[inline(always)]
     pub(super) fn constant(x: B) -> Self {
@@ -184,7 +184,7 @@ impl<'a, B: Base> Series<'a, B> {
     }
 }
 
-impl<B: Base> fmt::Debug for Series<'_, B> {
+impl<B: Coefficient> fmt::Debug for Series<'_, B> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.place {
             None => write!(f, "{:?}", self.coefficient),
@@ -193,7 +193,7 @@ impl<B: Base> fmt::Debug for Series<'_, B> {
     }
 }
 
-impl<B: Base> Real for Series<'_, B> {
+impl<B: Coefficient> Real for Series<'_, B> {
     #[inline(always)]
     fn cst(x: f64) -> Self {
         Self::constant(B::cst(x))
@@ -273,7 +273,7 @@ impl<B: Base> Real for Series<'_, B> {
         if p == 0.0 || p == 1.0 {
             return if p == 0.0 { Self::constant(B::cst(1.0)) } else { self };
         }
-        let (c, c_k) = table.apart(|table| Self::power(table, (row, self.coefficient), p));
+        let (c, c_k) = table.outlined(|table| Self::power(table, (row, self.coefficient), p));
         Self { place: Some(Place { table, row: c }), coefficient: c_k }
     }
 
@@ -397,16 +397,16 @@ impl<B: Base> Real for Series<'_, B> {
     }
 
     #[inline(always)]
-    fn apart<F: Function>(self, f: &F) -> Self {
+    fn outlined<F: Function>(self, f: &F) -> Self {
         let Some(Place { table, row }) = self.kept().place else {
-            return Self::constant(self.coefficient.apart(f));
+            return Self::constant(self.coefficient.outlined(f));
         };
-        let (c, c_k) = table.apart(|table| Self::function(table, (row, self.coefficient), f));
+        let (c, c_k) = table.outlined(|table| Self::function(table, (row, self.coefficient), f));
         Self { place: Some(Place { table, row: c }), coefficient: c_k }
     }
 
     #[inline(always)]
-    fn all_apart<F: Functions<N, M>, const N: usize, const M: usize>(
+    fn all_outlined<F: Functions<N, M>, const N: usize, const M: usize>(
         x: [Self; N],
         f: &F,
     ) -> [Self; M] {
@@ -414,7 +414,7 @@ impl<B: Base> Real for Series<'_, B> {
             return f.of(x.map(|x| x.coefficient)).map(Self::constant);
         };
         let x = x.map(Self::kept);
-        let (rows, values) = table.all_apart(|table| {
+        let (rows, values) = table.all_outlined(|table| {
             let rows = x.map(|x| (x.place.map(|place| place.row), x.coefficient));
             Self::functions(table, rows, f)
         });

@@ -2,11 +2,11 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::super::base::Base;
+use super::super::coefficient::Coefficient;
 use super::super::recurrence;
 use super::{Place, Series};
 
-impl<B: Base> Neg for Series<'_, B> {
+impl<B: Coefficient> Neg for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
@@ -15,7 +15,7 @@ impl<B: Base> Neg for Series<'_, B> {
     }
 }
 
-impl<B: Base> Add for Series<'_, B> {
+impl<B: Coefficient> Add for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
@@ -30,7 +30,7 @@ impl<B: Base> Add for Series<'_, B> {
     }
 }
 
-impl<B: Base> Sub for Series<'_, B> {
+impl<B: Coefficient> Sub for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
@@ -48,7 +48,7 @@ impl<B: Base> Sub for Series<'_, B> {
     }
 }
 
-impl<B: Base> Mul for Series<'_, B> {
+impl<B: Coefficient> Mul for Series<'_, B> {
     type Output = Self;
 
     /// Waits for one operation where the second factor is known last, for two where the first is.
@@ -75,7 +75,7 @@ impl<B: Base> Mul for Series<'_, B> {
     }
 }
 
-impl<B: Base> Div for Series<'_, B> {
+impl<B: Coefficient> Div for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
@@ -94,7 +94,7 @@ impl<B: Base> Div for Series<'_, B> {
     }
 }
 
-impl<B: Base> Add<f64> for Series<'_, B> {
+impl<B: Coefficient> Add<f64> for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
@@ -103,7 +103,7 @@ impl<B: Base> Add<f64> for Series<'_, B> {
     }
 }
 
-impl<B: Base> Sub<f64> for Series<'_, B> {
+impl<B: Coefficient> Sub<f64> for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
@@ -112,7 +112,7 @@ impl<B: Base> Sub<f64> for Series<'_, B> {
     }
 }
 
-impl<B: Base> Mul<f64> for Series<'_, B> {
+impl<B: Coefficient> Mul<f64> for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]
@@ -121,7 +121,7 @@ impl<B: Base> Mul<f64> for Series<'_, B> {
     }
 }
 
-impl<B: Base> Div<f64> for Series<'_, B> {
+impl<B: Coefficient> Div<f64> for Series<'_, B> {
     type Output = Self;
 
     #[inline(always)]

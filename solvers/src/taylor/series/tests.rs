@@ -50,7 +50,7 @@ fn coefficients(rows: &Rows<f64>, x: f64, k: usize) -> [f64; 11] {
 }
 
 /// Rows for [`operations`] and some.
-pub(crate) fn enough_rows<B: Base>() -> Rows<B> {
+pub(crate) fn enough_rows<B: Coefficient>() -> Rows<B> {
     let mut rows = Rows::new();
     rows.grow(2 * N_ROWS);
     rows
@@ -133,16 +133,16 @@ impl Functions<2, 3> for Both {
 }
 
 #[test]
-fn functions_of_several_numbers_are_the_same_apart() {
+fn functions_of_several_numbers_are_the_same_outlined() {
     let rows = poisoned();
     for k in 0..12 {
-        let run = |is_apart: bool| {
-            let n = Cell::new(if is_apart { 0 } else { N_ROWS / 2 });
+        let run = |is_outlined: bool| {
+            let n = Cell::new(if is_outlined { 0 } else { N_ROWS / 2 });
             let x = Series::new(rows.table(&n, k), [0.7, 1.0, 0.0][k.min(2)]);
             // A linear result, which nothing has kept yet.
             let given = [x * 0.5 + 0.35, Series::constant(1.5)];
             let [y, again, c] =
-                if is_apart { Series::all_apart(given, &Both) } else { Both.of(given) };
+                if is_outlined { Series::all_outlined(given, &Both) } else { Both.of(given) };
             // Rows of their own come after it.
             [y * x, again * again, c * x, y / x].map(|series| series.coefficient(k))
         };

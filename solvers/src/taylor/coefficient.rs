@@ -11,7 +11,7 @@ use crate::lanes::scalar::{Lanes, Simd};
 use crate::real::{Ordered, Real};
 
 /// A number that series are made of.
-pub trait Base: Real {
+pub trait Coefficient: Real {
     /// The highest order of a series with code of its own.
     const HIGHEST_UNROLLED: usize;
 
@@ -36,7 +36,7 @@ pub trait Base: Real {
 /// Where the compiler is not asked for speed, it is spared the code of each order; the bits are the same.
 const UNROLLED: usize = if cfg!(debug_assertions) { 0 } else { MAX_ORDER };
 
-impl Base for f64 {
+impl Coefficient for f64 {
     const HIGHEST_UNROLLED: usize = UNROLLED;
 
     type Rounded = Self;
@@ -58,7 +58,7 @@ impl Base for f64 {
 }
 
 /// Of two runs, with the bits that each has alone.
-impl Base for Lanes<f64x2> {
+impl Coefficient for Lanes<f64x2> {
     const HIGHEST_UNROLLED: usize = UNROLLED;
 
     // As far as there is code for it: runs are 5 % faster for it, which those of one run are not.
@@ -82,10 +82,10 @@ impl Base for Lanes<f64x2> {
     }
 }
 
-/// [`long_inner`](Base::long_inner), four terms at a time: first the one to four after which as many are left as
+/// [`long_inner`](Coefficient::long_inner), four terms at a time: first the one to four after which as many are left as
 /// fours hold.
 #[inline(always)]
-fn sum_by_fours<B: Base, F: Four<B>>(k: usize, a: &Row<B>, b: Tail<'_, B>) -> B {
+fn sum_by_fours<B: Coefficient, F: Four<B>>(k: usize, a: &Row<B>, b: Tail<'_, B>) -> B {
     let upwards =
         |row: &Row<B>, k: usize| F::of([row.at(k), row.at(k + 1), row.at(k + 2), row.at(k + 3)]);
     // Read upwards and turned, they are one load and one permutation.
@@ -180,7 +180,7 @@ impl Four<Lanes<f64x2>> for f64x8 {
     }
 }
 
-impl Base for TwoFloat {
+impl Coefficient for TwoFloat {
     // An operation is twenty: loops cost little.
     const HIGHEST_UNROLLED: usize = 0;
 
