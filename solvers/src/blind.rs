@@ -8,11 +8,11 @@ use crate::record::{Accepted, Event, Needs, Record};
 use crate::stats::Stats;
 use crate::system::{ModeOfState, Next, System};
 
-/// A system whose right-hand side looks up its mode in the state, as a model written with `if`
-/// statements does; of its guards only the one that [ends](ModeOfState::end) a run is left.
+/// A system whose right-hand side reads its mode off the state, as a model written with `if` statements does. Of its
+/// guards only the one that [ends](ModeOfState::end) a run remains.
 ///
-/// A step whose stages straddle a surface has order one or two, whatever the method; this is what
-/// [located](crate::integrate) runs are compared with.
+/// A step whose stages lie on both sides of a surface has order one or two, whatever the method. Runs with
+/// [located](crate::integrate) events are compared with this baseline.
 #[derive(Clone, Copy, Debug)]
 pub struct Blind<'a, P>(pub &'a P);
 
@@ -86,8 +86,8 @@ impl<P: ModeOfState> System for Blind<'_, P> {
     }
 }
 
-/// Shows a blind run to a recorder of the underlying system: each step in the mode that its start
-/// has, and an event at the end of each step after which the mode differs.
+/// Shows a blind run to a recorder of the underlying system. Each step is shown in the mode of its start, and an
+/// event is shown at the end of each step after which the mode is another.
 pub struct Unblind<'a, P: System, R> {
     problem: &'a P,
     mode: P::Mode,
@@ -95,7 +95,7 @@ pub struct Unblind<'a, P: System, R> {
 }
 
 impl<'a, P: ModeOfState, R: Record<P>> Unblind<'a, P, R> {
-    /// A run of `Blind(problem)` from `(t, y)`, shown to `record`.
+    /// A recorder for a run of `Blind(problem)` from `(t, y)`, which shows the run to `record`.
     pub fn new(problem: &'a P, t: f64, y: &P::State<f64>, record: R) -> Self {
         Self { problem, mode: problem.mode_of_state(t, y), record }
     }

@@ -5,45 +5,46 @@ use crate::tolerance::Tolerance;
 
 /// Safety factor on the proposed step. Hairer, Nørsett, Wanner, DOPRI5.
 const SAFETY: f64 = 0.9;
-/// Most that a step shrinks or grows at once. Hairer, Nørsett, Wanner, DOPRI5.
+/// Smallest and largest factor from one step size to the next. Hairer, Nørsett, Wanner, DOPRI5.
 const SHRINK: f64 = 0.2;
 const GROWTH: f64 = 10.0;
 /// Weight of the previous error; zero is the plain integral controller. DOPRI5.
 const BETA: f64 = 0.04;
-/// Most that steps grow each after one that had no end: the size that failed is come near to in some seven
-/// steps, where one error after the other would lead there in two.
+/// Growth limit per step after a failed Newton iteration. With it, steps return to the size that failed in about
+/// seven steps; the error estimate alone would lead there in two, to fail again.
 const CREEP: f64 = 1.1;
-/// Binary logarithm of the floor of the remembered error, 1e-4, so that one lucky step does not hold back
-/// the next. DOPRI5.
+/// Binary logarithm of the floor of the remembered error, 1e-4. The floor keeps one step with a tiny error from
+/// holding back the next. DOPRI5.
 const LOG_ERROR_FLOOR: f64 = -13.287_712_379_549_449;
 
 /// How the step size is chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Control {
-    /// Always this step [unit of time], whatever the error.
+    /// Every step has this size [unit of time], whatever its error.
     Fixed(f64),
-    /// Steps whose estimated local error is tolerated.
+    /// Step sizes are chosen so that the estimated local error is within the tolerance.
     Adaptive(Tolerance),
 }
 
-/// A controller at work: judges a step and proposes the next.
+/// A step size controller: accepts or rejects a step by its error and proposes the next size.
 #[derive(Clone, Debug)]
 pub struct StepController {
     control: Control,
-    /// Order of the local error estimate, q + 1 for an embedded method of order q.
+    /// `1/(q + 1)` for an embedded method of order q, whose local error estimate is of order q + 1.
     exponent: f64,
     log_last_err: f64,
     rejected: bool,
-    /// Largest size of the next step, after one that had no end.
+    /// Largest size of the next step; finite after a step whose Newton iteration failed, or that left the domain of
+    /// the model.
     ceiling: f64,
 }
 
-/// What the controller makes of an attempted step.
+/// The controller's decision on an attempted step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
-    /// Good; go on with this step size.
+    /// The error is within the tolerance; the next step should have this size.
     Accept(f64),
-    /// Too inaccurate; try again with this step size.
+    /// The error is too large; the step should be tried again with this size.
     Reject(f64),
 }
 
@@ -59,22 +60,22 @@ impl StepController {
         }
     }
 
-    /// The control it was made of.
+    /// The control that this controller was made with.
     pub fn control(&self) -> &Control {
         &self.control
     }
 
-    /// Judges a step of size `h` from `y0` to `y1` by its local error estimate.
+    /// Judges a step of size `h` by the square of the norm of its local error estimate, which `err_sq` computes for
+    /// the tolerance; it is not called under fixed steps.
     ///
     /// ```text
     /// accepted:  h ← h · clamp(0.9 err^−(1/(q+1) − 0.75 β) · err_last^β),  β = 0.04
     /// rejected:  h ← h · max(0.2, 0.9 err^−1/(q+1))
     /// ```
     ///
-    /// K. Gustafsson, "Control theoretic techniques for stepsize selection in explicit
-    /// Runge–Kutta methods", ACM TOMS 17(4), 533–554 (1991), with the constants of DOPRI5 for every method;
-    /// DOPRI5 keeps the 0.75 β in a rejection too. An error that is not a
-    /// number is refused.
+    /// K. Gustafsson, "Control theoretic techniques for stepsize selection in explicit Runge–Kutta methods", ACM TOMS
+    /// 17(4), 533–554 (1991). The constants are those of DOPRI5 for every method; unlike here, DOPRI5 keeps the term
+    /// 0.75 β in a rejection too. A step whose error is not a number is rejected.
     #[inline]
     pub fn judge(&mut self, h: f64, err_sq: impl FnOnce(&Tolerance) -> f64) -> Verdict {
         let tolerance = match &self.control {
@@ -85,8 +86,8 @@ impl StepController {
         self.weigh(h, err_sq)
     }
 
-    /// As [`judge`](Self::judge), where the method proposes the size of the next step: after a good one the
-    /// size is left as it is, without a logarithm, and the error is not remembered.
+    /// As [`judge`](Self::judge), for a method that itself proposes the next step size. The size after an accepted
+    /// step is left as it is, which saves a logarithm, and the error is not remembered.
     #[inline]
     fn check(&mut self, h: f64, err_sq: impl FnOnce(&Tolerance) -> f64) -> Verdict {
         let Control::Adaptive(tolerance) = &self.control else { return self.judge(h, err_sq) };
@@ -99,7 +100,8 @@ impl StepController {
         self.judge(h, |_| err_sq)
     }
 
-    /// By [`check`](Self::check) where the size of the step was proposed, else by [`judge`](Self::judge).
+    /// Judges by [`check`](Self::check) where the step size was proposed by the method, and by [`judge`](Self::judge)
+    /// otherwise.
     #[inline]
     pub(crate) fn verdict(
         &mut self,
@@ -110,7 +112,7 @@ impl StepController {
         if is_proposed { self.check(h, err_sq) } else { self.judge(h, err_sq) }
     }
 
-    /// What is made of a step of size `h` by the square of the norm of its error; one of zero has the largest
+    /// Decides on a step of size `h` by the square of the norm of its error. An error of zero gives the largest
     /// growth.
     #[inline]
     fn weigh(&mut self, h: f64, err_sq: f64) -> Verdict {
@@ -129,22 +131,24 @@ impl StepController {
         }
     }
 
-    /// What a step is shortened by whose error has the logarithm `log_err`.
+    /// The factor that shortens a step whose error norm has the binary logarithm `log_err`.
     fn shrunk(&self, log_err: f64) -> f64 {
         let factor = SAFETY * exp2(-self.exponent * log_err);
         if factor > SHRINK { factor.min(1.0) } else { SHRINK }
     }
 
-    /// The step size to try again with instead of one of size `h` that has no end; none where it is
-    /// fixed. The steps after it grow by a tenth each at most.
+    /// Half of `h`, to try a step again that failed: its Newton iteration did not converge, or its end was not
+    /// finite. Returns `None` where the size is fixed. Afterwards step sizes grow by at most a tenth per step,
+    /// starting from the halved size.
     pub fn halved(&mut self, h: f64) -> Option<f64> {
         self.rejected = true;
         self.ceiling = 0.5 * h.abs();
         matches!(self.control, Control::Adaptive(_)).then_some(0.5 * h)
     }
 
-    /// The step size to try again with instead of a step of size `h` that lands on an event, if its
-    /// error is not tolerated: the step it is a part of was, but may have been so by luck.
+    /// A smaller size to try again with, if the error of a step of size `h` that lands on an event is not within the
+    /// tolerance. The longer step that it was cut from was within the tolerance, but an error estimate may be small
+    /// by chance.
     pub fn refusal(&self, h: f64, err_sq: impl FnOnce(&Tolerance) -> f64) -> Option<f64> {
         let Control::Adaptive(tolerance) = &self.control else {
             return None;
@@ -208,7 +212,7 @@ mod tests {
         for n in 1..=8 {
             let Verdict::Accept(next) = controller.judge(h, norm_sq(1e-12)) else { panic!("{n}") };
             h = next;
-            // The first one after a refusal does not grow.
+            // The first step after a refusal does not grow.
             let most = if n == 1 { 0.5 } else { 0.5 * CREEP.powi(n) };
             assert!((h + most).abs() < 1e-12, "{n}: {h}");
         }

@@ -70,14 +70,14 @@ pub(crate) fn add<T: Real, Y: Vector<T>>(y: &mut Y, w: T, k: &Y) {
     }
 }
 
-/// `y = y₀ + h Σ_i w_i k_i` over the leading stages that have a weight.
+/// `y = y₀ + h Σ_i w_i k_i` over the first `w.len()` stages.
 #[inline]
 pub fn combine<T: Real, Y: Vector<T>>(y0: &Y, h: T, w: &[f64], k: &[Y], y: &mut Y) {
     sum(h, w, k, y);
     start_from(y0, y);
 }
 
-/// The same with a last slope of weight `w_last` that is not among the others.
+/// The same with one more slope, `k_last` of weight `w_last`, stored apart from the others.
 #[inline(always)]
 pub(crate) fn combine_with<T: Real, Y: Vector<T>>(
     y0: &Y,
@@ -91,7 +91,8 @@ pub(crate) fn combine_with<T: Real, Y: Vector<T>>(
     start_from(y0, y);
 }
 
-/// `y = Σ_i (h w_i) k_i`: nothing waits for h w_i.
+/// `y = Σ_i (h w_i) k_i`. The products `h w_i` do not depend on the slopes, so the processor computes them in
+/// advance.
 #[inline(always)]
 fn sum<T: Real, Y: Vector<T>>(h: T, w: &[f64], k: &[Y], y: &mut Y) {
     y.as_mut().fill(T::cst(0.0));

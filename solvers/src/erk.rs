@@ -9,7 +9,7 @@ use crate::system::{System, Vector};
 use crate::tableau::Tableau;
 use crate::tolerance::{Tolerance, norm_sq};
 
-/// Where slopes come from.
+/// The right-hand side that a stage loop evaluates.
 pub(crate) trait Slope<T, Y> {
     /// Writes the slope at `(t, y)` to `dydt`.
     fn slope(&self, t: T, y: &Y, dydt: &mut Y);
@@ -28,20 +28,20 @@ impl<P: System, T: Real> Slope<T, P::State<T>> for InMode<'_, P> {
     }
 }
 
-/// An explicit tableau method at work on one system: its tableau and the memory of one step.
+/// An explicit tableau method applied to one system: its tableau and the workspace of one step.
 #[derive(Debug)]
 pub struct ExplicitRk<Y, const S: usize, T = f64> {
     tableau: &'static Tableau<S>,
     first_same_as_last: bool,
     /// Weights of the error estimate, `b − b̂`.
     error_weights: Option<[f64; S]>,
-    /// The same of the second embedded solution, and its error.
+    /// The same for the second embedded solution, where there is one, and the error by it.
     low_weights: Option<[f64; S]>,
     pub(crate) low_error: Y,
     y_stage: Y,
     zero: Y,
     pub(crate) step: TableauStep<Y, S, T>,
-    /// Whether the extra stages of its dense output are evaluated.
+    /// Whether the extra stages of the dense output are evaluated.
     pub(crate) is_dense: bool,
 }
 
@@ -63,7 +63,8 @@ impl<Y: Vector<T>, const S: usize, T: Real> ExplicitRk<Y, S, T> {
         }
     }
 
-    /// Takes a step of size `h` to `t1` along `field`: the stages after the first, the end and its errors.
+    /// Takes a step of size `h` to `t1` along `field`: computes the stages after the first, the state at the end and
+    /// the error estimates.
     ///
     /// The present stage and the slope before it are no memory where states are short: what is stored entry by
     /// entry and loaded in other pieces, as vectors are, waits for its store, twice a stage.
@@ -96,15 +97,15 @@ impl<Y: Vector<T>, const S: usize, T: Real> ExplicitRk<Y, S, T> {
         (self.y_stage, step.k[S - 1]) = (y, last);
     }
 
-    /// Evaluations of an attempt.
+    /// Evaluations of the right-hand side in one attempt.
     pub(crate) const N_RHS: u64 = S as u64 - 1;
 
-    /// Evaluations of the slope at the end of a step.
+    /// Evaluations of the right-hand side for the slope at the end of a step.
     pub(crate) fn n_rhs_of_end(&self) -> u64 {
         u64::from(!self.first_same_as_last)
     }
 
-    /// Makes the slope at the end of the last step valid.
+    /// Computes the slope at the end of the last step.
     #[inline(always)]
     pub(crate) fn end_slope(&mut self, field: &impl Slope<T, Y>) {
         let step = &mut self.step;
@@ -115,8 +116,8 @@ impl<Y: Vector<T>, const S: usize, T: Real> ExplicitRk<Y, S, T> {
         }
     }
 
-    /// Square of the norm of the error of the last step for tolerances `(rtol, atol)`; where there are two
-    /// embedded solutions also of the error of the second.
+    /// Square of the norm of the error of the last step for tolerances `(rtol, atol)`, and, where there is a second
+    /// embedded solution, a closure that computes the same for its error.
     #[inline]
     pub(crate) fn norms_sq<C: Copy>(&self, tolerance: (C, &[C])) -> (T, Option<impl FnOnce() -> T>)
     where
@@ -136,7 +137,8 @@ fn last_apart(w: &[f64], n: usize) -> (&[f64], f64) {
     (earlier, last.first().copied().unwrap_or(0.0))
 }
 
-/// `err₁⁴/(err₁² + 0.01 err₂²)`, of the squares of the norms of both errors.
+/// Square of the error estimate from two embedded solutions, `err₁⁴/(err₁² + 0.01 err₂²)`, from the squares of the
+/// norms of both errors.
 #[inline]
 pub(crate) fn sharpened(error_sq: f64, low_sq: impl FnOnce() -> f64) -> f64 {
     if error_sq == 0.0 { error_sq } else { error_sq * (error_sq / (error_sq + 0.01 * low_sq())) }

@@ -1,21 +1,22 @@
 //! Errors and outcomes.
 
-/// How an integration ended that did not fail.
+/// How an integration without an error ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// It reached the end of its time.
+    /// It reached the end of the requested span.
     Finished,
     /// A terminal event ended it.
     Stopped,
-    /// The recorder broke it off.
+    /// The recorder ended it.
     Interrupted,
 }
 
-/// Why an integration cannot go on; what was reached before stays valid.
+/// Why an integration cannot go on. What was reached before the error stays valid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A step is below the resolution of time, by its error estimate or by the user's choice.
+    /// A step is below the resolution of the time, either because of its error estimate or because the user chose it
+    /// so.
     #[error(
         "step fell to {h:e} at t = {t} in mode {mode}; that is beyond f64 here: raise rtol, atol or the fixed step"
     )]
@@ -61,7 +62,7 @@ pub enum Error {
         /// Index of the guard.
         guard: usize,
     },
-    /// Transitions at one instant do not come to rest in any mode.
+    /// Transitions at one instant did not end in a mode whose guards all hold.
     #[error(
         "{n} transitions at t = {t} without rest, the last one from mode {mode} by guard {guard}: two modes hand over to each other; give the model the sliding or sticking mode between them"
     )]
@@ -75,7 +76,7 @@ pub enum Error {
         /// Guard of the last transition.
         guard: usize,
     },
-    /// Events accumulate.
+    /// Events accumulate at a time for which the model gives no limiting mode.
     #[error(
         "{n} events within {span:e} before t = {t} in mode {mode}: they accumulate; give the model the mode that they tend to, or tighten the tolerance if they are spurious"
     )]
@@ -89,14 +90,15 @@ pub enum Error {
         /// Mode.
         mode: String,
     },
-    /// The model holds no further, as whoever built it found out; an integration does not say so by itself.
+    /// The model is no longer valid. Integrations in this crate never return this error; it is for code that checks
+    /// the validity of a model during a run.
     #[error("the model ends at t = {t} in mode {mode}: {reason}")]
     OutsideModel {
         /// Time.
         t: f64,
         /// Mode.
         mode: String,
-        /// What ends it, with numbers, and the way out.
+        /// Why the model ends, with numbers, and what to change.
         reason: String,
     },
     /// A tolerance is not usable.

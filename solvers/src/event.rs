@@ -1,31 +1,32 @@
-//! Guards over a step: which falls below zero, which falls first, and when.
+//! Guards over a step: which guards fall below zero, which of them falls first, and when.
 //!
-//! A guard `g` is *violated* where `g < −bound`, its rounding bound. Events are located as roots
-//! of `g + bound/2`: the landing then lies past the surface, and within rounding of it.
+//! A guard `g` is *violated* where `g < −bound`, its rounding bound. Events are located as roots of `g + bound/2`, so
+//! that the located state lies past the surface but within rounding of it. A *fall* is a crossing of a guard from
+//! above its surface to below; a *dip* is a fall followed by a rise within the same step.
 //!
 //! # What is found within one step
 //!
-//! A guard that is violated at the end of a step is always found. Whether another one falls and rises
-//! within it is a search, in three looks, each dearer than the one before:
+//! A guard that is violated at the end of a step is always found. Whether another guard falls and rises within the
+//! step is found by a search in three stages, each more expensive than the one before:
 //!
-//! 1. Values and rates at both ends give the cubic through them. Where that has no minimum inside, or
-//!    has it far above zero, the guard holds. Every step pays for this look: one evaluation of the
-//!    guards and their rates, a few operations a guard, a square root where it is near its surface.
-//! 2. Three values of the dense output, for all guards together, make the cubic a polynomial of degree
-//!    six, and its values at sixteenths of the step show how often it turns.
-//! 3. Each minimum that may be below zero is searched for on the dense output. The first one that is
-//!    violated at its deepest point counts, and the guard falls between the top before it and there.
+//! 1. Values and rates at both ends determine a cubic. If the cubic has no minimum inside the step, or one far above
+//!    zero, the guard is taken to hold. Every step pays for this stage: one evaluation of the guards and their rates,
+//!    a few operations per guard, and a square root for a guard near its surface.
+//! 2. Three values on the dense output, computed for all guards together, extend the cubic to a polynomial of degree
+//!    six. Its values at sixteenths of the step show its minima.
+//! 3. Each minimum that may be below zero is searched for on the dense output. The first one at whose deepest point
+//!    the guard is violated counts, and the guard falls between the maximum before it and that point.
 //!
-//! In steps up to three quarters of a period of a guard that moves like a sine, damped by up to 0.6 of its
-//! angular frequency, no fall of the dense output was missed, nor a later one taken for the first, in
-//! 20 000 draws (`tests/random_systems`). Over a whole period a sine has the same values and rates at
-//! both ends and looks constant: nothing at the ends can tell. Other guards are a search and not a
-//! guarantee: it needs the cubic to show that there is a minimum, and the polynomial of degree six to
-//! follow the guard to 2 % of its range; falls less than an eighth of a step apart may be taken for one.
-//! Dips shallower than the error of the dense output may not show on it.
+//! Tests drew 20 000 steps of guards that move like a sine (`tests/random_systems`), with damping up to 0.6 of the
+//! angular frequency and steps up to three quarters of a period. In none of them was a fall of the dense output
+//! missed, or a later fall taken for the first one. A step of a whole period cannot be told from a constant: a sine
+//! then has the same values and rates at both ends. For other guards the search gives no guarantee. It needs the
+//! cubic to show a minimum, and the polynomial of degree six to follow the guard to 2 % of its range. Two falls less
+//! than an eighth of a step from each other may be taken for one. A dip shallower than the error of the dense output
+//! may not appear on it.
 //!
-//! The fall found is that of the dense output. [`one_step`](crate::one_step) checks a dip on a step
-//! retaken to its deepest point, and may say that it is none.
+//! The search finds falls of the dense output. For a dip, [`one_step`](crate::one_step) therefore retakes the step to
+//! the deepest point, and discards the dip if the retaken step does not show it.
 
 mod shape;
 
@@ -41,23 +42,23 @@ use crate::step::Step;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 
-/// A minimum at its nodes is searched for on the dense output where it lies below this fraction of
-/// the range: for that sine, 0.7 % of it is between two nodes and 0.6 % the polynomial's error.
+/// A minimum among the nodes of the polynomial is searched for on the dense output where it lies below this fraction
+/// of the range. For the sine of three quarters of a period, the minimum may lie lower between two nodes by 0.7 % of
+/// the range, and the error of the polynomial is 0.6 % of it.
 const MISFIT: f64 = 0.02;
 
-/// A guard that falls within a step.
+/// The crossing of a guard that falls below zero within a step.
 #[derive(Clone, Copy, Debug)]
 pub struct GuardCrossing {
-    /// Which guard.
+    /// Index of the guard.
     pub guard: usize,
-    /// When it falls, on the step's dense output.
+    /// Time of the crossing on the step's dense output.
     pub t: f64,
-    /// When it is violated after that: the end of the step, or a time inside from which it
-    /// recovers before the end.
+    /// A later time at which the guard is violated: the end of the step, or, for a dip, a time within the step.
     pub violated_at: f64,
 }
 
-/// The guards of one system, looked at along a run.
+/// The guards of one system along a run, with the workspace of the search.
 pub struct GuardWatch<P: System> {
     /// Values and rates at the start of a step.
     start: P::Guards<Dual64>,
@@ -65,22 +66,22 @@ pub struct GuardWatch<P: System> {
     end: P::Guards<Dual64>,
     values: P::Guards<f64>,
     bounds: P::Guards<f64>,
-    /// How deep a dip must be to be believed, beyond the bound.
+    /// Depth beyond the bound that a dip must have to count.
     doubts: P::Guards<f64>,
     y: P::State<f64>,
     /// Values at the quarters of a step on its dense output.
     quarters: [P::Guards<f64>; 3],
-    /// Values at the first fall found so far.
+    /// Values at the time of the first fall found so far.
     at_first: P::Guards<f64>,
-    /// Fraction of the present step at which each guard's first dip is deepest.
+    /// Fraction of the present step at which the first dip of each guard is deepest.
     deepest: Vec<f64>,
-    /// Fraction up to which the dips of each guard were the interpolant's alone.
+    /// Fraction of the present step up to which dips of each guard were found to be errors of the interpolant.
     disproved: Vec<f64>,
     has_disproved: bool,
 }
 
 impl<P: System> GuardWatch<P> {
-    /// Memory for the guards of `problem`.
+    /// Workspace for the guards of `problem`.
     pub fn new(problem: &P) -> Self {
         let n = problem.n_guards();
         let zeros = || Vector::from_fn(n, |_| 0.0);
@@ -100,7 +101,7 @@ impl<P: System> GuardWatch<P> {
         }
     }
 
-    /// Evaluates all guards of `mode` at `(t, y)`; the first violated one.
+    /// Evaluates all guards of `mode` at `(t, y)`, and returns the first violated one.
     ///
     /// # Errors
     /// [`Error::NonFiniteGuard`] for a guard or bound that is infinite or not a number.
@@ -147,7 +148,7 @@ impl<P: System> GuardWatch<P> {
         self.values.as_ref()[i] <= 0.0
     }
 
-    /// How far guard `i`, as last evaluated, is above the value that events are located at.
+    /// Difference of guard `i`, as last evaluated, from the value at which events are located.
     pub fn clearance(&self, i: usize) -> f64 {
         self.values.as_ref()[i] + 0.5 * self.bounds.as_ref()[i]
     }
@@ -165,7 +166,8 @@ impl<P: System> GuardWatch<P> {
         self.forget_dips();
     }
 
-    /// Takes values and rates at the start of a step that was not watched from the one before it.
+    /// Evaluates values and rates at the start of a step. Needed where they do not carry over from the end of the
+    /// step before.
     pub(crate) fn start_at(
         &mut self,
         problem: &P,
@@ -177,7 +179,7 @@ impl<P: System> GuardWatch<P> {
         along_flow(problem, mode, t, y, dydt, &mut self.start);
     }
 
-    /// Forgets the dips disproved in a step that is over.
+    /// Forgets the dips that were discarded in a step that is over.
     pub(crate) fn forget_dips(&mut self) {
         if std::mem::take(&mut self.has_disproved) {
             self.disproved.fill(0.0);
@@ -201,8 +203,8 @@ impl<P: System> GuardWatch<P> {
         self.end.as_ref()[i].eps
     }
 
-    /// Whether a look at both ends of a completed step is enough to see that no guard falls on it;
-    /// the next step then begins where it ends.
+    /// Whether values and rates at both ends of a completed step show that no guard falls on it. If so, the end
+    /// becomes the start of the next step.
     #[inline]
     pub fn is_clear(
         &mut self,
@@ -212,7 +214,7 @@ impl<P: System> GuardWatch<P> {
     ) -> bool {
         self.rates(problem, mode, step.t1(), step.y1(), step.slope1());
         let h = step.t1() - step.t0();
-        // Without a branch between the guards: they are looked at together.
+        // All guards are tested without a branch between them, so that the tests run as vector instructions.
         let ends = self.start.as_ref().iter().zip(self.end.as_ref());
         if ends.fold(true, |all, (g0, g1)| all & is_far([g0.re, g0.eps], [g1.re, g1.eps], h)) {
             self.keep();
@@ -226,10 +228,10 @@ impl<P: System> GuardWatch<P> {
         is_clear
     }
 
-    /// The guard that falls first on the step that [`is_clear`](Self::is_clear) found not to be, its
-    /// time to within `precision` steps or the spacing of `f64`; none where all hold, and the next
-    /// step then begins where this one ends. Where a tolerance is given, in `doubt`, a dip must be
-    /// deeper than the error of the guard that it allows.
+    /// The guard that falls first on a step that [`is_clear`](Self::is_clear) could not clear. The time is located to
+    /// within `precision` steps or the spacing of `f64`. Returns `None` where no guard falls; the end then becomes
+    /// the start of the next step. Where a tolerance is given, in `doubt`, a dip counts only if it is deeper than the
+    /// error of the guard that the tolerance allows.
     ///
     /// # Errors
     /// [`Error::NonFiniteGuard`].
@@ -271,7 +273,8 @@ impl<P: System> GuardWatch<P> {
                     problem.guards(mode.clone(), first.t, &self.y, &mut self.at_first);
                     knows_first = true;
                 }
-                // It falls later, or with the first: no search, of which many alike would take many.
+                // This guard is not yet violated at the first fall, so it falls later or together with it. It needs
+                // no search; that saves many searches where many guards fall alike.
                 if self.at_first.as_ref()[guard] >= -self.bounds.as_ref()[guard] {
                     continue;
                 }
@@ -290,8 +293,8 @@ impl<P: System> GuardWatch<P> {
         Ok(first)
     }
 
-    /// Writes `Σ_j |∂g_i/∂y_j| (atol_j + rtol |y_j|)` at the end of `step` to `doubts`: the change of each
-    /// guard by an error of the states that `tolerance` allows.
+    /// Writes `Σ_j |∂g_i/∂y_j| (atol_j + rtol |y_j|)` at the end of `step` to `doubts`: a bound of the change of each
+    /// guard by errors of the states that `tolerance` allows.
     fn doubt(
         &mut self,
         problem: &P,
@@ -314,8 +317,8 @@ impl<P: System> GuardWatch<P> {
         }
     }
 
-    /// Whether both ends of a step of size `h` tell that guard `i`, not violated at its end, has no
-    /// dip inside.
+    /// Whether values and rates at both ends of a step of size `h` show that guard `i`, not violated at the end, has
+    /// no dip inside.
     fn holds(&self, i: usize, h: f64) -> bool {
         let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
         let (from, to) = ([g0.re, g0.eps], [g1.re, g1.eps]);
@@ -323,31 +326,31 @@ impl<P: System> GuardWatch<P> {
         is_far(from, to, h) || is_finite && has_no_dip(from, to, h)
     }
 
-    /// Takes note that guard `i` does not dip where the search last found it to, whatever the dense
-    /// output says.
+    /// Discards the dip of guard `i` that the search found last: it and earlier ones on the dense output of the
+    /// present step do not count any more.
     pub fn disprove_dip(&mut self, i: usize) {
         self.disproved[i] = self.deepest[i];
         self.has_disproved = true;
     }
 
-    /// Takes note that guard `i` was found to dip at this fraction of the present step.
+    /// Notes that a dip of guard `i` was found at this fraction of the present step.
     pub(crate) fn note_dip(&mut self, i: usize, theta: f64) {
         self.deepest[i] = theta;
     }
 
-    /// Whether a dip of guard `i` in the present step was said to be none.
+    /// Whether a dip of guard `i` in the present step was discarded.
     pub(crate) fn is_disproved(&self, i: usize) -> bool {
         self.disproved[i] > 0.0
     }
 
-    /// Keeps the step last looked at: the next one begins where it ends.
+    /// Makes the end of the present step the start of the next one.
     pub fn keep(&mut self) {
         self.start.clone_from(&self.end);
         self.forget_dips();
     }
 
-    /// Where guard `i` is highest before its first dip inside the step, and where that is deepest; without
-    /// a dip, where it is highest after its last minimum. In fractions of the step.
+    /// Position of the maximum of guard `i` before its first dip inside the step, and of the deepest point of that
+    /// dip, in fractions of the step. Without a dip, the position of the maximum after the last minimum, and `None`.
     fn dip(
         &mut self,
         problem: &P,
@@ -358,7 +361,8 @@ impl<P: System> GuardWatch<P> {
         let (t0, h) = (step.t0(), step.t1() - step.t0());
         let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
         let quarters: [f64; 3] = std::array::from_fn(|k| self.quarters[k].as_ref()[i]);
-        // A rate may be infinite where a guard is not; the chord to the next quarter then stands for it.
+        // A rate may be infinite where the guard is finite. The slope of the chord to the next quarter then replaces
+        // it.
         let slope = |rate: f64, chord: f64| if rate.is_finite() { rate * h } else { 4.0 * chord };
         let slopes = [slope(g0.eps, quarters[0] - g0.re), slope(g1.eps, g1.re - quarters[2])];
         let nodes = sextic([g0.re, g1.re], slopes, quarters);
@@ -392,7 +396,7 @@ impl<P: System> GuardWatch<P> {
         (at(top), None)
     }
 
-    /// [`clearance`](Self::clearance) of guard `i` at `t` on the step's dense output.
+    /// The [`clearance`](Self::clearance) of guard `i` at `t` on the step's dense output.
     fn clearance_on(
         &mut self,
         problem: &P,
@@ -407,7 +411,7 @@ impl<P: System> GuardWatch<P> {
     }
 }
 
-/// Values and rates of the guards at `(t, y)` along `dydt`.
+/// Writes the values of the guards at `(t, y)`, and their rates along `dydt`, to `g`.
 #[inline(never)]
 fn along_flow<P: System>(
     problem: &P,

@@ -1,4 +1,4 @@
-//! The driver: phase after phase, a transition between each.
+//! The driver: it runs one phase after the other, with transitions between them.
 
 use std::collections::VecDeque;
 
@@ -10,17 +10,17 @@ use crate::record::{Event, Record};
 use crate::stats::Stats;
 use crate::system::{Next, System, Vector};
 
-/// Transitions at one instant beyond which two modes are held to chatter, or twice as many as there are
-/// guards.
+/// Largest number of transitions at one instant, unless twice the number of guards is larger. Beyond it the run ends
+/// in [`Error::Chatter`].
 const CHATTER: usize = 16;
-/// That many events in a row, or twice as many as there are guards, …
+/// Events are held to accumulate where this many in a row, or twice as many as there are guards, …
 const STORM: usize = 100;
-/// … within this fraction of the time since the integration's start are held to accumulate, …
+/// … lie within this fraction of the time since the integration's start, …
 const STORM_SPAN: f64 = 1e-9;
-/// … or within this fraction of the span of the run: also at its start.
+/// … or within this fraction of the span of the run, which also applies right after its start.
 const STORM_OF_RUN: f64 = 1e-12;
 
-/// An integration of one system: where it stands and what it has cost.
+/// An integration of one system: its present point and the work done so far.
 ///
 /// After an error both stay valid up to the last accepted step.
 pub struct Integration<'a, P: System> {
@@ -68,8 +68,8 @@ impl<'a, P: System> Integration<'a, P> {
         }
     }
 
-    /// Begins a run to `t_end`: the transitions of guards that are violated at its start; an outcome where
-    /// one ends it.
+    /// Begins a run to `t_end` with the transitions of guards that are violated at its start. Returns the outcome
+    /// where one of them ends the run.
     pub(crate) fn begin(
         &mut self,
         t_end: f64,
@@ -81,8 +81,8 @@ impl<'a, P: System> Integration<'a, P> {
         }
     }
 
-    /// Passes from a phase that ended to the next, through the transitions between them; an outcome where
-    /// there is none.
+    /// Passes from a phase that ended to the next one, through the transitions between them. Returns the outcome
+    /// where the run ends instead.
     pub(crate) fn pass(
         &mut self,
         end: PhaseEnd,
@@ -100,7 +100,7 @@ impl<'a, P: System> Integration<'a, P> {
     }
 }
 
-/// Where a run stands between two phases, in numbers of any kind.
+/// Time, state and mode of a run between two phases, in plain or extended precision.
 pub(crate) struct Instant<'a, P: System, B: Real> {
     pub(crate) t: B,
     pub(crate) y: &'a mut P::State<B>,
@@ -119,10 +119,10 @@ pub(crate) fn rounded<P: System, B: Real>(y: &P::State<B>) -> P::State<f64> {
     Vector::from_fn(y.len(), |i| y[i].value())
 }
 
-/// What happens between phases: transitions, until no guard is violated.
+/// Makes the transitions between phases, until no guard is violated.
 pub(crate) struct Transitions<P: System> {
     watch: GuardWatch<P>,
-    /// Times of the last events, one fewer than are held to accumulate.
+    /// Times of the last events, at most one fewer than are held to accumulate.
     last_events: VecDeque<f64>,
     n_storm: usize,
     t_start: f64,
@@ -137,7 +137,7 @@ impl<P: System> Transitions<P> {
         Self { watch: GuardWatch::new(problem), last_events, n_storm, t_start: t, t_end: t }
     }
 
-    /// Begins a run from `point` to `t_end`; the first guard violated there.
+    /// Begins a run from `point` to `t_end`, and returns the first guard that is violated at `point`.
     pub(crate) fn begin(
         &mut self,
         problem: &P,
@@ -157,8 +157,8 @@ impl<P: System> Transitions<P> {
         self.watch.violated(problem, point.mode.clone(), point.t, &point.y)
     }
 
-    /// Makes the transition of `guard`, and those of all guards that are then violated at the
-    /// same instant, one after the other; an outcome where the run ends here.
+    /// Makes the transition of `guard`, and then of every guard that is violated afterwards at the same instant, one
+    /// after the other. Returns the outcome where the run ends here.
     pub(crate) fn switch<B: Real>(
         &mut self,
         problem: &P,
@@ -196,7 +196,8 @@ impl<P: System> Transitions<P> {
         Err(Error::Chatter { t: at.t.value(), n: most, mode: format!("{mode:?}"), guard })
     }
 
-    /// Takes note of an event at `t`; the time over which the last ones accumulated, if they did.
+    /// Notes an event at `t`. Where the last events accumulate, returns the time between the first and the last of
+    /// them.
     fn storm(&mut self, t: f64) -> Option<f64> {
         self.last_events.push_back(t);
         if self.last_events.len() < self.n_storm {
@@ -213,8 +214,8 @@ impl<P: System> Transitions<P> {
     }
 }
 
-/// Enters what follows an event of `guard`, the state being put on it already; an outcome where
-/// the run ends here.
+/// Enters the mode after an event of `guard` and shows the event to the recorder; the state is already the one after
+/// the transition. Returns the outcome where the run ends here.
 fn enter<P: System, B: Real>(
     at: &mut Instant<'_, P, B>,
     guard: usize,

@@ -1,7 +1,7 @@
 //! Event-aware integrators for hybrid initial value problems.
 //!
-//! A hybrid system is smooth in each of several modes, and switches between them where a guard of
-//! its mode falls below zero:
+//! A hybrid system is smooth in each of several modes. It switches to another mode where a guard of its present mode
+//! falls below zero:
 //!
 //! ```text
 //! ẏ = f_mode(t, y)                          while every guard g_i(t, y) of the mode is ≥ 0
@@ -9,9 +9,9 @@
 //! y(t₀) = y₀,  mode(t₀) = initial_mode(t₀, y₀)
 //! ```
 //!
-//! A step is taken whole in one mode, cut where the first guard falls, and begun anew in the next.
-//! So a method keeps its order through impacts and sticking, where one that meets an `if` in its
-//! right-hand side falls to first order. Times, states and guards have the units of the model.
+//! A step is taken in one mode, cut where the first guard falls below zero, and the next step begins in the next
+//! mode. So a method keeps its order through impacts and sticking. A method that meets an `if` in its right-hand side
+//! falls to first order there. Times, states and guards have the units of the model.
 //!
 //! A ball dropped from 1 m, which keeps half its speed at each bounce:
 //!
@@ -33,7 +33,7 @@
 //! # Ok::<(), Error>(())
 //! ```
 //!
-//! A model of one's own implements [`System`]; this one, in full, is `examples/own_model.rs`:
+//! A model implements [`System`]. The model above, in full, is `examples/own_model.rs`:
 //!
 //! ```
 #![doc = include_str!("../examples/own_model.rs")]
@@ -60,20 +60,21 @@
 //!
 //! # Modules, in the order in which data flow
 //!
-//! - What is asked: [`system`], the scalar it is written over ([`real`]), [`problems`] with closed
-//!   forms, and the event-blind baseline ([`blind`]).
-//! - What answers: [`methods`], the list; [`tableau`]s and their stage loop ([`erk`]), implicit ones
-//!   without iteration ([`rosenbrock`]) and with it ([`radau`]), all checked by [`order_conditions`];
-//!   [`taylor`] series; [`diffsol`](mod@diffsol); or the choice between two of them ([`auto`]).
-//! - One step: [`step`] with its [`dense`] output, judged by [`control`] to a [`tolerance`].
-//! - Events: [`event`] looks at guards over a step, [`root`] closes on their roots.
-//! - One smooth phase: [`one_step`] for methods that hand on a step, by the contract in [`phase`].
-//! - The run: [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in
-//!   an outcome or an [`error`]. Many runs of one model, or two of a kind: [`lanes`], by
+//! - The problem: [`system`], the scalar type that it is generic over ([`real`]), [`problems`] with closed forms, and
+//!   the event-blind baseline ([`blind`]).
+//! - The methods: their list ([`methods`]); [`tableau`]s and their stage loop ([`erk`]); implicit methods without
+//!   iteration ([`rosenbrock`]) and with it ([`radau`]). The coefficients of all of these are checked by
+//!   [`order_conditions`]. Methods without a tableau are [`taylor`] series; the library [`diffsol`](mod@diffsol); and
+//!   the method that chooses between two others ([`auto`]).
+//! - One step: [`step`] with its [`dense`] output, accepted or rejected by [`control`] to a [`tolerance`].
+//! - Events: [`event`] finds guards that fall within a step, [`root`] computes their roots.
+//! - One smooth phase: [`phase`] defines the contract, [`one_step`] fulfils it for methods that hand on a step.
+//! - The run: [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in an outcome or an
+//!   [`error`]. Many runs of one model, or two runs of similar models, are computed at once in [`lanes`], by
 //!   [`Method::run_many`] and [`Method::run_pair`].
-//! - What is kept: [`record`] sees each step that it needs and each event once, [`trajectory`] keeps them.
+//! - Results: a recorder ([`record`]) sees each event, and each step that it needs; [`trajectory`] keeps them.
 //!
-//! What is promised of events, case by case, and what is not: [`rules`].
+//! [`rules`] states case by case what is promised of events, and what is not.
 
 pub mod auto;
 pub mod blind;

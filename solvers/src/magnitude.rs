@@ -1,27 +1,28 @@
-//! Binary logarithm and power of two to three digits, as step sizes need them: both wait in the way of every
-//! step.
+//! Binary logarithm and power of two to three digits, which is enough for step sizes. They are fast because every
+//! step has to wait for both.
 //!
 //! ```text
 //! log₂ x = k + t + t (1 − t) (a₀ + a₁ t + a₂ t²)    x = 2ᵏ (1 + t),  0 ≤ t < 1
 //! 2ˣ = 2ᵏ (1 + f (b₀ + b₁ f + b₂ f²))               x = k + f,       |f| ≤ ½
 //! ```
 //!
-//! The coefficients interpolate at Chebyshev's nodes. The logarithm is continuous, and right at powers of two.
+//! The coefficients are those of interpolation at Chebyshev nodes. The logarithm is continuous, and exact at powers
+//! of two.
 
 use std::f64::consts::LN_2;
 
 const LOG: [f64; 3] = [0.440_781, -0.242_669, 0.081_616];
 const POWER: [f64; 3] = [LN_2, 0.242_035, 0.055_755];
 
-/// Bits of the significand, and those of one.
+/// Mask of the bits of the significand, and the bits of the number one.
 const SIGNIFICAND: u64 = (1 << 52) - 1;
 const ONE: u64 = f64::to_bits(1.0);
-/// Added to a number, it leaves the nearest whole one in the last bits.
+/// Added to a number, this constant leaves the nearest integer in the lowest bits of the sum.
 const TO_WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
 /// `|x|` below which `2ˣ` is a normal number.
 const MOST: f64 = 1022.0;
 
-/// `log₂ x`, off by 3.1e-4 at most.
+/// `log₂ x`, with an error of at most 3.1e-4.
 #[inline]
 pub(crate) fn log2(x: f64) -> f64 {
     if !(x > 0.0 && x.is_normal()) {
@@ -33,7 +34,7 @@ pub(crate) fn log2(x: f64) -> f64 {
     k + t + t * (1.0 - t) * (LOG[0] + t * (LOG[1] + t * LOG[2]))
 }
 
-/// `2ˣ`, off by 2e-4 of it at most.
+/// `2ˣ`, with a relative error of at most 2e-4.
 #[inline]
 pub(crate) fn exp2(x: f64) -> f64 {
     if x.is_nan() || x.abs() >= MOST {
@@ -41,7 +42,7 @@ pub(crate) fn exp2(x: f64) -> f64 {
     }
     let whole = x + TO_WHOLE;
     let f = x - (whole - TO_WHOLE);
-    // The last bits of `whole` are k; those above leave the number by the shift.
+    // The lowest bits of `whole` are k; the shift moves them into the exponent and drops the bits above them.
     let scale = f64::from_bits(whole.to_bits().wrapping_shl(52).wrapping_add(ONE));
     scale * (1.0 + f * (POWER[0] + f * (POWER[1] + f * POWER[2])))
 }

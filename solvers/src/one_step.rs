@@ -1,4 +1,5 @@
-//! One-step methods, and the phase they share: step, judge, land on the first violated guard.
+//! One-step methods and the phase solver that they share: take a step, judge its error, land on the first violated
+//! guard.
 
 mod land;
 
@@ -12,36 +13,39 @@ use crate::step::Step;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 
-/// A last step is stretched by up to this factor rather than followed by a sliver. DOPRI5.
+/// The last step of a phase may be longer than the chosen size by up to this factor, so that no tiny step remains.
+/// DOPRI5.
 const STRETCH_ADAPTIVE: f64 = 1.01;
-/// The same for fixed steps: rounding of the sum of steps only.
+/// The same factor for fixed steps. It allows for the rounding of the sum of the steps only.
 const STRETCH_FIXED: f64 = 1.0 + 1e-9;
-/// Least step that adaptive control begins a phase with, as a fraction of the time: one that time
-/// can resolve.
+/// Smallest first step of a phase under adaptive control, as a fraction of the time, so that adding the step changes
+/// the time.
 const LEAST_START: f64 = 16.0 * f64::EPSILON;
-/// Fraction of a step to which dense output predicts an event, before retaken steps close on it.
+/// How closely the time of an event is located on the dense output, as a fraction of the step. The retaken steps then
+/// locate it to rounding.
 const PREDICTION: f64 = 1e-9;
 
-/// A method that knows nothing but the start of its step: explicit, Rosenbrock, Radau or Taylor.
+/// A method whose step depends on its start alone: explicit Runge–Kutta, Rosenbrock, Radau or Taylor.
 ///
-/// It decides on no step and has not heard of transitions: a size it may [propose](Self::propose), and
-/// where a guard falls on its step it may [know better](Self::first_to_fall) than a search.
+/// It neither chooses step sizes nor knows of transitions. It may [propose](Self::propose) a step size, and it may
+/// [locate guard crossings](Self::first_to_fall) in a way of its own.
 pub trait OneStep<P: System> {
-    /// What it hands on.
+    /// The type of its steps.
     type Step: Step<P::State<f64>>;
 
-    /// Whether it [proposes](Self::propose) step sizes; one that does not is never asked.
+    /// Whether the method [proposes](Self::propose) step sizes. If not, `propose` is never called.
     const PROPOSES: bool = false;
 
-    /// Order of the embedded solution, one below that of the error estimate, where the method has one.
+    /// Order of the embedded solution, which is one below the order of the error estimate; `None` where the method
+    /// has no embedded solution.
     fn embedded_order(&self) -> Option<usize>;
 
-    /// Starts anew at `(t, y)` in `mode`; whatever was kept of earlier steps is forgotten.
+    /// Starts a phase at `(t, y)` in `mode` and forgets all earlier steps.
     fn restart(&mut self, problem: &P, mode: P::Mode, t: f64, y: &P::State<f64>, stats: &mut Stats);
 
-    /// A step size for a step from here that `tolerance` allows, where the method knows one before it
-    /// is taken; none to leave it to the controller. Above zero, and infinite where nothing limits it. Asked where
-    /// [`PROPOSES`](Self::PROPOSES) alone.
+    /// A step size from the present start that `tolerance` allows, where the method knows one before it takes the
+    /// step; `None` leaves the choice to the controller. It is above zero, and infinite where nothing limits it.
+    /// Called only where [`PROPOSES`](Self::PROPOSES) is true.
     fn propose(
         &mut self,
         _problem: &P,
@@ -52,31 +56,32 @@ pub trait OneStep<P: System> {
         None
     }
 
-    /// Takes a step of size `h` to `t1 = t0 + h`, as often as wished from the same start.
+    /// Takes a step of size `h` to `t1 = t0 + h`. It may be called any number of times from the same start.
     fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats);
 
-    /// Whether the last attempt has an end; one whose equations were not solved has none.
+    /// Whether the last attempt gave a state at its end. An implicit step whose equations were not solved did not.
     fn has_converged(&self) -> bool {
         true
     }
 
-    /// Whether a step retaken with the size of the attempt before it ends in the same bits.
+    /// Whether a step that is retaken with the size of the attempt before it ends in the same bits.
     fn repeats(&self) -> bool {
         true
     }
 
-    /// Makes the slope at the end of the last attempt valid.
+    /// Computes the slope at the end of the last attempt.
     fn complete(&mut self, problem: &P, mode: P::Mode, stats: &mut Stats);
 
-    /// Makes the dense output of the completed step valid, where that takes more stages.
+    /// Computes what the dense output of the completed step needs beyond the step itself, such as extra stages.
     fn densify(&mut self, _problem: &P, _mode: P::Mode, _stats: &mut Stats) {}
 
-    /// The guard that falls first on the completed step, none where none does.
+    /// The guard that falls first on the completed step, or `None` where no guard falls.
     ///
-    /// By default it is [looked for](GuardWatch) at both ends and on the dense output.
+    /// The default searches [the guards](GuardWatch) by their values and rates at both ends and then on the dense
+    /// output.
     ///
     /// # Errors
-    /// [`Error::NonFiniteGuard`] at the end of the step.
+    /// [`Error::NonFiniteGuard`] for a guard that is not finite at the end of the step.
     fn first_to_fall(
         &mut self,
         problem: &P,
@@ -91,16 +96,16 @@ pub trait OneStep<P: System> {
         watch.first_to_fall(problem, mode, self.step(), PREDICTION, None)
     }
 
-    /// Makes the end of the completed step the start of the next.
+    /// Makes the end of the completed step the start of the next one.
     fn advance(&mut self);
 
     /// The last attempt.
     fn step(&self) -> &Self::Step;
 
-    /// Estimate of its local error, where the method has one.
+    /// Estimate of the local error of the last attempt, where the method has one.
     fn error(&self) -> &P::State<f64>;
 
-    /// Square of its [norm](Tolerance::norm), or of what sharpens it.
+    /// Square of the [norm](Tolerance::norm) of that estimate, or of a sharper estimate that the method makes of two.
     fn error_norm_sq(&self, tolerance: &Tolerance) -> f64 {
         let step = self.step();
         tolerance.norm_sq(self.error().as_ref(), step.y0().as_ref(), step.y1().as_ref())
@@ -112,19 +117,20 @@ pub struct OneStepSolver<P: System, M> {
     pub(crate) method: M,
     pub(crate) controller: StepController,
     pub(crate) watch: GuardWatch<P>,
-    /// Error order of the method, for the first step.
+    /// Order of the error estimate, from which the first step size follows.
     error_order: usize,
-    /// Step size that the last phase proposed.
+    /// Step size that the controller proposed last, with which the next phase begins.
     h: Option<f64>,
     /// Longest step.
     longest: f64,
-    /// Whether the method proposes sizes from the present start, so that the controller checks them only.
+    /// Whether the method proposed the size of the step from the present start; the controller then only accepts or
+    /// rejects it.
     pub(crate) is_proposed: bool,
 }
 
-/// A solver whose steps another one has a say in.
+/// A solver whose step sizes can be set or limited from outside between phases.
 pub(crate) trait Paced<P: System>: PhaseSolver<P> {
-    /// Makes a step of size `h` the first of the next phase, where the method proposes none.
+    /// Begins the next phase with a step of size `h`, unless the method proposes a size.
     fn begin_with(&mut self, h: f64);
 
     /// Takes no step longer than `longest` from the next phase on.
@@ -156,8 +162,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         }
     }
 
-    /// A first step size: one whose local error is about one per cent of the tolerated, judged by the
-    /// slope and its change over a trial step.
+    /// A first step size, at which the local error is about one per cent of the tolerance, estimated from the slope
+    /// and its change over a trial step.
     ///
     /// E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.4.
     fn first_step(
@@ -190,8 +196,9 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         h1.min(100.0 * h0.abs()).copysign(span)
     }
 
-    /// Counts a step of size `h` whose equations were not solved; a smaller one is tried next, unless the size is
-    /// fixed or time does not resolve it. The end of the phase where the recorder breaks it off.
+    /// Counts a step of size `h` whose equations were not solved, and makes the next attempt a smaller one. It is an
+    /// error where the size is fixed or time does not resolve the smaller size. Returns [`PhaseEnd::Interrupted`]
+    /// where the recorder ends the run.
     fn unconverged(
         &mut self,
         context: &mut PhaseContext<'_, P>,
@@ -203,8 +210,9 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         self.shortened(context, phase, h, error)
     }
 
-    /// Counts a step of size `h` that has no end; a smaller one is tried next, or it is an `error` where the size is
-    /// fixed or time does not resolve it. The end of the phase where the recorder breaks it off.
+    /// Counts a step of size `h` that failed, and makes the next attempt half as long. It is the given `error` where
+    /// the size is fixed or time does not resolve the smaller size. Returns [`PhaseEnd::Interrupted`] where the
+    /// recorder ends the run.
     fn shortened(
         &mut self,
         context: &mut PhaseContext<'_, P>,
@@ -220,8 +228,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         Ok(go_on.is_break().then_some(PhaseEnd::Interrupted))
     }
 
-    /// Counts a rejected step; the `smaller` one is tried next, unless time does not resolve it. The end of the phase
-    /// where the recorder breaks it off.
+    /// Counts a rejected step, and makes the next attempt one of size `smaller`; it is an error where time does not
+    /// resolve that size. Returns [`PhaseEnd::Interrupted`] where the recorder ends the run.
     fn rejected(
         &self,
         context: &mut PhaseContext<'_, P>,
@@ -239,8 +247,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         Ok(go_on.is_break().then_some(PhaseEnd::Interrupted))
     }
 
-    /// Settles the size of the step that is due, if one is: what the method proposes under adaptive control, else
-    /// what the controller made of the last one, or a first one.
+    /// Chooses the size of the next step if that is still [due](PhaseState::due). Under adaptive control this is the
+    /// size that the method proposes; else the size that the controller made of the last step, or a first step size.
     #[inline(always)]
     pub(crate) fn choose_step(
         &mut self,
@@ -254,7 +262,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         });
     }
 
-    /// The same with what `propose` gives in place of the method.
+    /// The same, with `propose` in place of the method's own proposal.
     #[inline(always)]
     pub(crate) fn choose_step_by(
         &mut self,
@@ -276,7 +284,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             _ => None,
         };
         self.is_proposed = proposed.is_some();
-        // An infinite one is the whole span.
+        // An infinite proposal stands for the whole span.
         let proposed = proposed.map(|h| h.min(span.abs()));
         match due {
             Due::Next => phase.h = proposed.unwrap_or(phase.h).copysign(span),
@@ -295,7 +303,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
 }
 
 impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
-    /// Begins a phase from `point` towards `t_end`, another time; its first step is [due](Self::choose_step).
+    /// Begins a phase from `point` towards `t_end`, which must be another time. The size of the first step is chosen
+    /// by [`choose_step`](Self::choose_step).
     pub(crate) fn begin(
         &mut self,
         problem: &P,
@@ -316,7 +325,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         Ok(PhaseState { t_end, stretch, h: 0.0, due: Some(Due::First { least }) })
     }
 
-    /// Judges the last attempt, of size `h`, and does what follows; how the phase ended, if it did.
+    /// Judges the last attempt, of size `h`, and applies the verdict. Returns how the phase ended, if it did.
     #[inline(always)]
     pub(crate) fn judge(
         &mut self,
@@ -333,10 +342,11 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         self.apply_verdict(context, phase, h, verdict)
     }
 
-    /// Completes the accepted attempt, and lands on the guard that falls first on it.
+    /// Completes the accepted attempt, and lands on the guard that falls first on it. Returns that guard, if any.
     ///
     /// # Errors
-    /// [`Error::NonFinite`], [`Error::NonFiniteGuard`] or [`Error::NoConvergence`] of a step that is too long.
+    /// [`Error::NonFinite`], [`Error::NonFiniteGuard`] or [`Error::NoConvergence`], each of which a shorter step may
+    /// avoid.
     #[inline(always)]
     fn completed(&mut self, context: &mut PhaseContext<'_, P>) -> Result<Option<usize>, Error> {
         let PhaseContext { problem, point, stats, .. } = context;
@@ -352,8 +362,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         landed_on
     }
 
-    /// What follows the `verdict` on the last attempt, of size `h`: another size to try, an event to land
-    /// on, an accepted step.
+    /// Applies the `verdict` on the last attempt, of size `h`: sets another size to try, lands on an event, or
+    /// accepts the step. Returns how the phase ended, if it did.
     #[inline(always)]
     pub(crate) fn apply_verdict(
         &mut self,
@@ -367,7 +377,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             Verdict::Accept(next) => phase.h = next.abs().min(self.longest).copysign(next),
         }
         let landed_on = match self.completed(context) {
-            // It leaves the domain of the model, or iterated further it diverges: the attempt was good by luck.
+            // The step left the domain of the model, or its Newton iteration diverged when continued to rounding. The
+            // error estimate accepted it by chance, so a shorter step is tried.
             Err(
                 error @ (Error::NonFinite { .. }
                 | Error::NonFiniteGuard { .. }
@@ -390,13 +401,14 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         }
         let needs = record.needs(point.t, self.method.step().t1());
         if needs == Needs::DenseOutput {
-            // What sampling costs is no part of the work.
+            // The work of sampling is not counted.
             self.method.densify(problem, mode, &mut Stats::default());
         }
         Ok(self.accept(context, phase, landed_on, needs))
     }
 
-    /// Makes the last attempt, complete and found to hold or to land on a guard, a step of the run.
+    /// Accepts the last attempt as a step of the run. The attempt is complete and known either to cross no guard or
+    /// to land on one.
     #[inline(always)]
     pub(crate) fn accept(
         &mut self,
@@ -421,7 +433,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         landed_on.map(PhaseEnd::Guard)
     }
 
-    /// Counts a step to `t1` that is accepted, after which the next is due.
+    /// Counts an accepted step to `t1`. Where the method proposes step sizes, the choice of the next one is then due.
     #[inline(always)]
     pub(crate) fn arrive(
         &mut self,
@@ -437,30 +449,30 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     }
 }
 
-/// A phase under way: where it is to end, and the size of the step to try next.
+/// State of a phase: its end, and the size of the step to try next.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PhaseState {
     pub(crate) t_end: f64,
     stretch: f64,
     pub(crate) h: f64,
-    /// Whether that size is still to be settled.
+    /// Set while the size of the next step is still to be chosen.
     pub(crate) due: Option<Due>,
 }
 
-/// A step whose size is to be settled.
+/// Which step's size is to be chosen.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Due {
-    /// The first one of a phase, no shorter than what time resolves.
+    /// The first step of a phase.
     First {
-        /// That.
+        /// Smallest size that the time resolves.
         least: f64,
     },
-    /// Another one, of a method that proposes sizes.
+    /// A later step, of a method that proposes step sizes.
     Next,
 }
 
 impl PhaseState {
-    /// The end and the size of the step to attempt from `point`, none at the end of time.
+    /// The end time and the size of the step to attempt from `point`; `None` at the end of the phase.
     #[inline(always)]
     pub(crate) fn next<P: System>(&self, point: &Point<P>) -> Result<Option<(f64, f64)>, Error> {
         if point.t == self.t_end {
@@ -471,12 +483,12 @@ impl PhaseState {
         if t1 == point.t {
             return Err(underflow(point, self.h));
         }
-        // The step that time really takes, so that t and y do not drift apart.
+        // The size is the difference of the rounded times, so that t and y stay consistent.
         Ok(Some((t1, t1 - point.t)))
     }
 }
 
-/// Whose phase it is, where it stands, and who watches.
+/// The system that a phase belongs to, the present point, and who counts and records.
 pub(crate) struct PhaseContext<'a, P: System> {
     pub(crate) problem: &'a P,
     pub(crate) point: &'a mut Point<P>,
@@ -510,7 +522,7 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
     }
 }
 
-/// [`Error::StepUnderflow`] for a step `h` from `point` that time does not resolve.
+/// [`Error::StepUnderflow`] for a step of size `h` from `point` that is below the resolution of the time.
 fn underflow<P: System>(point: &Point<P>, h: f64) -> Error {
     let mode = format!("{:?}", point.mode);
     Error::StepUnderflow { t: point.t, h, mode }

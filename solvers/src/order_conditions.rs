@@ -1,6 +1,6 @@
-//! Order conditions of Runge–Kutta and Rosenbrock methods: one for each rooted tree.
+//! Order conditions of Runge–Kutta and Rosenbrock methods: one condition for each rooted tree.
 
-/// A rooted tree, and what it demands of a method.
+/// A rooted tree, and its terms in the order condition of a method.
 #[derive(Clone, Debug)]
 pub struct Tree {
     /// Number of its nodes.
@@ -11,16 +11,16 @@ pub struct Tree {
     pub weights: Vec<f64>,
 }
 
-/// All rooted trees of up to `order` nodes, by order, with their weights in a method of `many.len()`
-/// stages. Rows are those of its matrices, zero beyond their ends.
+/// All rooted trees of up to `order` nodes, sorted by order, with their elementary weights in a method of
+/// `many.len()` stages. The arguments are rows of the method's matrices; entries beyond the end of a row are zero.
 ///
 /// ```text
 /// t = [t₁ … t_m]:   γ(t) = |t| Π γ(t_k),   Φ_i(t) = Π_k Σ_j e_ij Φ_j(t_k)
 /// e = `single` for m = 1, `many` for m ≥ 2;   of a single node γ = Φ_i = 1
 /// ```
 ///
-/// `|t|` is the number of nodes. Runge–Kutta methods have the same matrix `a` in both places,
-/// Rosenbrock methods `many` = α and `single` = α + γ of their tableau.
+/// `|t|` is the number of nodes. For a Runge–Kutta method both arguments are the matrix `a`. For a Rosenbrock method,
+/// `many` is α and `single` is α + γ of its tableau.
 ///
 /// E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.2;
 /// E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.7.
@@ -46,7 +46,7 @@ pub fn trees(many: &[&[f64]], single: &[&[f64]], order: usize) -> Vec<Tree> {
     trees
 }
 
-/// The multisets of `trees` from the one at `first` on that have `n` nodes together, as indices.
+/// All multisets of `trees`, from index `first` on, that have `n` nodes together, as indices.
 fn forests(trees: &[Tree], n: usize, first: usize) -> Vec<Vec<usize>> {
     if n == 0 {
         return vec![Vec::new()];
@@ -61,8 +61,8 @@ fn forests(trees: &[Tree], n: usize, first: usize) -> Vec<Vec<usize>> {
     all
 }
 
-/// Residuals `Σ b_i Φ_i(t) − 1/γ(t)` of the weights `b` over `trees`: zero for each of those up to
-/// the order of the method.
+/// Residuals `Σ b_i Φ_i(t) − 1/γ(t)` of the weights `b` over `trees`. They are zero for all trees up to the order of
+/// the method.
 pub fn residuals(b: &[f64], trees: &[Tree]) -> Vec<f64> {
     trees.iter().map(|tree| dot(b, &tree.weights) - 1.0 / tree.density).collect()
 }

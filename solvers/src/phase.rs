@@ -1,11 +1,11 @@
-//! The contract of a method: one smooth phase, from a point to its first event.
+//! The contract of a method: it integrates one smooth phase, from a point to the first event.
 
 use crate::error::Error;
 use crate::record::Record;
 use crate::stats::Stats;
 use crate::system::System;
 
-/// Where an integration stands.
+/// Time, state and mode of an integration.
 #[derive(Clone, Debug)]
 pub struct Point<P: System> {
     /// Time.
@@ -23,11 +23,11 @@ pub enum PhaseEnd {
     EndOfTime,
     /// Just past the surface of this guard.
     Guard(usize),
-    /// By the recorder's wish.
+    /// Where the recorder asked for the end of the run.
     Interrupted,
 }
 
-/// A method at work on one system.
+/// A method applied to one system.
 pub trait PhaseSolver<P: System> {
     /// Advances `point` in its mode to `t_end`, or to just past the first violated guard, and
     /// shows `record` the accepted steps that it needs.

@@ -1,7 +1,7 @@
-//! The scalar that a right-hand side and its guards are written over.
+//! The scalar type that a right-hand side and its guards are generic over.
 //!
-//! A model is written once, generic over [`Real`]: plain `f64` integrates it, a dual number
-//! differentiates it, an extended-precision number refines it, Taylor coefficients expand it.
+//! A model is written once, generic over [`Real`]. With `f64` it is integrated, with dual numbers differentiated,
+//! with extended-precision numbers computed to more digits, and with Taylor coefficients expanded in a series.
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Sub};
@@ -9,7 +9,7 @@ use std::ops::{Add, BitAnd, Div, Mul, Neg, Sub};
 use num_dual::Dual64;
 use twofloat::TwoFloat;
 
-/// A real number, or something that computes like one.
+/// A real number, or a type that follows the same arithmetic, such as a dual number or a Taylor series.
 ///
 /// Elementary functions of `f64` come from `libm`, not from the platform, so that the same input
 /// gives the same bits on every machine.
@@ -29,7 +29,7 @@ pub trait Real:
     /// The constant `x`.
     fn cst(x: f64) -> Self;
 
-    /// The nearest `f64`: what a decision (a sign, a branch) is taken on.
+    /// The nearest `f64`, on which decisions (a sign, a branch) are taken.
     fn value(self) -> f64;
 
     /// Square root; NaN below zero.
@@ -47,65 +47,67 @@ pub trait Real:
     /// `selfᵃ` for a base of at least zero.
     fn powf(self, a: f64) -> Self;
 
-    /// This number as one that others are [divided by](Self::over).
+    /// This number prepared as a [divisor](Self::over), with its reciprocal.
     #[inline(always)]
     fn divisor(self) -> Divisor<Self> {
         Divisor { value: self, reciprocal: Self::cst(1.0) / self }
     }
 
-    /// `self/by`, as a product with the reciprocal, which does not wait for `self`: rounded twice, and not finite
-    /// where the reciprocal is not. What expands divides, and makes no series of the reciprocal.
+    /// `self/by`, computed as a product with the reciprocal, which can be computed before `self` is known. The result
+    /// is rounded twice, and is not finite where the reciprocal is not. A Taylor series divides instead, and expands
+    /// no reciprocal.
     #[inline(always)]
     fn over(self, by: &Divisor<Self>) -> Self {
         self * by.reciprocal
     }
 
-    /// The length `ρ = √(d·d)` of the plane vector `d`, of which `v` is the rate along every solution: what
-    /// expands makes the coefficients of ρ from those of ρ̇, and another `v` would make them wrong. Where `d` is
-    /// zero, quotients by ρ, and ρ̇, are not finite.
+    /// The length `ρ = √(d·d)` of the plane vector `d`, and its rate ρ̇. The vector `v` must be the time derivative
+    /// of `d` along every solution: a Taylor series computes the coefficients of ρ from those of ρ̇, so another `v`
+    /// gives wrong coefficients. Where `d` is zero, ρ̇ and quotients by ρ are not finite.
     #[inline(always)]
     fn length(d: [Self; 2], v: [Self; 2]) -> Length<Self> {
         length_of_values(d, v)
     }
 
-    /// The curve `r = (p sin θ, q cos θ)` at `turn = (θ, θ̇)`, for its second derivative by
-    /// [`less_turning`](Self::less_turning); `arms = (p, q)` are constants.
+    /// The curve `r = (p sin θ, q cos θ)` at `turn = (θ, θ̇)`, whose second derivative
+    /// [`less_turning`](Self::less_turning) computes; `arms = (p, q)` are constants.
     ///
-    /// Along every solution θ̇ has to be the rate of θ. An evaluation that begins a curve has to end it, so guards
-    /// cannot have one: what expands keeps coefficients from there to the next order, and else those from order
-    /// one on are wrong.
+    /// Along every solution θ̇ must be the time derivative of θ. Every evaluation that calls `turning` must also call
+    /// `less_turning` with the result: a Taylor series stores coefficients there that the next order needs, and
+    /// without them all coefficients from order one on are wrong. So guards cannot use a curve.
     ///
     /// # Panics
-    /// In a build with debug assertions, where a series finds that it was not ended.
+    /// In a build with debug assertions, where a series finds that `less_turning` was not called at the order before.
     #[inline(always)]
     fn turning(arms: [Self; 2], turn: [Self; 2]) -> Turning<Self> {
         turning_of_values(arms, turn)
     }
 
-    /// `a − r̈`, of a curve whose θ̈ is `theta_dd`:
+    /// `a − r̈` for a curve whose angular acceleration θ̈ is `theta_dd`:
     ///
     /// ```text
     /// r̈ = (∂r/∂θ) θ̈ − r θ̇²,   ∂r/∂θ = (p cos θ, −q sin θ)
     /// ```
     ///
-    /// Along every solution θ̈ has to be the rate of θ̇: what expands makes the coefficients of r̈ from those of ṙ
-    /// one order ahead.
+    /// Along every solution θ̈ must be the time derivative of θ̇: a Taylor series computes the coefficients of r̈
+    /// from those of ṙ one order higher.
     #[inline(always)]
     fn less_turning(a: [Self; 2], turning: Turning<Self>, theta_dd: Self) -> [Self; 2] {
         let Turning { along, rates, arms, omega, .. } = turning;
         less_turning_of_values(a, [along, rates, arms], omega, theta_dd)
     }
 
-    /// Iterations of Newton's by which a root known to the digits of an `f64` has all of this number: each
-    /// doubles digits and, of what expands, orders.
+    /// Number of Newton iterations that take a root from the precision of an `f64` to the precision of this type.
+    /// Each iteration doubles the number of digits and, for a Taylor series, the order.
     const NEWTON_STEPS: usize = 6;
 
-    /// `f(self)`, where `f` is long: code of its own, which does not slow down what is around it.
+    /// `f(self)` for a long function `f`, compiled to a function of its own so that its code does not slow down the
+    /// code around the call.
     fn outlined<F: Function>(self, f: &F) -> Self {
         f.of(self)
     }
 
-    /// `f(x)` of several numbers, where `f` is long: as [`outlined`](Self::outlined).
+    /// `f(x)` for a long function of several numbers, as [`outlined`](Self::outlined).
     fn all_outlined<F: Functions<N, M>, const N: usize, const M: usize>(
         x: [Self; N],
         f: &F,
@@ -114,16 +116,16 @@ pub trait Real:
     }
 }
 
-/// A number that others are divided by, with its reciprocal.
+/// A number to divide by, with its reciprocal.
 #[derive(Clone, Copy, Debug)]
 pub struct Divisor<S> {
     /// The number.
     pub value: S,
-    /// Its reciprocal; of a series good for order zero alone.
+    /// The reciprocal. Of a series it is valid at order zero only.
     pub(crate) reciprocal: S,
 }
 
-/// A length `ρ` of a vector `d` that moves at `v`.
+/// The length `ρ` of a vector `d` that moves with the velocity `v`.
 #[derive(Clone, Copy, Debug)]
 pub struct Length<S> {
     /// `ρ`.
@@ -132,7 +134,7 @@ pub struct Length<S> {
     pub rate: S,
 }
 
-/// A [curve](Real::turning) `r = (p sin θ, q cos θ)` where it is.
+/// A point of a [curve](Real::turning) `r = (p sin θ, q cos θ)`.
 #[derive(Debug)]
 #[must_use]
 pub struct Turning<S> {
@@ -165,8 +167,8 @@ pub(crate) fn turning_of_values<S: Real>(arms: [S; 2], [theta, omega]: [S; 2]) -
     Turning { sin, cos, along: [cos * arms[0], -(sin * arms[1])], rates, arms, omega }
 }
 
-/// [`Real::less_turning`] by its definition, of `[∂r/∂θ, rates of sine and cosine, arms]`: all that does not wait for
-/// θ̈ first.
+/// [`Real::less_turning`] by its definition, from `[∂r/∂θ, rates of sine and cosine, arms]`. All terms without θ̈ are
+/// computed first, so that the result is ready soon after θ̈ is known.
 #[inline(always)]
 pub(crate) fn less_turning_of_values<S: Real>(
     a: [S; 2],
@@ -179,8 +181,8 @@ pub(crate) fn less_turning_of_values<S: Real>(
     [x - along[0] * theta_dd, y - along[1] * theta_dd]
 }
 
-/// A number that constants of the kind `C` are added to and multiplied with: `f64` of any, and of the number of
-/// several runs a constant of each.
+/// A number to which constants of type `C` can be added and by which it can be multiplied. `C` is `f64` for any
+/// number; a number of several runs at once also takes a constant per run.
 pub trait Over<C>:
     Real + Add<C, Output = Self> + Sub<C, Output = Self> + Mul<C, Output = Self>
 {
@@ -195,31 +197,31 @@ impl<S: Real> Over<f64> for S {
     }
 }
 
-/// `M` functions of `N` numbers, written over any.
+/// `M` functions of `N` numbers, generic over the scalar type.
 pub trait Functions<const N: usize, const M: usize> {
     /// Their values at `x`.
     fn of<S: Real>(&self, x: [S; N]) -> [S; M];
 }
 
-/// A number that decisions are taken on, of one run or of each of several.
+/// A number that can be compared, of one run or of several at once.
 pub trait Ordered: Real {
-    /// What a comparison gives: yes or no, of each.
+    /// The result of a comparison: true or false for each run.
     type Mask: Copy + BitAnd<Output = Self::Mask>;
 
-    /// Yes, of all.
+    /// True for each run.
     const YES: Self::Mask;
 
     /// Absolute value.
     fn abs(self) -> Self;
 
-    /// The larger one; the other where one is not a number.
+    /// The larger of the two; where one is NaN, the other.
     fn max(self, other: Self) -> Self;
 
-    /// Whether it is above `other`.
+    /// Whether this number is above `other`.
     fn is_above(self, other: Self) -> Self::Mask;
 }
 
-/// A function of one number, written over any.
+/// A function of one number, generic over the scalar type.
 pub trait Function {
     /// Its value at `x`.
     fn of<S: Real>(&self, x: S) -> S;
@@ -311,7 +313,7 @@ impl Real for Dual64 {
     }
 }
 
-/// A sum of two `f64`: some 31 digits, for finite values.
+/// An unevaluated sum of two `f64`, with about 31 digits where values are finite.
 impl Real for TwoFloat {
     const NEWTON_STEPS: usize = 2;
 

@@ -1,4 +1,4 @@
-//! What watches an integration.
+//! Recorders, which see the steps and events of an integration.
 
 use std::ops::ControlFlow;
 
@@ -10,9 +10,9 @@ use crate::system::{Next, System};
 pub struct Accepted<'a, P: System> {
     /// The mode it was taken in.
     pub mode: P::Mode,
-    /// Both ends, and dense output where it was [needed](Record::needs).
+    /// Both ends of the step, and its dense output where it was [needed](Record::needs).
     pub step: &'a dyn Step<P::State<f64>>,
-    /// The guard it landed on, if any.
+    /// The guard that the step landed on, if any.
     pub landed_on: Option<usize>,
     /// The work done so far.
     pub stats: &'a Stats,
@@ -20,13 +20,13 @@ pub struct Accepted<'a, P: System> {
 
 /// A located event, after its transition.
 pub struct Event<'a, P: System> {
-    /// When.
+    /// Time.
     pub t: f64,
-    /// Which guard of the mode before was violated.
+    /// The violated guard, numbered in the mode before.
     pub guard: usize,
     /// The mode before.
     pub before: P::Mode,
-    /// What follows.
+    /// What followed.
     pub after: Next<P::Mode>,
     /// The state after the transition.
     pub y: &'a P::State<f64>,
@@ -35,16 +35,17 @@ pub struct Event<'a, P: System> {
 /// What a recorder needs of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Needs {
-    /// Nothing: it need not be shown the step. Where it is, the dense output may be invalid.
+    /// Nothing: the step need not be shown. If it is shown nevertheless, its dense output may be invalid.
     Nothing,
-    /// Both ends with the slopes there; the dense output between them may be invalid, without the stages of its own.
+    /// Both ends with the slopes there. The dense output between them may be invalid, because its extra stages are
+    /// not evaluated.
     Ends,
     /// The dense output too.
     DenseOutput,
 }
 
 impl Needs {
-    /// What is needed of the step from `t0` to `t1` to sample it at `t`, which is not before it.
+    /// What is needed of the step from `t0` to `t1` to sample it at `t`, a time not before the step.
     pub fn to_sample(t: f64, t0: f64, t1: f64) -> Self {
         let beyond = if t1 >= t0 { t - t1 } else { t1 - t };
         if beyond > 0.0 {
@@ -57,32 +58,33 @@ impl Needs {
     }
 }
 
-/// From one [question](Record::rejected) to a recorder to the next, this many attempts are rejected.
+/// Number of rejected attempts between two calls of [`Record::rejected`].
 pub const REJECTIONS_A_LOOK: u64 = 64;
 
-/// Sees every accepted step that it [needs](Record::needs) and every event once, in order, and is asked while
-/// attempts are [rejected](Record::rejected).
-/// [`ControlFlow::Break`] ends the run as [`Interrupted`](crate::Outcome::Interrupted).
+/// Sees, in order, every accepted step that it [needs](Record::needs) and every event, each once, and is called now
+/// and then while attempts are [rejected](Record::rejected). [`ControlFlow::Break`] ends the run as
+/// [`Interrupted`](crate::Outcome::Interrupted).
 pub trait Record<P: System> {
     /// A step was accepted.
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()>;
 
-    /// An event was located and its transition made. Events at one time come in their order.
+    /// An event was located and its transition made. Events at the same time are shown in the order in which they
+    /// happened.
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()>;
 
-    /// [`REJECTIONS_A_LOOK`] more attempts were rejected; no step is accepted with this.
+    /// Another [`REJECTIONS_A_LOOK`] attempts were rejected. This call accepts no step.
     ///
-    /// A recorder that ends a run by its work, its time or from outside is to look here too: many attempts may be
-    /// rejected for each step that is accepted, or without end for none. diffsol's methods ask no such question:
-    /// each of their steps rejects a bounded number of attempts.
+    /// A recorder that ends a run by a limit of work or time, or on a signal from outside, should check its limit
+    /// here too: many attempts may be rejected for each accepted step, possibly without end. The methods of diffsol
+    /// do not make this call, because each of their steps rejects a bounded number of attempts.
     fn rejected(&mut self, _stats: &Stats) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 
-    /// What it needs of a step from `t0` to `t1`: the less it is, the less the step costs. One that counts steps or
-    /// limits their work needs the ends of each.
+    /// What the recorder needs of a step from `t0` to `t1`; a step costs less where less is needed. A recorder that
+    /// counts steps or limits their work needs the ends of every step.
     ///
-    /// Asked before the step is shown, more than once perhaps, and of steps that are then not accepted.
+    /// Called before the step is shown, possibly more than once, and also for steps that are then not accepted.
     fn needs(&self, _t0: f64, _t1: f64) -> Needs {
         Needs::DenseOutput
     }
@@ -103,7 +105,7 @@ impl<P: System> Record<P> for () {
     }
 }
 
-/// Two recorders see the same run; either may end it.
+/// Two recorders of the same run; either may end it.
 impl<P: System, A: Record<P>, B: Record<P>> Record<P> for (A, B) {
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let first = self.0.step(accepted);
@@ -146,7 +148,7 @@ impl<P: System, R: Record<P> + ?Sized> Record<P> for &mut R {
     }
 }
 
-/// Counts a rejected attempt, and asks `record` after so many.
+/// Counts a rejected attempt, and calls `record` after every [`REJECTIONS_A_LOOK`] of them.
 pub(crate) fn reject<P: System>(stats: &mut Stats, record: &mut dyn Record<P>) -> ControlFlow<()> {
     stats.n_rejected += 1;
     if stats.n_rejected.is_multiple_of(REJECTIONS_A_LOOK) {

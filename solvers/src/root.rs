@@ -1,4 +1,4 @@
-//! Bracketing root finders for a scalar function; they know nothing of differential equations.
+//! Bracketing root finders and a minimiser for scalar functions. They are independent of differential equations.
 
 /// An interval over which a function falls from above zero to zero or below.
 #[derive(Clone, Copy, Debug)]
@@ -36,12 +36,13 @@ impl Bracket {
     }
 }
 
-/// A root of `f` in `bracket`, from the side where `f ≤ 0`, to within `tolerance` or the spacing
-/// of `f64`.
+/// A root of `f` in `bracket`, to within `tolerance` or the spacing of `f64`. The number returned is one where `f ≤
+/// 0`.
 ///
-/// Inverse quadratic interpolation where it is safe, bisection elsewhere and in every fourth
-/// evaluation: never more than four times those of bisection. It ends beside `above` where `f`
-/// is not above zero there, and at the last good `below` where `f` is not a number.
+/// It takes a step of inverse quadratic interpolation where that is safe, and a bisection elsewhere and in every
+/// fourth evaluation, so it never needs more than four times the evaluations of bisection. Where `f` is not above
+/// zero at `above`, it returns a number next to `above`; where `f` is NaN, it returns the last `below` at which `f`
+/// was a number.
 ///
 /// T. R. Chandrupatla, "A new hybrid quadratic/bisection algorithm for finding the zero of a
 /// nonlinear function without using derivatives", Adv. Eng. Softw. 28(3), 145–149 (1997).
@@ -79,18 +80,18 @@ pub fn find_root(mut f: impl FnMut(f64) -> f64, bracket: Bracket, tolerance: f64
         } else {
             0.5
         };
-        // Never closer to an end than that: the bracket closes from both sides.
+        // The next point keeps at least this distance from both ends, so that the bracket closes from both sides.
         let least = ((0.5 * tolerance).max(f64::EPSILON * a.abs()) / width).min(0.5);
         fraction = fraction.clamp(least, 1.0 - least);
     }
 }
 
-/// Section of a golden-section search, (3 − √5)/2.
+/// Ratio of the golden-section search, (3 − √5)/2.
 const GOLDEN: f64 = 0.381_966_011_250_105_2;
 
-/// A point where `f` is small and its value there, by golden-section search from the three points
-/// `a < m < b`: where `f` has one minimum between `a` and `b`, to 1e-3 of their distance, or where no
-/// number lies between.
+/// A minimum of `f` and its value, by golden-section search from the three points `a < m < b`. If `f` has one minimum
+/// between `a` and `b`, the result is within 1e-3 of their distance from it. The search ends early where no number
+/// lies between the points.
 ///
 /// J. Kiefer, "Sequential minimax search for a maximum", Proc. Amer. Math. Soc. 4(3), 502–506 (1953).
 pub fn minimum(mut f: impl FnMut(f64) -> f64, [mut a, mut m, mut b]: [f64; 3]) -> (f64, f64) {

@@ -1,4 +1,4 @@
-//! The stage loop of Rosenbrock methods: implicit, without iteration.
+//! The stage loop of Rosenbrock methods, which are implicit but need no iteration.
 
 use crate::dense::{add, combine};
 use crate::linear::{Jacobian, Shifted};
@@ -8,8 +8,8 @@ use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{System, Vector};
 
-/// A stiffly accurate Rosenbrock method with `S` stages, its coefficients those of the form that
-/// needs no product with the Jacobian at each stage.
+/// A stiffly accurate Rosenbrock method with `S` stages. The coefficients are those of the form that needs no product
+/// with the Jacobian in each stage.
 ///
 /// ```text
 /// (I/γ − hJ) u_i = h f(t + c_i h, y + Σ_j a_ij u_j) + Σ_j C_ij u_j + h² d_i ∂f/∂t
@@ -20,8 +20,8 @@ use crate::system::{System, Vector};
 ///
 /// `J = ∂f/∂y` and `∂f/∂t` are those at the start of the step, and `Σ_j a_ij d_j = c_i`.
 ///
-/// The stage loop computes with `w_i = u_i − d_i h ẏ`, which is zero where the slope is constant:
-/// the coefficients are of a size of a hundred, and the sums of `u` would cancel to a few hundred
+/// The stage loop computes with `w_i = u_i − d_i h ẏ`, which is zero where the slope is constant. The reason is
+/// rounding: the coefficients are of size one hundred, so the sums of `u` would cancel and leave a few hundred
 /// roundings of `h ẏ`.
 ///
 /// ```text
@@ -29,15 +29,15 @@ use crate::system::{System, Vector};
 /// ŷ₁ = y + h ẏ + Σ_j a_Sj w_j,   ÿ = J ẏ + ∂f/∂t
 /// ```
 ///
-/// E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., Springer (1996), IV.7;
-/// the second form derived here, with `Σ_j C_ij d_j = d_i/γ − 1`.
+/// E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., Springer (1996), IV.7. The second
+/// form is derived here, with `Σ_j C_ij d_j = d_i/γ − 1`.
 #[derive(Debug)]
 pub struct Rosenbrock<const S: usize> {
     /// Order of the propagated solution.
     pub order: usize,
     /// Order of the embedded solution ŷ₁.
     pub embedded_order: usize,
-    /// Order of the dense output: its local error falls with one power more.
+    /// Order of the dense output, whose local error falls with one power more.
     pub dense_order: usize,
     /// Diagonal coefficient γ.
     pub gamma: f64,
@@ -64,10 +64,10 @@ impl<const S: usize> Rosenbrock<S> {
         gammas
     }
 
-    /// Residuals of all that the coefficients promise: with `α = a Γ` and `β = α + Γ` the row sums
-    /// `Σ_j α_ij = c_i` and `Σ_j Γ_ij = d_i`, and the [order conditions](crate::order_conditions) of
-    /// `b` (the last row of `β`), of the embedded solution and of the dense output at θ = 1/3, but
-    /// for that of the single node: the stage loop meets it whatever `p` is.
+    /// Residuals of all conditions that the coefficients must meet: with `α = a Γ` and `β = α + Γ`, the row sums `Σ_j
+    /// α_ij = c_i` and `Σ_j Γ_ij = d_i`; and the [order conditions](crate::order_conditions) of `b` (the last row of
+    /// `β`), of the embedded solution and of the dense output at θ = 1/3. The condition of the single node is left
+    /// out for the dense output, because the stage loop meets it for any `p`.
     pub fn residuals(&self) -> Vec<f64> {
         let gammas = self.gammas();
         let alphas = self.a.map(|row| times(row, &gammas));
@@ -107,12 +107,12 @@ fn times<const S: usize>(v: &[f64], matrix: &[[f64; S]; S]) -> [f64; S] {
     std::array::from_fn(|j| v.iter().zip(matrix).map(|(v, row)| v * row[j]).sum())
 }
 
-/// A Rosenbrock method at work on one system.
+/// A Rosenbrock method applied to one system.
 pub struct RosenbrockMethod<Y, const S: usize> {
     tableau: &'static Rosenbrock<S>,
     jacobian: Jacobian,
     shifted: Shifted<f64>,
-    /// Whether the Jacobian is that of the present start, and with it the second derivative there.
+    /// Whether the Jacobian, and with it the second derivative ÿ, is evaluated at the present start.
     is_linearised: bool,
     curvature: Y,
     y_stage: Y,
@@ -256,7 +256,8 @@ impl<P: System, const S: usize> OneStep<P> for RosenbrockMethod<P::State<f64>, S
 }
 
 impl<Y: Vector<f64>, const S: usize> RosenbrockStep<Y, S> {
-    /// Makes `component` of the end no number: a linear solve would spread it to all.
+    /// Sets `component` of the end to NaN, so that it is reported. A linear solve would have spread the NaN to all
+    /// components.
     fn spoil(&mut self, component: usize) {
         self.y1.clone_from(&self.y0);
         self.y1.as_mut()[component] = f64::NAN;
@@ -313,7 +314,7 @@ mod tests {
 
     #[test]
     fn rodas5p_has_order_six_on_linear_systems_and_no_more() {
-        // The tall trees alone count there: b βᵏ⁻¹ 1 = 1/k!, and b is the last row of β = Γ + a Γ.
+        // On linear systems only the tall trees count: b βᵏ⁻¹ 1 = 1/k!, where b is the last row of β = Γ + a Γ.
         let gammas = RODAS_5P.gammas();
         let alphas = RODAS_5P.a.map(|row| super::times(row, &gammas));
         let beta = |i: usize, j: usize| alphas[i][j] + gammas[i][j];

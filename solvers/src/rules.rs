@@ -1,29 +1,30 @@
-//! The rules of events: what is promised in each case, what is not, and what other tools do there.
+//! The rules of events: what is promised in each case, what is not, and what other tools do in that case.
 //!
 //! # The model
 //!
-//! - A guard is positive inside its mode. It is *violated* below minus its rounding bound, which the
-//!   model states. An event is a violated guard, not a change of sign: there are no direction flags
-//!   and no cool-down times.
-//! - An event is located at the root of `g + bound/2`: past the surface, within rounding of it. One-step
+//! - A guard is positive inside its mode. It is *violated* where it is below minus its rounding bound, which the
+//!   model states. An event is a violated guard, not a change of sign: there are no direction flags and no cool-down
+//!   times.
+//! - An event is located at the root of `g + bound/2`: past the surface, but within rounding of it. Steps of one-step
 //!   methods end with g between `−bound` and zero.
-//! - One-step methods retake the step from the same start until it lands there, so time and state
-//!   have the method's own order. The methods of `diffsol` land on their interpolant, and an event is
-//!   as good as that. The time is off by (error of the guard + bound)/|ġ|.
-//! - A transition returns mode and state. Every guard of the new mode is then looked at: one that is
-//!   violated switches at the same t. After 16 transitions at one t that is [`Error::Chatter`]; 100
-//!   events within 1e-9 of the time since the run began [accumulate](crate::System::accumulation).
-//! - A guard violated at the end of a step is always found. A dip inside is searched for where the
-//!   cubic through values and rates at both ends comes near zero ([`event`](crate::event)). For a guard
-//!   that moves like a sine it finds the first fall in steps up to three quarters of its period; for
-//!   others it has no guarantee, and over a whole period nothing at the ends can tell. `taylor` has each
-//!   guard as a polynomial on the step and isolates its roots by Bernstein's coefficients: of the
-//!   polynomial no fall is missed, whatever is beyond its last terms.
-//!   Step control sees the states alone: a guard that oscillates while they hardly move, such as a
-//!   force on a mass that sticks, is not resolved. Make its cause a state, or bound the step.
-//! - Cost: one evaluation of the guards with their rates a step; where one comes near, some fifteen
-//!   on the dense output to search its dip, and those of a [bracketing search](crate::root) for each
-//!   that falls; for one-step methods 1.7 to 4.3 retaken steps an event (measured on
+//! - One-step methods retake the step from the same start until it lands there, so time and state have the method's
+//!   own order. The methods of `diffsol` land on their interpolant, so an event is as exact as that. The error of the
+//!   time is (error of the guard + bound)/|ġ|.
+//! - A transition returns mode and state. Every guard of the new mode is then evaluated, and one that is violated
+//!   switches at the same t. If one is still violated after 16 transitions at one t, the run ends in
+//!   [`Error::Chatter`]; 100 events within 1e-9 of the time since the run began
+//!   [accumulate](crate::System::accumulation).
+//! - A guard that is violated at the end of a step is always found. A dip inside the step is searched for where the
+//!   cubic through values and rates at both ends comes near zero ([`event`](crate::event)). For a guard that moves
+//!   like a sine the search finds the first fall in steps up to three quarters of its period. For other guards there
+//!   is no guarantee, and a step of a whole period of any guard cannot be told from a constant by its ends. The
+//!   method `taylor` has each guard as a polynomial on the step and isolates its roots by Bernstein coefficients, so
+//!   it misses no fall of the polynomial; the terms beyond the polynomial are not seen. Step control takes only the
+//!   states into account. So a guard that oscillates while the states hardly move, such as a force on a mass that
+//!   sticks, is not resolved: make its cause a state, or limit the step.
+//! - Cost: one evaluation of the guards with their rates per step. Where a guard comes near its surface, about
+//!   fifteen evaluations on the dense output to search for a dip, and those of a [bracketing search](crate::root) for
+//!   each guard that falls. For one-step methods, 1.7 to 4.3 retaken steps per event (measured on
 //!   [`problems`](crate::problems) at h = 0.25 and rtol = 1e-8).
 //!
 //! The other tools: **heyoka** 7.12.0 (`doc/tut_events.rst`; where marked †,
@@ -35,8 +36,8 @@
 //! either direction and have no modes: the user changes parameters or starts anew. heyoka
 //! and CVODE can be told a direction, diffsol cannot.
 //!
-//! Tests are those of `tests/events`, named by file; each runs over every method of
-//! [`METHODS`](crate::METHODS), and leaves out only what its line says.
+//! The tests are those of `tests/events`, named by file. Each runs over every method of [`METHODS`](crate::METHODS),
+//! and leaves out only what its line says.
 //!
 //! # Where an event may lie
 //!

@@ -1,4 +1,4 @@
-//! Counts of work, and what of it goes where.
+//! Counts of work, in total and by purpose.
 
 use std::ops::{Add, AddAssign, ControlFlow, Sub};
 
@@ -8,9 +8,9 @@ use crate::system::System;
 /// Evaluations and linear algebra, counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
-    /// Evaluations of the right-hand side; none for Jacobians, samples or audits.
+    /// Evaluations of the right-hand side, except those for Jacobians, samples and audits.
     pub n_rhs: u64,
-    /// Jacobians.
+    /// Evaluations of the Jacobian.
     pub n_jac: u64,
     /// Factorisations of an iteration matrix.
     pub n_factorisations: u64,
@@ -21,17 +21,17 @@ pub struct Work {
 /// What an integration cost, counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stats {
-    /// All work, that of rejected and retaken steps included.
+    /// All work, including that of rejected and retaken steps.
     pub work: Work,
-    /// What of it began phases: slopes at their starts and the choice of a first step.
+    /// The part that began phases: slopes at their starts and the choice of a first step.
     pub restart: Work,
-    /// What of it located events: retaken steps, and stages of dense output for it.
+    /// The part that located events: retaken steps, and stages of dense output for the search.
     pub location: Work,
-    /// Accepted steps; one that lands on an event counts once.
+    /// Accepted steps. A step that lands on an event counts once, however often it was retaken.
     pub n_accepted: u64,
-    /// Those of them that [`auto`](crate::auto) took with its implicit half; none of another method.
+    /// Accepted steps that [`auto`](crate::auto) took with its implicit method; zero for other methods.
     pub n_implicit: u64,
-    /// Steps refused by their error estimate or by a failed Newton iteration.
+    /// Steps rejected because of their error estimate, a failed Newton iteration, or an end that was not finite.
     pub n_rejected: u64,
     /// Steps retaken from the same start to land on an event.
     pub n_retaken: u64,
@@ -40,7 +40,7 @@ pub struct Stats {
 }
 
 impl Stats {
-    /// The work of the steps alone, without restarts and location.
+    /// The work of the steps alone, without restarts and the location of events.
     pub fn stepping(&self) -> Work {
         self.work - self.restart - self.location
     }
@@ -68,7 +68,7 @@ impl Sub for Work {
     type Output = Self;
 
     /// # Panics
-    /// Where `other` is not a part of it.
+    /// Where a count of `other` is larger, in a build with overflow checks.
     fn sub(self, other: Self) -> Self {
         Self {
             n_rhs: self.n_rhs - other.n_rhs,
@@ -96,7 +96,7 @@ impl Sub for Stats {
     type Output = Self;
 
     /// # Panics
-    /// Where `other` is not a part of it.
+    /// Where a count of `other` is larger, in a build with overflow checks.
     fn sub(self, other: Self) -> Self {
         Self {
             work: self.work - other.work,
@@ -111,21 +111,22 @@ impl Sub for Stats {
     }
 }
 
-/// A recorder that splits the work of an integration by kinds of modes: flight, contact, stick.
+/// A recorder that splits the work of an integration by kinds of modes, such as flight, contact and stick.
 ///
-/// Work is booked with accepted steps: that of a step that failed is in no kind. Counts that fall are
-/// those of another integration, and counted from zero.
+/// Work is assigned when a step is accepted, to the kind of its mode; the work after the last accepted step of a run
+/// that fails is assigned to no kind. Counts that fall are taken as the start of another integration and counted from
+/// zero.
 #[derive(Clone, Debug)]
 pub struct WorkByKind<K, F> {
     kind: F,
     seen: Stats,
-    /// Each kind met, in that order, with the work done in its modes: an event belongs to the mode
-    /// that it ends.
+    /// Each kind met, in the order of first meeting, with the work done in its modes. An event is counted for the
+    /// mode that it ends.
     pub kinds: Vec<(K, Stats)>,
 }
 
 impl<K: PartialEq, F> WorkByKind<K, F> {
-    /// Nothing seen yet; `kind` tells the kind of a mode.
+    /// An empty recorder; `kind` gives the kind of a mode.
     pub fn new(kind: F) -> Self {
         Self { kind, seen: Stats::default(), kinds: Vec::new() }
     }
@@ -140,7 +141,7 @@ impl<K: PartialEq, F> WorkByKind<K, F> {
 
 impl<P: System, K: PartialEq, F: Fn(P::Mode) -> K> Record<P> for WorkByKind<K, F> {
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
-        // Events are counted where they are seen.
+        // Events are counted in `event`.
         let now = Stats { n_events: 0, ..*accepted.stats };
         if now.work.n_rhs < self.seen.work.n_rhs || now.n_accepted < self.seen.n_accepted {
             self.seen = Stats::default();

@@ -1,4 +1,4 @@
-//! What a method hands on: one step, its two ends and what lies between them.
+//! One step: the result that a method hands on, with its two ends and the dense output between them.
 
 use std::fmt::Debug;
 
@@ -32,7 +32,7 @@ pub struct TableauStep<Y, const S: usize, T = f64> {
     pub t0: T,
     /// Time at the end.
     pub t1: T,
-    /// Step size: `t1 − t0`, with more digits where `t0` is large.
+    /// Step size: `t1 − t0`, given separately because the difference loses digits where `t0` is large.
     pub h: T,
     /// State at the start.
     pub y0: Y,
@@ -46,12 +46,12 @@ pub struct TableauStep<Y, const S: usize, T = f64> {
     pub extra: Vec<Y>,
     /// Estimate of the local error; zero where the method has none.
     pub error: Y,
-    /// How to interpolate.
+    /// The kind of dense output.
     pub dense: &'static Dense<S>,
 }
 
 impl<Y: Vector<T>, const S: usize, T: Real> TableauStep<Y, S, T> {
-    /// A step of no length over `n` states, the memory of all that follow.
+    /// A step of length zero over `n` states, whose memory all later steps use.
     pub fn new(n: usize, dense: &'static Dense<S>) -> Self {
         let zero = || Y::from_fn(n, |_| T::cst(0.0));
         Self {

@@ -8,7 +8,8 @@ use crate::real::{Over, Real};
 
 /// A vector of scalars of one length: `[S; N]` where it is small and known, `Vec<S>` otherwise.
 pub trait Vector<S>: Clone + Debug + AsRef<[S]> + AsMut<[S]> {
-    /// Whether its length is part of its type, and small: what is worth code of its own, and dense matrices.
+    /// Whether the length is part of the type, and small. Such vectors get code specialised to their length, and
+    /// dense matrices.
     const IS_SHORT: bool = false;
 
     /// The vector of length `n` with the entries `entry(0) … entry(n − 1)`.
@@ -17,15 +18,16 @@ pub trait Vector<S>: Clone + Debug + AsRef<[S]> + AsMut<[S]> {
     /// Where the length is part of the type and `n` is another.
     fn from_fn(n: usize, entry: impl FnMut(usize) -> S) -> Self;
 
-    /// Moves it out, to be put back later: a short one into registers, a long one without a copy of its
-    /// entries, whose place then holds none.
+    /// Moves the vector out of its place, to be put back later. A short vector is copied, so that the compiler can
+    /// keep it in registers; a long one is moved without copying its entries and leaves an empty vector behind.
     fn take(&mut self) -> Self;
 }
 
 impl<S: Copy + Debug, const N: usize> Vector<S> for [S; N] {
     const IS_SHORT: bool = true;
 
-    // Up to eight entries without a loop or a call: those of a series are then registers.
+    // Up to eight entries are written out without a loop or a call, so that the compiler can keep those of a series
+    // in registers.
     #[inline(always)]
     fn from_fn(n: usize, mut entry: impl FnMut(usize) -> S) -> Self {
         assert_eq!(n, N, "a vector of {N} entries was asked to hold {n}");
@@ -77,24 +79,23 @@ pub enum Next<M> {
 /// the driver's. `rhs` and `guards` must be smooth functions *of their mode*, defined a little
 /// past its surfaces too: a step is taken whole in one mode and then cut.
 pub trait System {
-    /// The discrete state. It may carry data, such as the speed of the last impact. It is handed on by
-    /// value, often: a long one is a handle to its parts, as an `Arc<[T]>` is.
+    /// The discrete state. It may carry data, such as the speed of the last impact. It is cloned often, so a long
+    /// mode should be a cheap handle to shared data, such as an `Arc<[T]>`.
     type Mode: Clone + PartialEq + Debug;
     /// The continuous state, [`dim`](Self::dim) long.
     type State<S: Real>: Vector<S>;
     /// The values of the guards, [`n_guards`](Self::n_guards) long.
     type Guards<S: Real>: Vector<S>;
 
-    /// Whether [`rhs`](Self::rhs) and [`guards`](Self::guards) of a mode take no decision on the
-    /// [value](Real::value) of a number, unless [outlined](Real::outlined): several runs are then computed at once,
-    /// in [`lanes`](crate::lanes).
+    /// Whether [`rhs`](Self::rhs) and [`guards`](Self::guards) never branch on the [value](Real::value) of a number
+    /// within a mode, except inside [outlined](Real::outlined) functions. If so, [`lanes`](crate::lanes) can compute
+    /// several runs at once.
     const IN_LANES: bool = false;
 
     /// Number of continuous states.
     fn dim(&self) -> usize;
 
-    /// Number of guards, the same in all modes; one that a mode does not use is a positive
-    /// constant there.
+    /// Number of guards, the same in all modes. A guard that a mode does not use is a positive constant there.
     fn n_guards(&self) -> usize;
 
     /// The mode of a run that starts at `(t, y)`.
@@ -106,13 +107,16 @@ pub trait System {
     /// Writes the guards of `mode` to `g`: positive inside the mode.
     fn guards<S: Real>(&self, mode: Self::Mode, t: S, y: &Self::State<S>, g: &mut Self::Guards<S>);
 
-    /// Writes both [`rhs`](Self::rhs) and [`guards`](Self::guards) at `(t, y)`, each to the bit. Where the two have
-    /// terms in common, a model may compute those once; the default calls one after the other.
+    /// Writes both [`rhs`](Self::rhs) and [`guards`](Self::guards) at `(t, y)`, with the same bits as the two
+    /// functions give alone. A model whose right-hand side and guards have terms in common may compute these terms
+    /// once; the default calls one function after the other.
     ///
-    /// Its operations on numbers begin with those of `rhs`, in the order of `rhs`: a series is begun by the
-    /// one and gone on with by the other. Where they do not, series are wrong: steps to a tolerance are rejected
-    /// until a run ends in [`StepUnderflow`](crate::Error::StepUnderflow), fixed ones are not. A model that
-    /// has its own is tested by [`begins_with_rhs`](crate::taylor::expand::begins_with_rhs).
+    /// An own implementation must first make all operations of `rhs` on numbers, in the order of `rhs`. The reason: a
+    /// Taylor series is begun with this function and continued with `rhs`, and both address the stored coefficients
+    /// by the position of the operation. A breach gives wrong series: steps to a tolerance are rejected until the run
+    /// ends in [`StepUnderflow`](crate::Error::StepUnderflow), and fixed steps are accepted with wrong results. A
+    /// model with an own implementation should test it with
+    /// [`begins_with_rhs`](crate::taylor::expand::begins_with_rhs).
     #[inline(always)]
     fn rhs_with_guards<S: Real>(
         &self,
@@ -126,8 +130,8 @@ pub trait System {
         self.guards(mode, t, y, g);
     }
 
-    /// Writes bounds of the rounding errors of [`guards`](Self::guards) to `bounds`, in the
-    /// guards' units and above zero: a guard is *violated* when it is below minus its bound.
+    /// Writes bounds of the rounding errors of [`guards`](Self::guards) to `bounds`, in the units of the guards and
+    /// above zero. A guard is *violated* when it is below minus its bound.
     fn guard_bounds(
         &self,
         mode: Self::Mode,
@@ -136,18 +140,20 @@ pub trait System {
         bounds: &mut Self::Guards<f64>,
     );
 
-    /// A distance of states at whose multiples no two of them, by index, are in one guard: what a system of
-    /// many like parts tells for the sake of its cost. The default tells nothing.
+    /// A span such that no guard depends on two states whose indices differ by a multiple of it. States this far
+    /// apart never enter the same guard, so one evaluation with dual numbers differentiates the guards by all of them
+    /// at once. A system of many similar parts overrides this to save evaluations; the default, the number of states,
+    /// differentiates by one state at a time.
     fn guard_span(&self) -> usize {
         self.dim()
     }
 
-    /// What happens when guard number `guard` of `mode` fell below zero at `(t, y)`: the next
-    /// mode, with `y` changed where the event resets it.
+    /// What happens when guard number `guard` of `mode` has fallen below zero at `(t, y)`: returns the next mode, and
+    /// changes `y` where the event resets it.
     ///
-    /// Every guard of the new mode must be at or above zero at the new state, up to rounding, or it
-    /// switches too, at the same t: what the event *means* is projected (a height of zero after a bounce, a velocity of zero
-    /// when sticking begins).
+    /// Every guard of the new mode must be at or above zero at the new state, up to rounding; otherwise it switches
+    /// too, at the same t. So the transition projects the state onto what the event *means*: a height of zero after a
+    /// bounce, a velocity of zero when sticking begins.
     fn transition<S: Real>(
         &self,
         mode: Self::Mode,
@@ -156,13 +162,13 @@ pub trait System {
         y: &mut Self::State<S>,
     ) -> Next<Self::Mode>;
 
-    /// What follows where events accumulate (a Zeno point: a ball bounces ever lower and comes to
-    /// rest): the limiting mode, with `y` put on its state. None where the model knows of none, and
-    /// the run ends in [`EventStorm`](crate::Error::EventStorm); so does the default.
+    /// What follows where events accumulate (a Zeno point: a ball bounces ever lower and comes to rest): returns the
+    /// limiting mode and sets `y` to the limiting state. Returns `None` where the model knows no limit, as the
+    /// default does; the run then ends in [`EventStorm`](crate::Error::EventStorm).
     ///
-    /// It is asked after the transition of the last of these events: `mode` and `y` are what that
-    /// transition made, `guard` is the guard that fell, numbered in the mode before it. The handover is
-    /// an event of its own, of the same guard.
+    /// It is called after the transition of the last of these events: `mode` and `y` are those after that transition,
+    /// and `guard` is the guard that fell, numbered in the mode before it. The change to the limiting mode counts as
+    /// one more event, of the same guard.
     fn accumulation(
         &self,
         _mode: Self::Mode,
@@ -173,12 +179,12 @@ pub trait System {
         None
     }
 
-    /// Calls `entry(i, j, ∂f_i/∂y_j)` for every entry of the Jacobian that is not zero in all
-    /// modes; entries that vanish in this mode alone are given as zero. A mode that couples more states
-    /// than the usual ones may give more: each new pattern is analysed anew.
+    /// Calls `entry(i, j, ∂f_i/∂y_j)` for every entry of the Jacobian that can be nonzero in some mode. Entries that
+    /// vanish in this mode alone should be given, as zeros. A mode that couples more states may give further entries;
+    /// each new sparsity pattern costs a new symbolic analysis.
     ///
-    /// The default differentiates [`rhs`](Self::rhs) with dual numbers, one column a call: exact
-    /// to rounding, and `dim` evaluations in cost.
+    /// The default differentiates [`rhs`](Self::rhs) with dual numbers, one column per evaluation: exact to rounding,
+    /// at the cost of `dim` evaluations.
     fn jacobian(
         &self,
         mode: Self::Mode,
@@ -225,23 +231,26 @@ pub trait System {
     }
 }
 
-/// Systems of a kind, of which some modes differ in numbers alone: two runs in such modes, each of a system of
-/// its own, are then computed at once, by [`Method::run_pair`](crate::Method::run_pair).
+/// Systems of one kind that differ, in some of their modes, only in numerical parameters.
+/// [`Method::run_pair`](crate::Method::run_pair) then computes two runs in such modes at once, each run of a system
+/// of its own.
 ///
-/// Where `numbers(mode)` are some, [`rhs`](System::rhs) and [`guards`](System::guards) of that mode are `rhs_of` and
-/// `guards_of` them to the bit (but for the sign of a zero), and neither takes a decision on the
-/// [value](Real::value) of a number, not even [outlined](Real::outlined): a series of two runs has one course. Bounds of rounding, transitions and accumulation stay each system's own.
+/// Where `numbers(mode)` is `Some`, the functions `rhs_of` and `guards_of` applied to these numbers must give the
+/// same bits as [`rhs`](System::rhs) and [`guards`](System::guards) of that mode, except for the sign of a zero. They
+/// must not branch on the [value](Real::value) of a number, not even inside [outlined](Real::outlined) functions,
+/// because the series of two runs is computed by one sequence of operations. Bounds of rounding, transitions and
+/// accumulation are asked of each system separately.
 ///
-/// The operations are written over the numbers of one system, `C = f64`, or of several. Those enter as in
-/// `y * c`, `y + c` and `y - c`, or by `<S as Over<C>>::of(c)`; with each other they are not computed with, so a
-/// product of two constants is a number of its own, made in the order in which `rhs` does. For an example see
-/// [`BouncingBall`](crate::problems::BouncingBall), whose number is gravity.
+/// The operations are generic over the type `C` of the numbers: `f64` for one system, a vector type for several. The
+/// numbers enter as in `y * c`, `y + c` and `y - c`, or by `<S as Over<C>>::of(c)`. They are not combined with each
+/// other: a product of two constants is a number of its own, computed in the order in which `rhs` computes it. For an
+/// example see [`BouncingBall`](crate::problems::BouncingBall), whose only number is gravity.
 pub trait Alike: System {
-    /// What tells one system in one mode from another.
+    /// The numerical parameters of one system in one mode.
     type Numbers<C: Copy + Debug>: Vector<C>;
 
-    /// The numbers of this system in `mode`, as many as of any system of the kind; none where it is computed in
-    /// another way.
+    /// The numbers of this system in `mode`, as many as of any system of the kind; `None` where the mode cannot be
+    /// expressed by `rhs_of` and `guards_of`.
     fn numbers(&self, mode: &Self::Mode) -> Option<Self::Numbers<f64>>;
 
     /// Writes `f_mode(t, y)` to `dydt`.
@@ -260,7 +269,7 @@ pub trait Alike: System {
         g: &mut Self::Guards<S>,
     );
 
-    /// Writes both; as [`System::rhs_with_guards`].
+    /// Writes both, as [`System::rhs_with_guards`] does.
     #[inline(always)]
     fn rhs_with_guards_of<S: Over<C>, C: Copy + Debug>(
         numbers: &Self::Numbers<C>,
@@ -274,13 +283,13 @@ pub trait Alike: System {
     }
 }
 
-/// A [`System`] whose mode can be read off its state, as an event-blind integration needs it.
+/// A [`System`] whose mode can be read off its state, which an event-blind integration needs.
 pub trait ModeOfState: System {
-    /// The mode that the signs of `(t, y)` name.
+    /// The mode at `(t, y)`, from the signs of the quantities that the guards are made of.
     fn mode_of_state<S: Real>(&self, t: S, y: &Self::State<S>) -> Self::Mode;
 
-    /// A guard that ends a run in whatever mode, positive until then; a blind run keeps it alone.
-    /// The default never falls.
+    /// A guard that ends a run in any mode, positive until then. It is the only guard that an event-blind run keeps.
+    /// The default never falls below zero.
     fn end<S: Real>(&self, _t: S, _y: &Self::State<S>) -> S {
         S::cst(1.0)
     }

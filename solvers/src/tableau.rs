@@ -1,4 +1,4 @@
-//! Butcher tableaux of explicit methods, and what their coefficients promise as functions of them.
+//! Butcher tableaux of explicit methods, and the conditions that their coefficients must meet.
 
 use crate::order_conditions;
 
@@ -21,15 +21,15 @@ pub struct Tableau<const S: usize> {
     pub b: [f64; S],
     /// Weights of the embedded solution, from which the local error is estimated.
     pub b_hat: Option<[f64; S]>,
-    /// Weights of a second embedded solution of lower order, and that order. It sharpens the
-    /// estimate: `err = err₁²/√(err₁² + 0.01 err₂²)` in the norms of both.
+    /// Weights of a second embedded solution of lower order, and that order. It makes the error estimate sharper:
+    /// `err = err₁²/√(err₁² + 0.01 err₂²)`, where err₁ and err₂ are the norms of the two estimates.
     pub b_hat_low: Option<([f64; S], usize)>,
     /// Dense output.
     pub dense: Dense<S>,
 }
 
-/// A stage that only dense output needs: its node, and its weights of all slopes before it: the
-/// stages, the slope at the end, the extra stages.
+/// A stage that only the dense output needs: its node, and its weights of all earlier slopes, in the order stages,
+/// slope at the end of the step, earlier extra stages.
 pub type ExtraStage = (f64, &'static [f64]);
 
 /// How a method interpolates within a step.
@@ -42,12 +42,12 @@ pub enum Dense<const S: usize> {
         /// Row `i`: the coefficients `p_i0, p_i1, …` of stage `i`.
         p: [&'static [f64]; S],
     },
-    /// Hermite's cubic corrected by a bubble over the slopes, a polynomial of degree 3 + n with n
-    /// rows `d`, five at most:
-    /// `y = y₀ + θ (F₀ + (1 − θ)(F₁ + θ (F₂ + (1 − θ)(F₃ + θ (F₄ + (1 − θ)(F₅ + θ (F₆ + …)))))))` with
-    /// `F₀ = y₁ − y₀`, `F₁ = h ẏ₀ − F₀`, `F₂ = 2 F₀ − h (ẏ₀ + ẏ₁)` and `F_(3+i) = h Σ_j d_ij k_j`.
+    /// The Hermite cubic plus a correction from all slopes, which vanishes with its derivative at both ends. With n
+    /// rows `d`, at most five, the polynomial is of degree 3 + n: `y = y₀ + θ (F₀ + (1 − θ)(F₁ + θ (F₂ + (1 − θ)(F₃ +
+    /// θ (F₄ + (1 − θ)(F₅ + θ (F₆ + …)))))))` with `F₀ = y₁ − y₀`, `F₁ = h ẏ₀ − F₀`, `F₂ = 2 F₀ − h (ẏ₀ + ẏ₁)` and
+    /// `F_(3+i) = h Σ_j d_ij k_j`.
     Nested {
-        /// Stages evaluated for it alone.
+        /// Stages evaluated for the dense output alone.
         extra: &'static [ExtraStage],
         /// Weights of all slopes, a row each for `F₃, F₄, …`.
         d: &'static [&'static [f64]],
@@ -55,7 +55,7 @@ pub enum Dense<const S: usize> {
 }
 
 impl<const S: usize> Dense<S> {
-    /// The stages that it needs beyond those of the step.
+    /// The stages that the dense output needs beyond those of the step.
     pub fn extra_stages(&self) -> &'static [ExtraStage] {
         match self {
             Self::Nested { extra, .. } => extra,
@@ -65,14 +65,14 @@ impl<const S: usize> Dense<S> {
 }
 
 impl<const S: usize> Tableau<S> {
-    /// Whether the last stage is the slope at the end of the step, and so the first stage of the
-    /// next (first same as last): its row of `a` is `b`, its node 1.
+    /// Whether the last stage is evaluated at the end of the step (its row of `a` is `b`, its node 1), so that it is
+    /// also the first stage of the next step: first same as last, FSAL.
     pub fn first_same_as_last(&self) -> bool {
         let last = S - 1;
         self.c[last] == 1.0 && self.b[last] == 0.0 && self.a[last] == &self.b[..last]
     }
 
-    /// Order of the estimate of the local error: that of its power of the step.
+    /// Order of the estimate of the local error: the power of the step size with which it falls.
     pub fn error_order(&self) -> usize {
         match &self.b_hat_low {
             None => self.embedded_order + 1,
@@ -80,9 +80,8 @@ impl<const S: usize> Tableau<S> {
         }
     }
 
-    /// Residuals of all that the coefficients promise: the row sums `Σ_j a_ij = c_i` of all stages,
-    /// and the [order conditions](order_conditions::residuals) of `b` and of the embedded solutions
-    /// up to their orders.
+    /// Residuals of all conditions that the coefficients must meet: the row sums `Σ_j a_ij = c_i` of all stages, and
+    /// the [order conditions](order_conditions::residuals) of `b` and of the embedded solutions up to their orders.
     pub fn residuals(&self) -> Vec<f64> {
         let extra = self.dense.extra_stages().iter().copied();
         let rows = self.c.into_iter().zip(self.a).chain(extra);

@@ -1,9 +1,9 @@
-//! Tolerances and the norm that errors are weighed in.
+//! Tolerances, and the norm in which errors are measured.
 
 use crate::error::Error;
 use crate::real::{Ordered, Over, Real};
 
-/// How accurate each step is asked to be.
+/// The accuracy required of each step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tolerance {
     /// Relative tolerance.
@@ -13,7 +13,7 @@ pub struct Tolerance {
 }
 
 impl Tolerance {
-    /// Checks that it serves a system of `n` states.
+    /// Checks that the tolerance is valid for a system of `n` states.
     ///
     /// # Errors
     /// [`Error::BadTolerance`] unless `rtol` is finite and above zero and `atol` has `n` such
@@ -27,19 +27,19 @@ impl Tolerance {
         }
     }
 
-    /// Root mean square of `error_i / (atol_i + rtol · max(|y0_i|, |y1_i|))`: at most one for an
-    /// error that is tolerated; NaN where an error is.
+    /// Root mean square of `error_i / (atol_i + rtol · max(|y0_i|, |y1_i|))`. It is at most one for an error within
+    /// the tolerance, and NaN where an error is NaN.
     ///
     /// E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, (II.4.11).
     pub fn norm(&self, error: &[f64], y0: &[f64], y1: &[f64]) -> f64 {
         self.norm_sq(error, y0, y1).sqrt()
     }
 
-    /// Writes `1/(atol_i + rtol |y_i|)` to `weights`: the [norm](Self::norm) of an error at `y` is the root mean
-    /// square of the products of both.
+    /// Writes `1/(atol_i + rtol |y_i|)` to `weights`. The [norm](Self::norm) of an error at `y` is the root mean
+    /// square of the products of errors and weights.
     ///
     /// # Panics
-    /// Where `atol` is shorter than `y`; [`check`](Self::check) refuses it.
+    /// Where `atol` is shorter than `y`; [`check`](Self::check) rejects such a tolerance.
     #[inline]
     pub fn weights(&self, y: &[f64], weights: &mut [f64]) {
         weigh((self.rtol, &self.atol), y, weights);
@@ -48,14 +48,14 @@ impl Tolerance {
     /// The square of [`norm`](Self::norm).
     ///
     /// # Panics
-    /// Where `atol` is shorter than `error`; [`check`](Self::check) refuses it.
+    /// Where `atol` is shorter than `error`; [`check`](Self::check) rejects such a tolerance.
     #[inline]
     pub fn norm_sq(&self, error: &[f64], y0: &[f64], y1: &[f64]) -> f64 {
         norm_sq((self.rtol, &self.atol), error, y0, y1)
     }
 }
 
-/// [`Tolerance::weights`] for tolerances `rtol` and `atol`, of one run or of each of several.
+/// [`Tolerance::weights`] for the tolerances `rtol` and `atol` of one run or of several at once.
 ///
 /// # Panics
 /// Where `atol` is shorter than `y`.
@@ -78,7 +78,7 @@ pub(crate) fn weighed_sq<T: Real>(y: &[T], weights: &[T]) -> T {
     squares.fold(T::cst(0.0), |sum, square| sum + square) / y.len() as f64
 }
 
-/// The square of the [norm](Tolerance::norm) for tolerances `rtol` and `atol`, of one run or of each of several.
+/// The square of the [norm](Tolerance::norm) for the tolerances `rtol` and `atol` of one run or of several at once.
 ///
 /// # Panics
 /// Where `atol` is shorter than `error`.

@@ -1,4 +1,4 @@
-//! The usual recorder: a run as plain values.
+//! The usual recorder, which keeps a run as plain values.
 
 use std::ops::ControlFlow;
 
@@ -31,9 +31,9 @@ impl Grid {
 pub struct Sample<Y, M> {
     /// Time.
     pub t: f64,
-    /// Mode; on an event the one after it.
+    /// Mode; at an event, the mode after it.
     pub mode: M,
-    /// State; on an event the one after it.
+    /// State; at an event, the state after it.
     pub y: Y,
 }
 

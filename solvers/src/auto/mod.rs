@@ -1,39 +1,39 @@
-//! A method that decides by itself: explicit where its step is bound by accuracy, implicit where it is
-//! bound by stability.
+//! A method that switches by itself between an explicit method, where accuracy limits the step, and an implicit one,
+//! where stability does.
 //!
-//! An explicit pair and [`RADAU_IIA_5`](crate::methods::RADAU_IIA_5) take turns; either hands over at the
-//! end of an accepted step, where the other begins as at the start of a phase. Events are those of the
-//! half whose step they lie on. The pair is chosen by the tolerance, measured on the contact of
-//! `deltazero`: [`KUTTA_43`](crate::methods::KUTTA_43) for
-//! `rtol ≥ 1e-4`, [`DORMAND_PRINCE_853`](crate::methods::DORMAND_PRINCE_853) below. The implicit
-//! half is held to 0.1 of the tolerance, where its error is about that of the explicit one (0.01 to 0.1 there,
-//! measured): a few of its steps do not spoil a run.
+//! An explicit pair and [`RADAU_IIA_5`](crate::methods::RADAU_IIA_5) take turns. Either hands over at the end of an
+//! accepted step, and the other begins there as at the start of a phase. An event is located by the method in whose
+//! step it lies. The pair is chosen by the tolerance, as measured on the contact of `deltazero`:
+//! [`KUTTA_43`](crate::methods::KUTTA_43) for `rtol ≥ 1e-4`,
+//! [`DORMAND_PRINCE_853`](crate::methods::DORMAND_PRINCE_853) below. The implicit method works to 0.1 of the
+//! tolerance, where its error is about that of the explicit one (measured: at 0.01 to 0.1). So a few implicit steps
+//! do not spoil a run.
 //!
 //! # The rule
 //!
-//! Work is counted in right-hand sides; an attempt of an implicit step is taken for 40 of them. With ρ, the
-//! spectral radius of the Jacobian at the start of the phase, by power iteration:
+//! Work is counted in evaluations of the right-hand side; an attempt of an implicit step counts as 40 of them. Let ρ
+//! be the spectral radius of the Jacobian at the start of the phase, computed by power iteration:
 //!
-//! - An explicit step is not longer than `2.5/ρ`, inside its bound of stability there; a look at ρ that finds
-//!   it halved lets steps grow, one that finds it grown is no bound before the next turn.
-//!   At the bound, error control would keep errors of the size of the tolerance alive: a contact stiffer than
-//!   the tolerance resolves then opens and closes by noise, and every second step is rejected.
-//! - A run begins explicit. Every 2048 right-hand sides, those of earlier phases with them, where `hρ > 1.5`
-//!   with the mean step h, that may be bound by stability, and implicit steps are tried: one *pays* where it
-//!   is as long as what the explicit half comes forward with the same work.
-//! - A trial begins with 0.4 of that and is kept if its step pays after eight attempts.
-//! - Implicit goes on while its equations can be solved and eight attempts together pay; what pays is
-//!   measured anew after them: an explicit step that is bound by stability is as long as 1/ρ. Phases that
-//!   follow begin implicit where their ρ is at least half of that.
-//! - Then the explicit half goes on. A turn that ends doubles the 2048 until the next trial, up to 8192; after
-//!   steps that paid they are 128.
+//! - An explicit step is at most `2.5/ρ`, inside the stability bound. If a later evaluation finds ρ halved, steps may
+//!   grow; if it finds ρ larger, the bound does not change before the next turn. The reason for the limit: at the
+//!   stability bound, error control keeps errors of the size of the tolerance alive, so that a contact stiffer than
+//!   the tolerance resolves opens and closes by noise, and every second step is rejected.
+//! - A run begins explicit. After every 2048 right-hand sides, counted across phases, the mean step h is looked at.
+//!   Where `hρ > 1.5`, stability may be what limits the step, and implicit steps are tried. An implicit step *pays*
+//!   where it is at least as long as the distance that the explicit method covers with the same work.
+//! - A trial begins with a step of 0.4 of that distance, and is kept if its step pays after eight attempts.
+//! - Implicit steps continue while their equations can be solved and eight attempts together pay. The distance that
+//!   pays is then computed anew from ρ, because an explicit step limited by stability is proportional to 1/ρ. Later
+//!   phases begin implicit where their ρ is at least half of the value at that time.
+//! - Otherwise the explicit method continues. Each turn that ends so doubles the 2048 right-hand sides until the next
+//!   trial, up to 8192; after steps that paid, the number is 128.
 //!
-//! So a trial that fails costs some 300 right-hand sides, and all of them together a small part of a run.
-//! A system whose `hρ` stays below 1.5, ρ that of the phase's start, is integrated by the explicit pair, bit for
-//! bit; the only price is one Jacobian a phase, and one for 2048 right-hand sides. No decision looks at a clock:
-//! a run repeats.
+//! So a trial that fails costs about 300 right-hand sides, and all trials together a small part of a run. A system
+//! whose `hρ` stays below 1.5, with ρ at the start of the phase, is integrated by the explicit pair, bit for bit; the
+//! only price is one Jacobian per phase and one per 2048 right-hand sides. No decision depends on a clock, so a run
+//! is repeatable.
 //!
-//! What was chosen: [`Stats::n_implicit`] counts the implicit ones among the accepted steps.
+//! [`Stats::n_implicit`] counts the implicit steps among the accepted ones.
 
 mod pilot;
 mod spectrum;
@@ -48,18 +48,18 @@ use crate::system::System;
 use crate::tolerance::Tolerance;
 use pilot::{Leg, Pilot, Turn};
 
-/// Least relative tolerance at which the fourth-order pair is the explicit half.
+/// Smallest relative tolerance at which the explicit method is the fourth-order pair.
 pub(crate) const LOOSE: f64 = 1e-4;
 
-/// `hρ` of the longest explicit step: both pairs are stable there for decay and, the fourth-order one, for
-/// oscillation too. Of 2 to 2.6 (fourth order) and 1 to 3 (eighth), measured on contacts at e ≤ 1e-3 and 1e-6,
-/// about the least work, with room for what ρ is off by.
+/// `hρ` of the longest explicit step. Both pairs are stable there for decay, and the fourth-order pair for
+/// oscillation too. On contacts, 2 to 2.6 (fourth order, e ≤ 1e-3) and 1 to 3 (eighth order, e ≤ 1e-6) gave about the
+/// least work; 2.5 leaves room for the error of ρ.
 const REACH: f64 = 2.5;
 
-/// Part of the tolerance that the implicit half is held to.
+/// Fraction of the tolerance that the implicit method works to.
 const IMPLICIT_SHARE: f64 = 0.1;
 
-/// The control of the implicit half of a run to `tolerance`.
+/// The control of the implicit method in a run to `tolerance`.
 pub(crate) fn held(tolerance: &Tolerance) -> Control {
     Control::Adaptive(Tolerance {
         rtol: IMPLICIT_SHARE * tolerance.rtol,
@@ -67,7 +67,7 @@ pub(crate) fn held(tolerance: &Tolerance) -> Control {
     })
 }
 
-/// Both halves at work on one system.
+/// Both methods applied to one system.
 pub(crate) struct AutoSolver<'p, P: System> {
     explicit: Box<dyn Paced<P> + 'p>,
     implicit: Box<dyn Paced<P> + 'p>,
@@ -75,7 +75,7 @@ pub(crate) struct AutoSolver<'p, P: System> {
 }
 
 impl<'p, P: System> AutoSolver<'p, P> {
-    /// Both halves on `problem`.
+    /// Both methods on `problem`.
     pub(crate) fn new(
         problem: &P,
         explicit: Box<dyn Paced<P> + 'p>,

@@ -1,4 +1,4 @@
-//! The rule, as a recorder between the half at work and the recorder of the run.
+//! The switching rule. It is a recorder between the method in use and the recorder of the run.
 
 use std::ops::ControlFlow;
 
@@ -8,56 +8,58 @@ use crate::record::{Accepted, Event, Needs, Record};
 use crate::stats::Stats;
 use crate::system::System;
 
-/// What an attempt of an implicit step costs, in right-hand sides: 1.9 µs against 46 ns, both with all that
-/// belongs to them (measured on contacts of six states).
+/// Cost of an attempt of an implicit step in right-hand sides: 1.9 µs against 46 ns, both with all work that belongs
+/// to them (measured on contacts of six states).
 const IMPLICIT_COST: f64 = 40.0;
-/// A trial begins with this many times the step that pays: the first step has little to begin its iteration
-/// with, and a size that fails is not soon tried again.
+/// A trial begins with this fraction of the step that pays. The first implicit step has a poor starting guess for its
+/// iteration, and a size that fails is reached again only slowly.
 const TRIAL: f64 = 0.4;
-/// `hρ` of the mean step above which steps may be bound by stability: of those that are, some are shorter,
-/// after an event or up to one.
+/// `hρ` of the mean step above which steps may be limited by stability. It lies below the stability bound because
+/// steps after an event and up to an event are shorter.
 const STABILITY: f64 = 1.5;
-/// `hρ` of the mean step above which the bound `REACH/ρ` may be what kept steps short.
+/// `hρ` of the mean step above which the bound `REACH/ρ` may have kept steps short.
 const HELD_BACK: f64 = 1.0;
-/// Right-hand sides from one look at the Jacobian to the next in explicit steps, and from one trial to the
-/// next: at first, after trials that failed at most, and where implicit steps paid last.
+/// Right-hand sides in explicit steps between two evaluations of the Jacobian, and between two trials: at first, at
+/// most after failed trials, and after implicit steps that paid.
 const WAIT: u64 = 2_048;
 const LONGEST_WAIT: u64 = 8_192;
 const SHORTEST_WAIT: u64 = 128;
-/// A phase begins implicit where ρ is at least this part of what it was where implicit steps were tried or
-/// paid last; explicit steps are let grow where it has fallen below this part.
+/// A phase begins implicit where ρ is at least this fraction of its value when implicit steps were last tried or
+/// paid. Explicit steps may grow where ρ has fallen below this fraction.
 const AS_STIFF: f64 = 0.5;
-/// Attempts over which implicit steps must pay, and in which those of a trial may grow until they do; and from
-/// one look at the Jacobian to the next.
+/// Number of attempts over which implicit steps must pay, over which those of a trial may grow until they do, and
+/// between two evaluations of the Jacobian.
 const PAYING: u64 = 8;
 
-/// Whose turn is next, and the step it begins with.
+/// The method whose turn is next, and the step size that it begins with.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Turn {
     Explicit { h: Option<f64> },
     Implicit { h: Option<f64> },
 }
 
-/// The explicit half where it was bound by stability.
+/// The progress of the explicit method where stability limited it.
 #[derive(Clone, Copy, Debug)]
 struct Bound {
-    /// Time that it came forward a right-hand side.
+    /// Time covered per right-hand side.
     rate: f64,
-    /// Its step.
+    /// Mean step size.
     h: f64,
-    /// The spectral radius then.
+    /// Spectral radius at that time.
     radius: f64,
 }
 
 impl Bound {
-    /// The same where the spectral radius is `radius`: a step that is bound by stability is as long as 1/ρ.
+    /// The progress to expect where the spectral radius is `radius`: a step limited by stability is proportional to
+    /// 1/ρ.
     fn at(self, radius: f64) -> Self {
         let longer = self.radius / radius;
         Self { rate: self.rate * longer, h: self.h * longer, radius }
     }
 }
 
-/// Where explicit work began to be measured, the events on the way and their phases with it.
+/// Start of the present measurement of explicit work. Events on the way, and the starts of their phases, are included
+/// in the measurement.
 #[derive(Clone, Copy, Debug)]
 struct Since {
     t: f64,
@@ -65,24 +67,24 @@ struct Since {
     n_accepted: u64,
 }
 
-/// The implicit half where it is tried, or pays: across phases.
+/// State of the implicit method while it is tried or pays, kept across phases.
 #[derive(Clone, Copy, Debug)]
 struct Stiff {
-    /// What it is measured against.
+    /// The explicit progress that it is compared with.
     bound: Bound,
-    /// Whether its steps have not paid yet.
+    /// True until its steps have paid for the first time.
     is_trial: bool,
-    /// Time that it came forward since it was last judged, and its attempts.
+    /// Time covered since the last judgement, and number of attempts.
     forward: f64,
     n_attempts: u64,
 }
 
-/// What is known from turn to turn.
+/// State of the switching rule between turns.
 pub(super) struct Pilot {
     spectrum: Spectrum,
-    /// ρ where it was looked at last.
+    /// ρ as last evaluated.
     radius: f64,
-    /// Right-hand sides from one trial to the next, and those until the last look.
+    /// Right-hand sides between two trials, and those counted so far.
     wait: u64,
     waited: u64,
     since: Option<Since>,
@@ -90,19 +92,19 @@ pub(super) struct Pilot {
 }
 
 impl Pilot {
-    /// For `n` states.
+    /// The rule for a system of `n` states.
     pub(super) fn new(n: usize) -> Self {
         let spectrum = Spectrum::new(n);
         Self { spectrum, radius: 0.0, wait: WAIT, waited: 0, since: None, stiff: None }
     }
 
-    /// The spectral radius where it was looked at last.
+    /// The spectral radius as last evaluated.
     pub(super) fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// Whose turn is first in a phase from `point`: implicit, where that was tried or paid last and the phase
-    /// is about as stiff as then, or where a trial is due.
+    /// The method that begins a phase at `point`. It is the implicit one where that was tried or paid last and the
+    /// phase is about as stiff as then, or where a trial is due.
     pub(super) fn begin_phase<P: System>(
         &mut self,
         problem: &P,
@@ -122,8 +124,8 @@ impl Pilot {
         self.consider(point.t, stats, |_| radius).unwrap_or(Turn::Explicit { h: None })
     }
 
-    /// After explicit steps up to `t`: tries implicit ones where they may pay, lets explicit ones grow where
-    /// the stiffness that held them is gone.
+    /// After explicit steps up to `t`, starts a trial of implicit steps where they may pay, and lets explicit steps
+    /// grow where the stiffness that limited them is gone.
     fn consider(
         &mut self,
         t: f64,
@@ -131,7 +133,7 @@ impl Pilot {
         radius: impl FnOnce(&mut Spectrum) -> f64,
     ) -> Option<Turn> {
         let now = Since { t, n_rhs: stats.work.n_rhs, n_accepted: stats.n_accepted };
-        // Counts that fall are those of another run.
+        // Counts that are smaller than before belong to another run.
         let since = self.since.filter(|since| since.n_rhs <= now.n_rhs).unwrap_or(now);
         self.since = Some(since);
         let work = now.n_rhs - since.n_rhs;
@@ -149,7 +151,7 @@ impl Pilot {
         let held = std::mem::replace(&mut self.radius, radius);
         if h * radius <= STABILITY {
             self.wait = self.wait.max(WAIT);
-            // Steps that were kept short for a stiffness that is gone may grow.
+            // Steps may grow where the stiffness that kept them short is gone.
             let is_held_back = radius < AS_STIFF * held && h * held > HELD_BACK;
             return is_held_back.then_some(Turn::Explicit { h: None });
         }
@@ -159,7 +161,7 @@ impl Pilot {
         Some(Turn::Implicit { h: Some(TRIAL * IMPLICIT_COST * rate) })
     }
 
-    /// The turn of the implicit half is over; the next trial waits twice as long as the last.
+    /// Ends the turn of the implicit method. The wait until the next trial is twice as long as the last one.
     pub(super) fn give_up(&mut self) {
         self.wait = (2 * self.wait).min(LONGEST_WAIT);
         self.waited = 0;
@@ -168,13 +170,13 @@ impl Pilot {
     }
 }
 
-/// One turn of one half.
+/// One turn of one method.
 pub(super) struct Leg<'a, P: System> {
     pilot: &'a mut Pilot,
     problem: &'a P,
     record: &'a mut dyn Record<P>,
     is_implicit: bool,
-    /// Attempts up to the last step.
+    /// Attempts counted up to the last accepted step.
     n_attempts: u64,
     n_jac: u64,
     n_implicit: u64,
@@ -182,7 +184,7 @@ pub(super) struct Leg<'a, P: System> {
 }
 
 impl<'a, P: System> Leg<'a, P> {
-    /// A turn that begins with the work done so far, shown to `record`.
+    /// A turn that begins at the work counted in `stats`, and whose steps are shown to `record`.
     pub(super) fn new(
         pilot: &'a mut Pilot,
         problem: &'a P,
@@ -202,7 +204,8 @@ impl<'a, P: System> Leg<'a, P> {
         }
     }
 
-    /// Whose turn is next, if it was ended; its own part of the work goes to `stats`.
+    /// Ends the turn and returns the next one, if this turn ended by the rule. The work of the rule itself is added
+    /// to `stats`.
     pub(super) fn over(self, stats: &mut Stats) -> Option<Turn> {
         self.book(stats);
         self.next
@@ -213,7 +216,7 @@ impl<'a, P: System> Leg<'a, P> {
         stats.n_implicit += self.n_implicit;
     }
 
-    /// After an explicit step.
+    /// Applies the rule after an explicit step.
     fn explicit(&mut self, accepted: &Accepted<'_, P>) -> Option<Turn> {
         let (step, n_jac) = (accepted.step, &mut self.n_jac);
         self.pilot.consider(step.t1(), accepted.stats, |spectrum| {
@@ -222,7 +225,7 @@ impl<'a, P: System> Leg<'a, P> {
         })
     }
 
-    /// After an implicit step: gives up where it does not pay.
+    /// Applies the rule after an implicit step: ends the turn where the steps do not pay.
     fn implicit(&mut self, accepted: &Accepted<'_, P>) -> Option<Turn> {
         let pilot = &mut *self.pilot;
         let stiff = pilot.stiff.as_mut()?;
@@ -292,7 +295,7 @@ impl<P: System> Record<P> for Leg<'_, P> {
     }
 }
 
-/// Steps attempted so far, those that close on events too.
+/// Steps attempted so far, including those retaken to locate events.
 fn attempts(stats: &Stats) -> u64 {
     stats.n_accepted + stats.n_rejected + stats.n_retaken
 }

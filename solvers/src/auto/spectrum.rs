@@ -1,12 +1,12 @@
-//! The spectral radius of a Jacobian: how fast the fastest motion is.
+//! The spectral radius of a Jacobian, the rate of the fastest motion.
 
 use crate::linear::Jacobian;
 use crate::system::System;
 
-/// Products before the growth counts, while slower motions die out.
+/// Products with the Jacobian before growth is measured, in which slower motions decay.
 const SETTLING: usize = 4;
-/// Square roots that average the growth, over two products, four, eight: an even number, as a velocity is a
-/// length by a time.
+/// Number of square roots by which growth is averaged, over 2³ products. The number of products must be even: states
+/// are lengths and velocities, and only two products together return to the same unit.
 const ROOTS: u32 = 3;
 const AVERAGED: usize = 1 << ROOTS;
 
@@ -18,7 +18,7 @@ pub(super) struct Spectrum {
 }
 
 impl Spectrum {
-    /// Memory for `n` states.
+    /// Workspace for `n` states.
     pub(super) fn new(n: usize) -> Self {
         Self { jacobian: Jacobian::new(n), v: vec![0.0; n], product: vec![0.0; n] }
     }
@@ -29,7 +29,7 @@ impl Spectrum {
     /// ρ ≈ (|J¹² v| / |J⁴ v|)^(1/8),   v = (1, 1/2, 1/3, …)
     /// ```
     ///
-    /// Good to some ten per cent where one motion is much faster than the others; zero where the Jacobian
+    /// Exact to about ten per cent where one motion is much faster than the others. Returns zero where the Jacobian
     /// is not finite.
     pub(super) fn radius<P: System>(
         &mut self,

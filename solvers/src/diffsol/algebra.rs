@@ -19,10 +19,10 @@ pub(crate) trait Algebra: Sized + 'static {
     /// The components of a vector.
     fn components(x: &Self::V) -> &[f64];
 
-    /// The same, to be written.
+    /// The components of a vector, mutable.
     fn components_mut(x: &mut Self::V) -> &mut [f64];
 
-    /// A pattern of `n` states with these entries; none where all entries are kept.
+    /// A sparsity pattern of `n` states with these entries; `None` for a dense matrix.
     fn pattern(
         n: usize,
         entries: impl FnOnce() -> Vec<(usize, usize)>,
@@ -32,7 +32,7 @@ pub(crate) trait Algebra: Sized + 'static {
     fn set(matrix: &mut Self::M, i: usize, j: usize, entry: f64);
 }
 
-/// By `nalgebra`, all entries kept.
+/// Dense linear algebra by `nalgebra`.
 pub(crate) struct Dense;
 
 impl Algebra for Dense {
@@ -64,7 +64,7 @@ impl Algebra for Dense {
     }
 }
 
-/// By `faer`, the entries of a pattern kept.
+/// Sparse linear algebra by `faer`.
 pub(crate) struct Sparse;
 
 impl Algebra for Sparse {

@@ -1,4 +1,4 @@
-//! A [`System`] in one mode, as `diffsol` wants its equations.
+//! A [`System`] in one mode, in the form of equations that `diffsol` takes.
 
 use std::cell::{Cell, RefCell};
 
@@ -19,9 +19,9 @@ pub(crate) struct Equations<'p, P: System, A: Algebra> {
     pub(crate) slope: RefCell<P::State<f64>>,
     pub(crate) n_rhs: Cell<u64>,
     pub(crate) n_jac: Cell<u64>,
-    /// The state whose slope was not finite when last evaluated.
+    /// The state whose slope was not finite in the last evaluation, if there was one.
     pub(crate) non_finite: Cell<Option<usize>>,
-    /// The row of a Jacobian that had an entry which was not.
+    /// The row of a Jacobian entry that was not finite, if there was one.
     pub(crate) non_finite_row: Cell<Option<usize>>,
     context: A::C,
 }
@@ -43,7 +43,7 @@ impl<'p, P: System, A: Algebra> Equations<'p, P, A> {
     }
 }
 
-/// The state in `x`.
+/// The state that the vector `x` holds.
 #[inline]
 pub(crate) fn state<P: System, A: Algebra>(problem: &P, x: &A::V) -> P::State<f64> {
     let n = problem.dim();

@@ -1,4 +1,4 @@
-//! The linear systems of the methods of `diffsol`, by the elimination of our own.
+//! The linear systems of the methods of `diffsol`, solved by the factorisations of this crate.
 
 use std::cell::RefCell;
 
@@ -12,7 +12,7 @@ type Matrix<A> = <A as Algebra>::M;
 type Vector<A> = <A as Algebra>::V;
 type Context<A> = <A as Algebra>::C;
 
-/// An error unless the solution in `b` is one: that of a singular matrix is no numbers.
+/// An error unless the solution in `b` is finite; that of a singular matrix is not.
 fn solved(b: &[f64]) -> Result<(), LaError> {
     if b.iter().all(|b| b.is_finite()) {
         Ok(())
@@ -21,7 +21,7 @@ fn solved(b: &[f64]) -> Result<(), LaError> {
     }
 }
 
-/// An iteration matrix and its factors; none before its size is known.
+/// An iteration matrix and its factors; `None` before its size is known.
 #[derive(Default)]
 pub(crate) struct DenseSolver(Option<(Matrix<Dense>, DenseLu<f64>)>);
 
@@ -57,13 +57,13 @@ impl LinearSolver<Matrix<Dense>> for DenseSolver {
         solved(b)
     }
 
-    /// Systems of the transposed matrix are those of adjoint solutions, which are not offered here.
+    /// Transposed systems occur only in adjoint solutions, which are not supported.
     fn solve_transpose_in_place(&self, _b: &mut Vector<Dense>) -> Result<(), LaError> {
         Err(LinearSolverError::LuNotInitialized.into())
     }
 }
 
-/// The same, sparse.
+/// A sparse iteration matrix and its factors; `None` before its pattern is known.
 #[derive(Default)]
 pub(crate) struct SparseSolver(Option<(Matrix<Sparse>, RefCell<SparseLu<f64>>)>);
 
@@ -100,7 +100,7 @@ impl LinearSolver<Matrix<Sparse>> for SparseSolver {
         solved(b)
     }
 
-    /// As that of [`DenseSolver`].
+    /// Not supported, as for [`DenseSolver`].
     fn solve_transpose_in_place(&self, _b: &mut Vector<Sparse>) -> Result<(), LaError> {
         Err(LinearSolverError::LuNotInitialized.into())
     }

@@ -1,8 +1,8 @@
 //! The methods of the library `diffsol`, one smooth phase at a time.
 //!
-//! A solver is made for each phase, so its history, Jacobian and failure counts start anew at
-//! every event. Guards are ours: they are looked at after each of its steps and located on its
-//! interpolant, so an event time is as good as that interpolant and no better.
+//! A new solver is made for each phase, so its history, Jacobian and failure counts start anew at every event. The
+//! guards are those of this crate: they are evaluated after each step of the solver, and events are located on its
+//! interpolant. An event time is therefore as exact as the interpolant.
 
 mod algebra;
 mod equations;
@@ -25,7 +25,7 @@ use crate::tolerance::Tolerance;
 use algebra::{Algebra, Dense, Sparse};
 use equations::{Equations, state};
 
-/// Span that `diffsol` takes for none, as a fraction of the time.
+/// Longest span that `diffsol` takes for zero, as a fraction of the time.
 const RESOLUTION: f64 = 100.0 * f64::EPSILON;
 /// Shortest step as a fraction of the time left.
 const LEAST_STEP: f64 = 1e-16;
@@ -47,7 +47,7 @@ pub enum DiffsolScheme {
 }
 
 impl DiffsolScheme {
-    /// Order with which it starts: what its first step is chosen by.
+    /// Order with which the method starts, from which its first step follows.
     fn starting_order(self) -> usize {
         match self {
             Self::Bdf => 1,
@@ -71,7 +71,8 @@ impl<P: System> DiffsolSolver<P> {
         Self { scheme, tolerance, watch: GuardWatch::new(problem) }
     }
 
-    /// Crosses a span below the resolution of `diffsol`, where a straight line is exact to rounding.
+    /// Crosses a span below the resolution of `diffsol` with one Euler step, which is exact to rounding over such a
+    /// span.
     fn one_euler_step(
         &mut self,
         problem: &P,
@@ -149,7 +150,8 @@ impl<P: System> DiffsolSolver<P> {
             let y1 = state::<P, A>(problem, solver.state().y);
             check_finite(point, &y1)?;
             let reached = solver.state().t;
-            // One last correction of the iteration away from that at the end, and already there.
+            // The slope that was evaluated last. The state at the end is one correction of the iteration away, but no
+            // further evaluation is needed.
             let slope1 = equations.slope.borrow().clone();
             let slope = |t: f64| match solver.interpolate_dy(t) {
                 Ok(slope) => Ok(state::<P, A>(problem, &slope)),
@@ -162,17 +164,18 @@ impl<P: System> DiffsolSolver<P> {
                     Err(_) => y.as_mut().fill(f64::NAN),
                 }
             };
-            // Its stop is within rounding of the end.
+            // The stop time of `diffsol` is within rounding of the end.
             let t1 = if at_end { t_end } else { reached };
             let (t0, y0) = (point.t, &point.y);
             let mut step = SolverStep { interpolant, t0, t1, y0, y1, slope0, slope1 };
             let mut landed_on = None;
             if !self.watch.is_clear(problem, mode.clone(), &step) {
-                // The search is one of the interpolant, and goes by its slopes.
+                // The search works on the interpolant, so it needs the slopes of the interpolant.
                 (step.slope0, step.slope1) = (slope(t0)?, slope(reached)?);
                 self.watch.start_at(problem, mode.clone(), t0, y0, &step.slope0);
                 self.watch.rates(problem, mode.clone(), t1, &step.y1, &step.slope1);
-                // A dip of it cannot be checked by retaking the step.
+                // A dip of the interpolant cannot be checked by retaking the step, so the tolerance decides whether
+                // it counts.
                 let doubt = Some(&self.tolerance);
                 let crossing =
                     self.watch.first_to_fall(problem, mode.clone(), &step, f64::EPSILON, doubt)?;
@@ -200,7 +203,7 @@ impl<P: System> DiffsolSolver<P> {
 }
 
 impl<P: System> DiffsolSolver<P> {
-    /// One phase, longer than the resolution of `diffsol`, with the linear algebra `A`.
+    /// Integrates one phase that is longer than the resolution of `diffsol`, with the linear algebra `A`.
     fn phase<A: Algebra>(
         &mut self,
         problem: &P,
@@ -263,7 +266,7 @@ impl<P: System> PhaseSolver<P> for DiffsolSolver<P> {
         if span.abs() <= RESOLUTION * (point.t.abs() + span.abs()) {
             return self.one_euler_step(problem, point, t_end, stats, record);
         }
-        // A condition that is a constant: the other one is not compiled.
+        // The condition is a constant, so the other branch is not compiled.
         if const { <P::State<f64> as Vector<f64>>::IS_SHORT } {
             self.phase::<Dense>(problem, point, t_end, stats, record)
         } else {
@@ -272,7 +275,8 @@ impl<P: System> PhaseSolver<P> for DiffsolSolver<P> {
     }
 }
 
-/// A state of `diffsol` at the start of `built`, with a first step over `span` for a method of `order`.
+/// A solver state of `diffsol` at the start of `built`, with a first step towards the end of `span` for a method of
+/// `order`.
 fn started<P: System, A: Algebra, S: OdeSolverState<A::V>>(
     built: &OdeSolverProblem<Equations<'_, P, A>>,
     point: &Point<P>,
@@ -288,7 +292,7 @@ fn started<P: System, A: Algebra, S: OdeSolverState<A::V>>(
     Ok(start)
 }
 
-/// Adds what `solver` has done to `stats`.
+/// Adds the work of `solver` to `stats`.
 fn count<'a, 'p: 'a, P: System + 'p, A: Algebra, S: OdeSolverMethod<'a, Equations<'p, P, A>>>(
     solver: &S,
     equations: &Equations<'p, P, A>,

@@ -1,20 +1,20 @@
-//! What values and rates at both ends of a step tell of a guard between them.
+//! The shape of a guard between the ends of a step, from values and rates at both ends.
 
 use crate::real::Ordered;
 
-/// A minimum of the cubic is looked at where it lies below this many of its depths: the cubic's error
-/// for a sine that touches zero in the middle of a step of s radians is 4 tan(s/4)/s − 1 of its depth,
-/// and elsewhere in it no more (scanned); here s = 3π/2, three quarters of a period.
+/// A minimum of the cubic is examined further unless it lies above zero by more than this many of its depths. For a
+/// sine that touches zero in the middle of a step of s radians the cubic is off by 4 tan(s/4)/s − 1 of its depth, and
+/// by no more where the sine touches zero elsewhere (by a scan). Here s = 3π/2, three quarters of a period.
 const NEAR: f64 = 1.05;
-/// The depth is at least this fraction of the slopes' differences from the chord, as it is where the
-/// minimum is in the middle: beside a steep fall of a strongly damped sine it is less.
+/// The depth is taken to be at least this fraction of the [`bend`], which is its value for a minimum in the middle.
+/// Next to a steep fall of a strongly damped sine the cubic's own depth is smaller.
 const DEPTH: f64 = 1.0 / 8.0;
-/// Nodes of the polynomial of degree six.
+/// Number of intervals between the nodes at which the polynomial of degree six is evaluated.
 pub(super) const N_NODES: usize = 16;
 
-/// Whether a guard with these values and rates at both ends of a step of size `h` is so far above zero
-/// that the cubic through them is: it is off the chord by at most 4/27 of its bend, and as deep as that
-/// and the chord's rise at most.
+/// Whether a guard with these values and rates at both ends of a step of size `h` is so far above zero that the cubic
+/// through them is clear of it. The cubic differs from the chord by at most 4/27 of its bend, and its depth is at
+/// most that and the rise of the chord together.
 #[inline]
 pub(crate) fn is_far<T: Ordered>(from: [T; 2], to: [T; 2], h: T) -> T::Mask {
     let rise = (to[0] - from[0]).abs();
@@ -22,15 +22,15 @@ pub(crate) fn is_far<T: Ordered>(from: [T; 2], to: [T; 2], h: T) -> T::Mask {
     from[0].is_above(near) & to[0].is_above(near)
 }
 
-/// The differences of both slopes from the chord.
+/// Sum of the absolute differences of both end slopes from the slope of the chord, over the step.
 #[inline]
 fn bend<T: Ordered>([g0, rate0]: [T; 2], [g1, rate1]: [T; 2], h: T) -> T {
     let rise = g1 - g0;
     (rate0 * h - rise).abs() + (rate1 * h - rise).abs()
 }
 
-/// Whether the cubic through the finite values and rates at both ends of a step of size `h`, above zero
-/// there, has no minimum inside that may be below zero.
+/// Whether the cubic through the values and rates at both ends of a step of size `h` has no minimum inside that may
+/// stand for a guard below zero. Values and rates must be finite, the values above zero.
 pub(super) fn has_no_dip(from: [f64; 2], to: [f64; 2], h: f64) -> bool {
     let Some(least) = cubic_minimum([from[0], to[0]], [from[1] * h, to[1] * h]) else {
         return true;
@@ -44,8 +44,7 @@ fn bent([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> [f64; 2] {
     [3.0 * rise - 2.0 * s0 - s1, s0 + s1 - 2.0 * rise]
 }
 
-/// The least value in (0, 1) of the cubic with these values and slopes at 0 and 1; none where it has no
-/// minimum inside.
+/// The minimum in (0, 1) of the cubic with these values and slopes at 0 and 1; `None` where it has no minimum inside.
 fn cubic_minimum([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> Option<f64> {
     let [c2, c3] = bent([g0, g1], [s0, s1]);
     let discriminant = c2 * c2 - 3.0 * c3 * s0;
@@ -59,8 +58,8 @@ fn cubic_minimum([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> Option<f64> {
     inside.then_some(g0 + theta * (s0 + theta * (c2 + theta * c3)))
 }
 
-/// Values, at nodes from 0 to 1, of the polynomial of degree six with these values and slopes at 0 and
-/// 1 and these values at the quarters between.
+/// Values at the nodes from 0 to 1 of the polynomial of degree six with these values and slopes at 0 and 1 and these
+/// values at the quarters between.
 ///
 /// ```text
 /// g(θ) = c(θ) + 16 θ² (1 − θ)² q(θ),   c the cubic of both ends, q the parabola through the quarters

@@ -1,16 +1,16 @@
-//! A dense factorisation in place.
+//! A dense LU factorisation in place.
 
 use nalgebra::{ComplexField, DMatrix};
 
 /// Gaussian elimination with partial pivoting, in place.
 pub(crate) struct DenseLu<T> {
-    /// Upper triangle with inverted diagonal, and the multipliers below it.
+    /// The upper triangle with inverted diagonal, and below it the multipliers.
     lu: DMatrix<T>,
-    /// The row that each step of the elimination swapped up.
+    /// The row swapped up in each step of the elimination.
     pivots: Vec<usize>,
 }
 
-/// Does the work with the number of states as a constant where it is one of the usual: loops of a known
+/// Calls the function with the number of states as a constant where it is one of the usual numbers. Loops of known
 /// length are unrolled, and a solution then takes half the time or less (`benches/README.md`).
 macro_rules! unrolled {
     ($work:ident($($argument:expr),*; $n:expr)) => {
@@ -28,7 +28,7 @@ pub(super) fn add_product(jacobian: &DMatrix<f64>, x: &[f64], y: &mut [f64]) {
     unrolled!(multiply(jacobian.as_slice(), x, y; x.len()));
 }
 
-/// Adds the `n` columns times `x`.
+/// Adds the product of the `n` columns and `x` to `y`.
 #[inline(always)]
 fn multiply(columns: &[f64], x: &[f64], y: &mut [f64], n: usize) {
     let (columns, x, y) = (&columns[..n * n], &x[..n], &mut y[..n]);
@@ -55,7 +55,7 @@ impl<T: ComplexField<RealField = f64> + Copy> DenseLu<T> {
         unrolled!(eliminate(self.lu.as_mut_slice(), &mut self.pivots; self.pivots.len()));
     }
 
-    /// Replaces `b` by the solution; not numbers where the matrix is singular.
+    /// Replaces `b` by the solution, which is not finite where the matrix is singular.
     pub(crate) fn solve(&self, b: &mut [T]) {
         unrolled!(substitute(self.lu.as_slice(), &self.pivots, b; b.len()));
     }
@@ -101,7 +101,7 @@ fn substitute<T: ComplexField<RealField = f64> + Copy>(
     n: usize,
 ) {
     let (lu, b) = (&lu[..n * n], &mut b[..n]);
-    // All swaps first: what follows stays in registers.
+    // All swaps come first, so that the loops after them can keep `b` in registers.
     for (k, &pivot) in pivots[..n].iter().enumerate() {
         b.swap(k, pivot);
     }

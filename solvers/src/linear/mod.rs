@@ -1,5 +1,5 @@
-//! The linear systems of implicit methods, `(s I − h J) x = b` with a real or a complex shift `s`: dense
-//! for few states, sparse for many.
+//! The linear systems of implicit methods, `(s I − h J) x = b` with a real or complex shift `s`: dense for few
+//! states, sparse for many.
 
 mod dense;
 mod sparse;
@@ -11,7 +11,7 @@ pub(crate) use dense::DenseLu;
 use sparse::SparseMatrix;
 pub(crate) use sparse::{SparseLu, position};
 
-/// Number of states from which a sparse factorisation is tried.
+/// Number of states from which on a sparse factorisation is tried.
 const MANY: usize = 32;
 
 /// A scalar of linear systems: real or complex.
@@ -29,7 +29,7 @@ pub(crate) enum Jacobian {
 }
 
 impl Jacobian {
-    /// Memory for `n` states.
+    /// Workspace for `n` states.
     pub(crate) fn new(n: usize) -> Self {
         match n {
             ..MANY => Self::Dense(DMatrix::zeros(n, n)),
@@ -37,7 +37,7 @@ impl Jacobian {
         }
     }
 
-    /// Evaluates the Jacobian of `mode` at `(t, y)`; the row of an entry that is not finite.
+    /// Evaluates the Jacobian of `mode` at `(t, y)`. Returns the row of an entry that is not finite, if there is one.
     pub(crate) fn evaluate<P: System>(
         &mut self,
         problem: &P,
@@ -77,7 +77,7 @@ pub(crate) enum Shifted<T> {
 }
 
 impl<T: Scalar> Shifted<T> {
-    /// Memory for `n` states.
+    /// Workspace for `n` states.
     pub(crate) fn new(n: usize) -> Self {
         if n < MANY {
             Self::Dense(DenseLu::new(n))
@@ -86,7 +86,7 @@ impl<T: Scalar> Shifted<T> {
         }
     }
 
-    /// Factorises `shift I − h J`. Where that is singular, solutions are not numbers.
+    /// Factorises `shift I − h J`. Where that matrix is singular, solutions are not finite.
     pub(crate) fn factorise(&mut self, jacobian: &Jacobian, shift: T, h: f64) {
         if let (Self::Sparse(_), Jacobian::Dense(jacobian)) = (&*self, jacobian) {
             *self = Self::Dense(DenseLu::new(jacobian.nrows()));
@@ -94,7 +94,7 @@ impl<T: Scalar> Shifted<T> {
         match (self, jacobian) {
             (Self::Dense(lu), Jacobian::Dense(jacobian)) => lu.factorise(jacobian, shift, h),
             (Self::Sparse(lu), Jacobian::Sparse(jacobian)) => lu.factorise(jacobian, shift, h),
-            // A Jacobian held dense stays so.
+            // A dense Jacobian never becomes sparse again.
             _ => {}
         }
     }

@@ -11,7 +11,7 @@ use nalgebra::ComplexField;
 
 use crate::system::System;
 
-/// Part of the entries that a matrix held sparse has at most.
+/// Largest fraction of nonzero entries of a matrix that is held sparse.
 const DENSITY: f64 = 0.25;
 
 /// Index of the entry in row `i` of column `j`, if the pattern has it.
@@ -25,7 +25,7 @@ pub(crate) fn position(
     found.ok().map(|k| column.start + k)
 }
 
-/// A Jacobian with the pattern of all the entries that it ever had.
+/// A Jacobian with the pattern of all entries that have appeared so far.
 pub(crate) struct SparseMatrix {
     pattern: SymbolicSparseColMat<usize>,
     entries: Vec<f64>,
@@ -39,7 +39,7 @@ impl SparseMatrix {
         }
     }
 
-    /// The row of an entry that is not finite.
+    /// The row of an entry that is not finite, if there is one.
     pub(super) fn non_finite_row(&self) -> Option<usize> {
         let entry = self.entries.iter().position(|entry| !entry.is_finite())?;
         self.pattern.row_idx().get(entry).copied()
@@ -55,7 +55,7 @@ impl SparseMatrix {
         }
     }
 
-    /// Evaluates the Jacobian; false where it has too many entries to be held sparse.
+    /// Evaluates the Jacobian. Returns false where it has too many entries to be held sparse.
     pub(super) fn evaluate<P: System>(
         &mut self,
         problem: &P,
@@ -64,7 +64,7 @@ impl SparseMatrix {
         y: &P::State<f64>,
     ) -> bool {
         self.entries.fill(0.0);
-        // The diagonal is always there once entries have been seen.
+        // The pattern contains the diagonal once it contains any entry.
         let mut is_complete = !self.entries.is_empty();
         problem.jacobian(mode.clone(), t, y, |i, j, entry| {
             match position(self.pattern.as_ref(), i, j) {
@@ -76,8 +76,7 @@ impl SparseMatrix {
             || (self.widen(problem, mode.clone(), t, y) && self.evaluate(problem, mode, t, y))
     }
 
-    /// Adds the entries of this Jacobian, and the diagonal, to the pattern; false where there are too
-    /// many.
+    /// Adds the entries of this Jacobian, and the diagonal, to the pattern. Returns false where these are too many.
     fn widen<P: System>(&mut self, problem: &P, mode: P::Mode, t: f64, y: &P::State<f64>) -> bool {
         let n = problem.dim();
         let mut rows: Vec<Vec<usize>> = (0..n).map(|j| vec![j]).collect();
@@ -102,7 +101,7 @@ impl SparseMatrix {
     }
 }
 
-/// A sparse factorisation: each pattern analysed once, the values factorised in the same memory.
+/// A sparse factorisation. Each pattern is analysed once; the values are factorised in the same memory.
 pub(crate) struct SparseLu<T> {
     shifted: Vec<T>,
     symbolic: Option<SymbolicLu<usize>>,
@@ -136,7 +135,7 @@ impl<T: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy> Spars
     }
 
     pub(super) fn factorise(&mut self, matrix: &SparseMatrix, shift: T, h: f64) {
-        // A pattern never loses entries: one with as many is the one analysed last.
+        // A pattern never loses entries, so a pattern with the same number of entries is the one analysed last.
         if self.shifted.len() != matrix.entries.len() {
             let zero = <T as ComplexField>::from_real(0.0);
             self.shifted = vec![zero; matrix.entries.len()];

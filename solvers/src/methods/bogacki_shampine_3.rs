@@ -10,8 +10,8 @@
 //!   b̂  | 7/24  1/4   1/3   1/8
 //! ```
 //!
-//! Order 3, embedded order 2 (the local estimate is O(h³)), cubic Hermite dense output. Cheap to
-//! restart, so suited to frequent events at loose tolerances; at tight ones a fifth-order pair wins.
+//! Order 3, embedded order 2 (the local estimate is O(h³)), cubic Hermite dense output. A restart is cheap, so the
+//! method suits frequent events at loose tolerances. At tight tolerances a fifth-order pair needs less work.
 //!
 //! P. Bogacki, L. F. Shampine, "A 3(2) pair of Runge–Kutta formulas", Appl. Math. Lett. 2(4),
 //! 321–325 (1989).

@@ -9,8 +9,8 @@
 //!   b  | 1/6  1/3  1/3  1/6
 //! ```
 //!
-//! Order 4, cubic Hermite dense output. The method of the paper, and the baseline: its step is
-//! chosen by the user, its stability on the imaginary axis ends at `ω h = 2√2`.
+//! Order 4, cubic Hermite dense output. It is the method of the paper and the baseline. The user chooses its step;
+//! its stability interval on the imaginary axis ends at `ω h = 2√2`.
 //!
 //! W. Kutta, "Beitrag zur näherungsweisen Integration totaler Differentialgleichungen", Z. Math.
 //! Phys. 46, 435–453 (1901).

@@ -13,8 +13,8 @@
 //!   b̂   | 5179/57600    0           7571/16695    393/640   −92097/339200  187/2100  1/40
 //! ```
 //!
-//! Order 5, embedded order 4 (the local estimate is O(h⁵)), dense output of order 4 from the
-//! stages alone. The workhorse at moderate tolerances; restarting costs one evaluation.
+//! Order 5, embedded order 4 (the local estimate is O(h⁵)), dense output of order 4 from the stages alone. It suits
+//! moderate tolerances; a restart costs one evaluation.
 //!
 //! J. R. Dormand, P. J. Prince, "A family of embedded Runge–Kutta formulae", J. Comput. Appl.
 //! Math. 6(1), 19–26 (1980). Dense output: L. F. Shampine, "Some practical Runge–Kutta formulas",

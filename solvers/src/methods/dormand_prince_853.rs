@@ -1,9 +1,9 @@
 //! Dormand–Prince 8(5,3): twelve stages, two embedded solutions, dense output of order seven.
 //!
-//! Order 8; the local error is estimated by a fifth-order solution, sharpened by a third-order one
-//! to O(h⁸). Three more stages give the dense output, and are evaluated only in the steps that are
-//! interpolated. The tableau is too large to draw; stages 2 to 5 have no weight in the result.
-//! Best at tight tolerances on smooth phases; a restart wastes more than with a low order.
+//! Order 8. The local error is estimated by a fifth-order solution; a third-order solution makes the estimate
+//! sharper, so that it falls as h⁸. Three more stages give the dense output; they are evaluated only in steps that
+//! are interpolated. The tableau is too large to draw. Stages 2 to 5 have no weight in the result. The method is best
+//! at tight tolerances on smooth phases; a restart wastes more work than with a method of low order.
 //!
 //! E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.5 and II.6,
 //! coefficients as in their code DOP853 (rounded to f64).
@@ -42,7 +42,7 @@ const ERROR: [f64; 12] = [
     -0.022_355_307_863_886_294,
 ];
 
-/// `b̂` from what the source prints, `b − b̂`.
+/// `b̂` from `b − b̂`, which the source prints.
 const fn embedded() -> [f64; 12] {
     let mut b_hat = [0.0; 12];
     let mut i = 0;

@@ -11,22 +11,24 @@
 //!   b̂  |  3/20  3/10  9/20  1/5  −1/10
 //! ```
 //!
-//! Order 4, embedded order 3, cubic Hermite dense output; four evaluations a step. Stable on the imaginary axis up to
-//! `ω h = 2√2`, nearly three times as far as [`DORMAND_PRINCE_5`](super::DORMAND_PRINCE_5), at two thirds of its
-//! evaluations: loose tolerances on stiff springs.
+//! Order 4, embedded order 3, cubic Hermite dense output; four evaluations per step. Its stability interval on the
+//! imaginary axis ends at `ω h = 2√2`, nearly three times as far as that of
+//! [`DORMAND_PRINCE_5`](super::DORMAND_PRINCE_5), at two thirds of its evaluations. So it suits loose tolerances on
+//! stiff springs.
 //!
-//! The conditions of order three leave one direction of b̂ free, and with it the size of the estimate alone:
+//! The conditions of order three leave b̂ one free parameter, which only scales the error estimate:
 //!
 //! ```text
 //! error = h (−k₁ + 3 k₂ − 3 k₃ − 3 k₄ + 4 f(t₁, y₁))/40
 //! ```
 //!
-//! a third difference on `ẏ = f(t)`, `(hλ)⁴/120` on `ẏ = λ y`. (In the classical method, whose middle stages share a
-//! node, that direction is `k₄ − f(t₁, y₁)`, which sees nothing of `ẏ = f(t)`.)
+//! This is a third difference for `ẏ = f(t)`, and `(hλ)⁴/120` for `ẏ = λ y`. (In the classical method, whose two
+//! middle stages have the same node, the estimate would be a multiple of `k₄ − f(t₁, y₁)`, which is zero for `ẏ =
+//! f(t)`.)
 //!
-//! W. Kutta, "Beitrag zur näherungsweisen Integration totaler Differentialgleichungen", Z. Math. Phys. 46,
-//! 435–453 (1901). The estimate follows from the conditions as E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary
-//! Differential Equations I*, II.4, build embedded formulas with the FSAL idea.
+//! W. Kutta, "Beitrag zur näherungsweisen Integration totaler Differentialgleichungen", Z. Math. Phys. 46, 435–453
+//! (1901). The estimate follows from the order conditions by the FSAL idea for embedded formulas of E. Hairer, S. P.
+//! Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.4.
 
 use crate::tableau::{Dense, Tableau};
 

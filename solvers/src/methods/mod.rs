@@ -39,9 +39,9 @@ use crate::taylor::{self, TaylorMethod};
 pub struct Method {
     /// Short name, as in configurations.
     pub name: &'static str,
-    /// Order of the propagated solution (the highest one, where it varies).
+    /// Order of the propagated solution; the highest order where it varies.
     pub order: usize,
-    /// What it is, and what it is for.
+    /// What the method is, and what it suits.
     pub about: &'static str,
     scheme: Scheme,
 }
@@ -183,7 +183,7 @@ impl Method {
         METHODS.iter().find(|method| method.name == name)
     }
 
-    /// Whether its step size is the user's to choose.
+    /// Whether the method has no error estimate, so that the user must choose its step size.
     pub fn is_fixed_step(&self) -> bool {
         by_scheme!(
             self.scheme,
@@ -196,7 +196,7 @@ impl Method {
         )
     }
 
-    /// Whether all its steps solve equations, and so are not bound by stability.
+    /// Whether every step of the method is implicit, so that stability does not limit the step size.
     pub fn is_implicit(&self) -> bool {
         match self.scheme {
             Scheme::Rosenbrock8(_) | Scheme::Radau(_) => true,
@@ -205,13 +205,13 @@ impl Method {
         }
     }
 
-    /// Whether it chooses between others as it goes.
+    /// Whether the method switches between other methods during a run.
     pub fn chooses(&self) -> bool {
         matches!(self.scheme, Scheme::Auto)
     }
 
-    /// Whether it can compute two runs of systems of a kind [at once](Self::run_pair): it has an explicit tableau, or
-    /// is made of series.
+    /// Whether the method can compute two runs of similar systems [at once](Self::run_pair): methods with an explicit
+    /// tableau and Taylor series can.
     pub fn is_for_pairs(&self) -> bool {
         by_scheme!(
             self.scheme,
@@ -224,7 +224,8 @@ impl Method {
         )
     }
 
-    /// Order of its series at a relative tolerance, or with a fixed step; none where it has no series.
+    /// Order of the Taylor series at a relative tolerance, or with a fixed step for `None`; `None` for a method
+    /// without series.
     pub fn series_order(&self, rtol: Option<f64>) -> Option<usize> {
         match self.scheme {
             Scheme::Taylor => Some(rtol.map_or(taylor::FIXED_STEP_ORDER, taylor::order_for)),
@@ -232,8 +233,8 @@ impl Method {
         }
     }
 
-    /// Residuals of the conditions that its [tableau](Tableau::residuals) must meet; none where it
-    /// has no tableau.
+    /// Residuals of the conditions that the [tableau](Tableau::residuals) must meet; empty for a method without a
+    /// tableau.
     pub fn residuals(&self) -> Vec<f64> {
         by_scheme!(
             self.scheme,
@@ -246,12 +247,12 @@ impl Method {
         )
     }
 
-    /// The method at work on `problem`, its steps chosen by `control`.
+    /// A solver that applies the method to `problem`, with steps chosen by `control`.
     ///
     /// # Errors
-    /// [`Error::BadControl`] for a tolerance given to a fixed-step method, or a fixed step to one
-    /// that cannot take it; [`Error::BadArgument`] for a step that is not finite and above zero;
-    /// [`Error::BadTolerance`].
+    /// [`Error::BadControl`] for a tolerance given to a fixed-step method, or a fixed step given to a method that
+    /// needs a tolerance; [`Error::BadArgument`] for a step that is not finite and above zero;
+    /// [`Error::BadTolerance`] for a tolerance that is not valid.
     pub fn solver<'p, P: System + 'p>(
         &self,
         problem: &P,
@@ -309,17 +310,18 @@ impl Method {
         ))
     }
 
-    /// Integrates `runs` of one model to `t_end`, each shown to the recorder of its place; how each ended.
+    /// Integrates `runs` of one model to `t_end`, each shown to the recorder at the same index, and returns how each
+    /// ended.
     ///
-    /// What comes out is to the bit what [`Integration::run`] gives with a [solver](Self::solver) of each
-    /// run's own. An explicit tableau method on a model [for lanes](System::IN_LANES) computes several
-    /// runs [at once](crate::lanes), wherever they are in the same mode; else one run follows the other.
+    /// The results are, to the bit, those of [`Integration::run`] with a [solver](Self::solver) for each run. An
+    /// explicit tableau method on a model [for lanes](System::IN_LANES) computes several runs [at once](crate::lanes)
+    /// where they are in the same mode; otherwise the runs follow one after the other.
     ///
     /// # Errors
     /// As [`solver`](Self::solver), before any run begins.
     ///
     /// # Panics
-    /// Where `records` are fewer than `runs`.
+    /// Where there are fewer `records` than `runs`.
     pub fn run_many<P: System, R: Record<P>>(
         &self,
         runs: &mut [Integration<'_, P>],
@@ -354,19 +356,20 @@ impl Method {
             .collect()
     }
 
-    /// Integrates two runs, of systems of a kind, to `t_end`, each under a control of its own and shown to a
-    /// recorder of its own; how each ended.
+    /// Integrates two runs of similar systems to `t_end`, each with its own control and recorder, and returns how
+    /// each ended.
     ///
-    /// What comes out is to the bit what [`Integration::run`] gives with a [solver](Self::solver) of each
-    /// run's own. An explicit tableau method, and series of one order to tolerances, compute both
-    /// [at once](crate::lanes), wherever both are in modes that differ in numbers alone; else one run follows the other.
+    /// The results are, to the bit, those of [`Integration::run`] with a [solver](Self::solver) for each run. An
+    /// explicit tableau method, and Taylor series of the same order to tolerances, compute both runs [at
+    /// once](crate::lanes) where both are in modes that differ only in [numbers](Alike::numbers); otherwise the runs
+    /// follow one after the other.
     ///
     /// # Errors
     /// As [`solver`](Self::solver), before any run begins.
     ///
     /// # Panics
-    /// Where two systems give numbers of different lengths, or one decides on a number of a mode that it gave
-    /// numbers for.
+    /// Where the two systems give numbers of different lengths, or one branches on a number in a mode for which it
+    /// gave numbers.
     pub fn run_pair<P: Alike, R: Record<P>>(
         &self,
         mut runs: [&mut Integration<'_, P>; 2],
@@ -400,7 +403,7 @@ impl Method {
         Ok([0, 1].map(|i| runs[i].run(t_end, &mut *solvers[i], records[i])))
     }
 
-    /// Whether it works on `n` states under `control`.
+    /// Checks that the method can work on `n` states under `control`.
     fn check(&self, n: usize, control: &Control) -> Result<(), Error> {
         match control {
             Control::Adaptive(_) if self.is_fixed_step() => {

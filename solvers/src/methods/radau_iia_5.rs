@@ -8,26 +8,26 @@
 //!       b      |     (16 − √6)/36        (16 + √6)/36           1/9
 //! ```
 //!
-//! Order 5, that of the stages 3, embedded order 3, dense output of order 4 (its local error falls as
-//! h⁵); L-stable and stiffly accurate. A step solves its equations by Newton's iteration, with one
-//! Jacobian and two factorisations, one real and one complex.
+//! Order 5, stage order 3, embedded order 3, dense output of order 4 (its local error falls as h⁵); L-stable and
+//! stiffly accurate. A step solves its equations by Newton's iteration, with one Jacobian and two factorisations, one
+//! real and one complex.
 //!
-//! Good at strong damping and tight tolerances: the stages hold their order where a system is stiff. On
-//! a contact of 10⁹ N/m with a damping ratio of 1 and of 20 it takes 7 and 3 times fewer steps than
-//! [Rodas5P](super::RODAS_5P) to an error of 10⁻⁶ of the clearance, 17 and 11 times fewer to 10⁻⁹. Each
-//! costs up to twice as much, and one attempt in eight fails to converge and is halved; in time the gain to
-//! 10⁻⁶ is 7 and 4 times. Less so at loose tolerances with many events: a restart has nothing
-//! to begin the iteration with, and each step retaken on an event is iterated to rounding. Where the
-//! step is bound by accuracy, an explicit pair does it for less.
+//! It is good at strong damping and tight tolerances, because the stages keep their order on stiff systems. On a
+//! contact of 10⁹ N/m with damping ratios of 1 and 20 it takes 7 and 3 times fewer steps than
+//! [Rodas5P](super::RODAS_5P) to an error of 10⁻⁶ of the clearance, and 17 and 11 times fewer to 10⁻⁹. Each step
+//! costs up to twice as much, and one attempt in eight fails to converge and is halved; in time the gain at 10⁻⁶ is 7
+//! and 4 times. It is less good at loose tolerances with many events: after a restart the iteration has no starting
+//! guess, and each step retaken on an event is iterated to rounding. Where accuracy limits the step, an explicit pair
+//! needs less work.
 //!
-//! A fixed step iterates to rounding or fails: where the slope jumps inside it, as in an [event-blind
+//! A fixed step iterates to rounding or fails. Where the slope jumps inside it, as in an [event-blind
 //! run](crate::blind), its equations may have no solution, and the run ends in
 //! [`NoConvergence`](crate::Error::NoConvergence). Under a tolerance the step is halved instead.
 //!
-//! The bend of the dense output beyond the collocation polynomial pays on stiff systems too: at 1000
-//! samples the median error is smaller than that of the cubic 30 to 300 times for Robertson's reaction,
-//! and 2 to 6 times for the van der Pol oscillator with μ = 1000, at tolerances of 10⁻⁵ to 10⁻¹¹; on the
-//! contact above both sample as well as the steps are.
+//! The correction of the dense output beyond the collocation polynomial helps on stiff systems too. At 1000 samples
+//! the median error is smaller than that of the cubic by 30 to 300 times for Robertson's reaction, and by 2 to 6
+//! times for the van der Pol oscillator with μ = 1000, at tolerances of 10⁻⁵ to 10⁻¹¹. On the contact above, samples
+//! of both are as exact as the steps.
 //!
 //! E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., Springer (1996), IV.5
 //! and IV.8; the digits of T are those of their code RADAU5.

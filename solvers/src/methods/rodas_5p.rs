@@ -1,14 +1,14 @@
 //! Rodas5P: eight stages, one Jacobian and one factorisation a step, no iteration.
 //!
-//! Order 5, embedded order 4, dense output of order 4 (its local error falls as h⁵). L-stable and
-//! stiffly accurate, both solutions: strong damping does not bound its steps by stability. It is good at
-//! loose tolerances with many events: a restart costs it nothing, and no tolerance of an iteration
-//! stands between an event and rounding.
+//! Order 5, embedded order 4, dense output of order 4 (its local error falls as h⁵). Both solutions are L-stable and
+//! stiffly accurate, so strong damping does not limit the step by stability. The method is good at loose tolerances
+//! with many events: a restart costs nothing extra, and no tolerance of an iteration limits how exactly an event is
+//! located.
 //!
-//! On stiff contact accuracy still bounds its steps, to some 0.3 of the reciprocal frequency √(m/K), where
-//! [Radau IIA](super::RADAU_IIA_5) runs at about 3: with strong damping at 10⁹ N/m that one takes 3 to
-//! 17 times fewer steps from an error of 10⁻⁶ on. Where no method may take longer steps, an explicit pair
-//! of the same order does it for less, having neither Jacobian nor linear systems.
+//! On stiff contact, accuracy still limits its steps to about 0.3 of the reciprocal frequency √(m/K), where [Radau
+//! IIA](super::RADAU_IIA_5) takes steps of about 3. With strong damping at 10⁹ N/m, Radau IIA takes 3 to 17 times
+//! fewer steps for errors of 10⁻⁶ and below. Where no method can take longer steps, an explicit pair of the same
+//! order needs less work, because it has neither Jacobian nor linear systems.
 //!
 //! G. Steinebach, "Construction of Rosenbrock–Wanner method Rodas5P and numerical benchmarks within
 //! the Julia Differential Equations package", BIT Numer. Math. 63, 27 (2023). The digits are those of

@@ -1,4 +1,4 @@
-//! Landing: the step retaken until it ends just past the surface of the guard that falls first.
+//! Landing on an event: the step is retaken until it ends just past the surface of the guard that falls first.
 
 use super::{OneStep, OneStepSolver};
 use crate::error::Error;
@@ -8,11 +8,11 @@ use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::System;
 
-/// Retakes by Newton's iteration before bisection takes every other one.
+/// Number of retaken steps by Newton's iteration after which every other one is a bisection.
 const NEWTON_RETAKES: usize = 8;
 
 impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
-    /// Lands on the guard that falls first on the completed step; none where no guard does.
+    /// Lands on the guard that falls first on the completed step and returns it; `None` where no guard falls.
     pub(super) fn locate(
         &mut self,
         problem: &P,
@@ -30,13 +30,12 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         }
     }
 
-    /// Retakes the step so that it ends just past the surface of the guard that falls first; that
-    /// guard. None where a dip of the dense output is none of the method: the step is then whole
-    /// again.
+    /// Retakes the step so that it ends just past the surface of the guard that falls first, and returns that guard.
+    /// Returns `None` where the dense output showed a dip of the guard that the retaken step does not show; the step
+    /// is then taken again in full.
     ///
-    /// Newton's iteration on `g(y(t₀ + h))`, with `dg/dh` from the slope at the end, inside a
-    /// bracket. It ends where the guard is at or below zero and within its rounding bound, or
-    /// where the bracket holds no further number.
+    /// Newton's iteration on `g(y(t₀ + h))`, with `dg/dh` from the slope at the end, inside a bracket. It ends where
+    /// the guard is at or below zero but within its rounding bound, or where the bracket contains no further number.
     fn land(
         &mut self,
         problem: &P,
@@ -75,7 +74,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         }
     }
 
-    /// Takes the step again, with another size; the first guard violated at its end.
+    /// Takes the step again with another size, and returns the first guard violated at its end.
     #[inline(never)]
     fn retake(
         &mut self,
@@ -95,8 +94,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         self.watch.violated(problem, mode, t1, self.method.step().y1())
     }
 
-    /// Among the guards violated at the end of the last attempt (or `guard` if none is), the one
-    /// that Newton's iteration has fall first, and the step size that lands there.
+    /// Chooses the next retaken step by Newton's iteration: among the guards violated at the end of the last attempt
+    /// (or `guard` if none is), the guard whose estimated step size is the smallest, and that step size.
     fn newton(&mut self, problem: &P, mode: P::Mode, guard: usize, h: f64) -> (usize, f64) {
         let (t1, y1) = (self.method.step().t1(), self.method.step().y1());
         let slope1 = self.method.step().slope1();

@@ -1,4 +1,4 @@
-//! Radau IIA methods: fully implicit, their stages found by Newton's iteration.
+//! Radau IIA methods: fully implicit, with stages computed by Newton's iteration.
 
 mod newton;
 mod step;
@@ -8,26 +8,27 @@ pub use step::RadauStep;
 
 use crate::order_conditions::{residuals, trees};
 
-/// A collocation method of three stages, the last one at the end of the step, whose `A⁻¹` has one real
-/// eigenvalue and a pair of complex ones.
+/// A collocation method of three stages whose last node is the end of the step, and whose `A⁻¹` has one real
+/// eigenvalue and a complex pair.
 ///
 /// ```text
 /// z_i = h Σ_j a_ij f(t + c_j h, y + z_j),   y₁ = y + z₃
 /// A⁻¹ T = T Λ,   Λ = [γ 0 0; 0 α −β; 0 β α],   z = T w
 /// ```
 ///
-/// Simplified Newton for `w` then has two linear systems an iteration, one real and one complex,
-/// with the Jacobian `J` at the start of the step; `f` and `w` with the index 2,3 stand for the complex
-/// number of the two:
+/// Simplified Newton iteration for `w` then solves two linear systems per iteration, one real and one complex, with
+/// the Jacobian `J` at the start of the step. The index 2,3 denotes the complex number that the second and third
+/// component make together:
 ///
 /// ```text
 /// (γ I − hJ) Δw₁ = h (T⁻¹ f)₁ − γ w₁
 /// ((α + iβ) I − hJ) Δw₂,₃ = h (T⁻¹ f)₂,₃ − (α + iβ) w₂,₃
 /// ```
 ///
-/// The error estimate is the filtered defect of the collocation polynomial's slope at the start, where
-/// it need not fit; it falls as h⁴, `u` being cubic. The same defect bends the dense output where it is
-/// seen; behind the filter it stays as small as the error however stiff the system is:
+/// The error estimate is the defect of the collocation polynomial's slope at the start, where the polynomial need not
+/// satisfy the equation, filtered by `(γ I − hJ)⁻¹`. It falls as h⁴, because `u` is cubic. The dense output is
+/// corrected by the same filtered defect. The filter keeps that correction as small as the error, however stiff the
+/// system is:
 ///
 /// ```text
 /// u(θ) cubic through y, y + z₁, y + z₂, y₁ at θ = 0, c₁, c₂, 1
@@ -35,21 +36,21 @@ use crate::order_conditions::{residuals, trees};
 /// y(t + θh) = u(θ) + γ error ψ(θ),   ψ′(θ) = (1 − θ/c₁)(1 − θ/c₂)(1 − θ),   ψ(0) = ψ(1) = 0
 /// ```
 ///
-/// E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., Springer (1996), IV.8,
-/// and their code RADAU5; the dense output derived here.
+/// E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., Springer (1996), IV.8, and their code
+/// RADAU5. The dense output is derived here.
 #[derive(Debug)]
 pub struct Radau {
     /// Order of the propagated solution.
     pub order: usize,
     /// Order of the embedded solution.
     pub embedded_order: usize,
-    /// Order of the dense output: its local error falls with one power more.
+    /// Order of the dense output, whose local error falls with one power more.
     pub dense_order: usize,
-    /// Order of the stages: their local errors fall with one power more.
+    /// Order of the stages, whose local errors fall with one power more.
     pub stage_order: usize,
     /// Nodes.
     pub c: [f64; 3],
-    /// Rows of the matrix; the last one has the weights.
+    /// Rows of the matrix `A`; the last row contains the weights.
     pub a: [[f64; 3]; 3],
     /// Real eigenvalue γ of `A⁻¹`.
     pub real: f64,
@@ -59,15 +60,14 @@ pub struct Radau {
     pub t: [[f64; 3]; 3],
     /// Rows of T⁻¹.
     pub t_inverse: [[f64; 3]; 3],
-    /// ψ(θ) = θ (1 − θ)² (1 − θ/root).
+    /// The root of ψ(θ) = θ (1 − θ)² (1 − θ/root) beyond 0 and 1.
     pub bubble_root: f64,
 }
 
 impl Radau {
-    /// Residuals of all that the coefficients promise: the row sums `Σ_j a_ij = c_i` and the other
-    /// conditions of the stages' order, `Σ_j a_ij c_jᵏ⁻¹ = c_iᵏ/k`; the [order
-    /// conditions](crate::order_conditions) of the last row, of the embedded solution and of the dense
-    /// output at θ = 1/3; `A T Λ = T` and `T⁻¹ T = I`.
+    /// Residuals of all conditions that the coefficients must meet: the row sums `Σ_j a_ij = c_i` and the other
+    /// conditions of the stage order, `Σ_j a_ij c_jᵏ⁻¹ = c_iᵏ/k`; the [order conditions](crate::order_conditions) of
+    /// the last row, of the embedded solution and of the dense output at θ = 1/3; `A T Λ = T` and `T⁻¹ T = I`.
     pub fn residuals(&self) -> Vec<f64> {
         let mut all = Vec::new();
         for k in 1..=self.stage_order as i32 {
@@ -80,7 +80,7 @@ impl Radau {
         let rows = self.a.each_ref().map(|row| &row[..]);
         all.extend(residuals(&self.a[2], &trees(&rows, &rows, self.order)));
 
-        // With the slope at the start as a stage before the others.
+        // The slope at the start is added as a stage before the others.
         let start = |row: &[f64; 3]| [0.0, row[0], row[1], row[2]];
         let (zero, [a, b, c]) = ([0.0; 4], self.a.each_ref().map(start));
         let rows = [&zero[..], &a[..], &b[..], &c[..]];
@@ -125,7 +125,7 @@ impl Radau {
         })
     }
 
-    /// Weights of the slopes at the start and at the stages in the unfiltered defect over h.
+    /// Weights of the slopes at the start and at the stages in the unfiltered defect, divided by h.
     fn defect_weights(&self) -> [f64; 4] {
         let mut weights = [1.0, 0.0, 0.0, 0.0];
         for j in 0..3 {
@@ -136,7 +136,7 @@ impl Radau {
         weights
     }
 
-    /// `e` and `d` of the cubic through the stages: `u(θ) = y + θ (z₃ − (1 − θ)(e + d θ))`.
+    /// The coefficients `e` and `d` of the cubic through the stages: `u(θ) = y + θ (z₃ − (1 − θ)(e + d θ))`.
     fn bend(&self, z: [f64; 3]) -> [f64; 2] {
         let [c1, c2, _] = self.c;
         let second = |z: f64, c: f64, z3: f64| (z3 - z / c) / (1.0 - c);

@@ -1,4 +1,4 @@
-//! The stages of a Radau step, by simplified Newton iteration.
+//! The stages of a Radau step, computed by simplified Newton iteration.
 
 use nalgebra::Complex;
 
@@ -10,20 +10,20 @@ use crate::stats::Stats;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 
-/// Iterations before a step under a tolerance is given up. RADAU5.
+/// Largest number of iterations under a tolerance. RADAU5.
 const ITERATIONS: usize = 7;
-/// Iterations before one that goes on to rounding is.
+/// Largest number of iterations where the iteration continues to rounding.
 const ITERATIONS_TO_ROUNDING: usize = 50;
-/// Corrections that grow by this factor do not come to rest any more.
+/// Growth of the corrections, from the first one, beyond which the iteration has diverged.
 const GROWTH: f64 = 1e3;
-/// Largest part of the tolerance that an iteration may leave. RADAU5.
+/// Largest error of the iteration, as a fraction of the tolerance. RADAU5.
 const REST: f64 = 0.03;
-/// A correction by this part of a state is noise once corrections no longer shrink.
+/// Largest correction, as a fraction of the states, that is taken for rounding once corrections no longer shrink.
 const NOISE: f64 = 1e-8;
-/// States smaller than this part of the largest one are iterated as if they had that size.
+/// States smaller than this fraction of the largest one are iterated as if they had that size.
 const SMALLEST: f64 = 1e-6;
 
-/// How an iteration ended.
+/// How a Newton iteration ended.
 enum Iteration {
     Converged,
     Diverged,
@@ -31,28 +31,28 @@ enum Iteration {
     NotFinite(usize),
 }
 
-/// A Radau method at work on one system.
+/// A Radau method applied to one system.
 pub struct RadauMethod<Y> {
     tableau: &'static Radau,
-    /// What the error estimate is weighed by; none with a fixed step.
+    /// The tolerance for the error estimate; `None` with a fixed step.
     tolerance: Option<Tolerance>,
-    /// What an iteration may leave, in parts of that.
+    /// Error that an iteration may leave, as a fraction of that tolerance.
     rest: f64,
     jacobian: Jacobian,
     real: Shifted<f64>,
     complex: Shifted<Complex<f64>>,
-    /// Whether the Jacobian is that of the present start.
+    /// Whether the Jacobian is evaluated at the present start.
     is_linearised: bool,
-    /// Whether a step from the present start was completed: what follows are steps retaken.
+    /// Whether a step from the present start was completed. Further attempts are then retaken steps.
     is_completed: bool,
     has_converged: bool,
-    /// Increments to begin an iteration with, `g₁ x + g₂ x² + g₃ x³` at the time `t0 + x h_guess`.
+    /// Starting guess of the increments, `g₁ x + g₂ x² + g₃ x³` at the time `t0 + x h_guess`.
     guess: [Y; 3],
-    /// None at the start of a phase.
+    /// Step size that the guess belongs to; `None` at the start of a phase, where there is no guess.
     h_guess: Option<f64>,
-    /// Whether a phase begins on the slow solution: then the slope there is a guess.
+    /// Whether phases begin on the slow solution, where the slope at the start is a good guess.
     is_smooth: bool,
-    /// What a correction leaves, in parts of it, as the last iteration found it.
+    /// Error after a correction as a fraction of the correction, estimated from the last iteration.
     left: f64,
     z: [Y; 3],
     w: [Y; 3],
@@ -60,17 +60,17 @@ pub struct RadauMethod<Y> {
     y_stage: Y,
     delta: Y,
     delta_pair: Vec<Complex<f64>>,
-    /// What corrections are weighed by.
+    /// Scale of each state by which corrections are divided.
     scale: Y,
     step: RadauStep<Y>,
 }
 
 impl<Y: Vector<f64>> RadauMethod<Y> {
-    /// The method of `tableau` for systems of `n` states, its steps chosen by `control`.
+    /// The method of `tableau` for systems of `n` states, with steps chosen by `control`.
     ///
-    /// The estimate falls as h⁴, the local error of the solution as h⁶: the estimate is held to
-    /// `rtol^(2/3)/10` and `atol` in the same ratio, so that errors follow `rtol` as those of other
-    /// methods do. RADAU5.
+    /// The error estimate falls as h⁴, but the local error of the solution as h⁶. So the estimate is compared with
+    /// `rtol^(2/3)/10`, and with `atol` in the same ratio; errors then follow `rtol` as those of other methods do.
+    /// RADAU5.
     pub fn new(tableau: &'static Radau, n: usize, control: &Control) -> Self {
         let zero = || Y::from_fn(n, |_| 0.0);
         let three = || std::array::from_fn(|_| zero());
@@ -110,13 +110,13 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         }
     }
 
-    /// The method where every phase begins on the slow solution, as after steps of another method: its first
-    /// iteration begins along the slope, and not at zero increments.
+    /// The method for phases that begin on the slow solution, as after steps of another method: the first iteration
+    /// of a phase begins along the slope and not at zero increments.
     pub(crate) fn on_slow_solutions(self) -> Self {
         Self { is_smooth: true, ..self }
     }
 
-    /// Entries `i` of three vectors.
+    /// Entry `i` of each of three vectors.
     #[inline]
     fn at(vectors: &[Y; 3], i: usize) -> [f64; 3] {
         vectors.each_ref().map(|v| v.as_ref()[i])
@@ -133,7 +133,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         self.delta_pair.len()
     }
 
-    /// Begins an iteration at the guess, or at zero increments where there is none.
+    /// Starts an iteration at the guess, or at zero increments where there is no guess.
     fn begin(&mut self) {
         let Some(h_guess) = self.h_guess else {
             self.z.iter_mut().chain(&mut self.w).for_each(|all| all.as_mut().fill(0.0));
@@ -148,11 +148,12 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         }
     }
 
-    /// Solves the equations of the stages: under a tolerance to a part of it, otherwise, and for
-    /// steps retaken, to rounding, so that their ends are a function of `h` alone.
+    /// Solves the equations of the stages. Under a tolerance the error is reduced to a fraction of it. With fixed
+    /// steps, and for retaken steps, the iteration continues to rounding, so that the end of the step is a function
+    /// of `h` alone.
     ///
-    /// Corrections that shrink by the rate θ leave θ/(1 − θ) of the last one. The first correction is
-    /// judged by what the iteration before left, under a tolerance alone. RADAU5.
+    /// If corrections shrink by the factor θ, the error after one is θ/(1 − θ) of it. Under a tolerance the first
+    /// correction is judged by the factor of the previous iteration. RADAU5.
     fn iterate<P: System<State<f64> = Y>>(
         &mut self,
         problem: &P,
@@ -199,14 +200,14 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
                 last_rate = ratio;
                 if rate < 0.99 {
                     self.left = rate / (1.0 - rate);
-                    // Given up at once where the iterations left will not do.
+                    // The iteration is given up early where the remaining iterations cannot suffice.
                     let to_come = most.saturating_sub(n + 1) as f64;
                     let in_the_end = self.left * size * libm::pow(rate, to_come);
                     if in_the_end > rest && !is_to_rounding {
                         return Iteration::Diverged;
                     }
                 } else if size <= noise {
-                    // Rounding: it gets no better.
+                    // Rounding is reached.
                     return Iteration::Converged;
                 } else if !is_to_rounding {
                     return Iteration::Diverged;
@@ -223,7 +224,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         Iteration::Diverged
     }
 
-    /// The slopes at the stages; the first state whose slope is not finite.
+    /// Evaluates the slopes at the stages. Returns the first state whose slope is not finite, if there is one.
     fn evaluate_stages<P: System<State<f64> = Y>>(
         &mut self,
         problem: &P,
@@ -244,7 +245,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         None
     }
 
-    /// One correction of `w`, and with it of `z`.
+    /// Makes one correction of `w` and updates `z`.
     fn correct(&mut self, stats: &mut Stats) {
         let tableau = self.tableau;
         let shift = Complex::new(tableau.complex[0], tableau.complex[1]);
@@ -268,7 +269,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         }
     }
 
-    /// Weighs corrections by what the states are and become over the step.
+    /// Sets the scale of each state to its size at the start plus its largest change over the step.
     fn weigh_by_size(&mut self) {
         let mut largest = 0.0_f64;
         for i in 0..self.n() {
@@ -282,12 +283,12 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         }
     }
 
-    /// Root mean square of the last correction, weighed.
+    /// Root mean square of the last correction, divided by the scales.
     fn correction(&self) -> f64 {
         let mut sum = 0.0;
         let deltas = self.delta.as_ref().iter().zip(&self.delta_pair);
         for ((real, pair), scale) in deltas.zip(self.scale.as_ref()) {
-            // The scale is zero where nothing moves.
+            // A correction of zero is left out, because the scale is zero where all states are zero.
             for delta in [*real, pair.re, pair.im].into_iter().filter(|delta| *delta != 0.0) {
                 sum += (delta / scale) * (delta / scale);
             }
@@ -295,7 +296,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         (sum / (3 * self.n()) as f64).sqrt()
     }
 
-    /// The end of the step and its polynomial, from the stages.
+    /// Computes the end of the step and its polynomial from the stages.
     fn finish(&mut self) {
         for i in 0..self.n() {
             let z = Self::at(&self.z, i);
@@ -307,7 +308,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         }
     }
 
-    /// The error from the slope at the start, which is in `y_stage`.
+    /// Computes the error estimate from the slope at the start, which is in `y_stage`.
     fn estimate(&mut self, stats: &mut Stats) {
         let step = &mut self.step;
         let z3 = self.z[2].as_ref();
@@ -319,8 +320,9 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         stats.work.n_lin_solves += 1;
     }
 
-    /// The same once more where the error is not tolerated, with the slope at `y₀ + error` in place of
-    /// that at the start: a stiff state off its slow solution has a first estimate far too large.
+    /// Repeats the estimate with the slope at `y₀ + error` in place of that at the start, for a step whose first
+    /// estimate exceeds the tolerance. The first estimate of a stiff state that is not on its slow solution is far
+    /// too large.
     fn estimate_again<P: System<State<f64> = Y>>(
         &mut self,
         problem: &P,
@@ -342,7 +344,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         }
     }
 
-    /// Makes the cubic of the last attempt the guess for others from the same start.
+    /// Makes the cubic of the last attempt the guess for further attempts from the same start.
     fn keep_polynomial(&mut self) {
         for i in 0..self.n() {
             let z3 = self.z[2].as_ref()[i];
@@ -352,7 +354,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         self.h_guess = Some(self.step.h);
     }
 
-    /// Continues the guess beyond its end.
+    /// Moves the origin of the guess to the end of the step, so that it extrapolates over the next step.
     fn shift_guess(&mut self) {
         for i in 0..self.n() {
             let [g1, g2, g3] = Self::at(&self.guess, i);

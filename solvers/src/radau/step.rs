@@ -1,4 +1,4 @@
-//! A step of a Radau method: its collocation polynomial, bent by the error.
+//! A step of a Radau method: its collocation polynomial, corrected by the error estimate.
 
 use super::Radau;
 use crate::step::Step;
@@ -16,13 +16,13 @@ pub struct RadauStep<Y> {
     pub(super) slope0: Y,
     pub(super) slope1: Y,
     pub(super) error: Y,
-    /// `e` and `d` of the cubic.
+    /// The coefficients `e` and `d` of the cubic.
     pub(super) bend: [Y; 2],
     tableau: &'static Radau,
 }
 
 impl<Y: Vector<f64>> RadauStep<Y> {
-    /// A step of no length over `n` states, the memory of all that follow.
+    /// A step of length zero over `n` states, whose memory all later steps use.
     pub(super) fn new(tableau: &'static Radau, n: usize) -> Self {
         let zero = || Y::from_fn(n, |_| 0.0);
         Self {
@@ -44,7 +44,8 @@ impl<Y: Vector<f64>> RadauStep<Y> {
         tolerance.norm_sq(self.error.as_ref(), self.y0.as_ref(), self.y1.as_ref())
     }
 
-    /// Makes `component` of the end no number: a linear solve would spread it to all.
+    /// Sets `component` of the end to NaN, so that it is reported. A linear solve would have spread the NaN to all
+    /// components.
     pub(super) fn spoil(&mut self, component: usize) {
         self.y1.clone_from(&self.y0);
         self.y1.as_mut()[component] = f64::NAN;

@@ -1,4 +1,4 @@
-//! The numbers that coefficients are: plain ones, of twice the digits, or of two runs.
+//! The types of Taylor coefficients: `f64`, double-double numbers, and the numbers of two runs at once.
 
 use std::ops::{Add, BitAnd, Mul};
 
@@ -10,30 +10,30 @@ use super::rows::{MAX_ORDER, Row, Tail};
 use crate::lanes::scalar::{Lanes, Simd};
 use crate::real::{Ordered, Real};
 
-/// A number that series are made of.
+/// A number that can be the coefficient of a series.
 pub trait Coefficient: Real {
-    /// The highest order of a series with code of its own.
+    /// The highest order for which specialised code is compiled.
     const HIGHEST_UNROLLED: usize;
 
-    /// The highest order that does not share its code with three others, from five to thirteen.
+    /// The highest order that has code of its own, from five to thirteen. Above it, four orders share their code.
     const HIGHEST_APIECE: usize = SHORT;
 
-    /// What decisions are taken on.
+    /// The type on which decisions are taken.
     type Rounded: Ordered;
 
-    /// The nearest such number.
+    /// The nearest number of that type.
     fn rounded(self) -> Self::Rounded;
 
     /// `a b + c`, fused where the target has an instruction for it.
     fn fma(a: Self, b: Self, c: Self) -> Self;
 
-    /// `Σ a_j b_(k−j)` over `j = 1 … k − 1`, of more than four terms.
+    /// `Σ a_j b_(k−j)` over `j = 1 … k − 1`, a sum of more than four terms.
     fn long_inner(k: usize, a: &Row<Self>, b: Tail<'_, Self>) -> Self {
         (1..k).fold(Self::cst(0.0), |sum, j| Self::fma(a.at(j), b.at(k - j), sum))
     }
 }
 
-/// Where the compiler is not asked for speed, it is spared the code of each order; the bits are the same.
+/// Without optimisation, no code is specialised to orders, which saves compile time. The bits are the same.
 const UNROLLED: usize = if cfg!(debug_assertions) { 0 } else { MAX_ORDER };
 
 impl Coefficient for f64 {
@@ -57,11 +57,11 @@ impl Coefficient for f64 {
     }
 }
 
-/// Of two runs, with the bits that each has alone.
+/// Two runs at once, with the bits that each has alone.
 impl Coefficient for Lanes<f64x2> {
     const HIGHEST_UNROLLED: usize = UNROLLED;
 
-    // As far as there is code for it: runs are 5 % faster for it, which those of one run are not.
+    // The largest value for which there is code. It makes these runs 5 % faster; single runs do not gain by it.
     const HIGHEST_APIECE: usize = 13;
 
     type Rounded = Self;
@@ -82,13 +82,13 @@ impl Coefficient for Lanes<f64x2> {
     }
 }
 
-/// [`long_inner`](Coefficient::long_inner), four terms at a time: first the one to four after which as many are left as
-/// fours hold.
+/// [`long_inner`](Coefficient::long_inner), four terms at a time. The first vector takes the one to four terms after
+/// which the number of remaining terms is a multiple of four.
 #[inline(always)]
 fn sum_by_fours<B: Coefficient, F: Four<B>>(k: usize, a: &Row<B>, b: Tail<'_, B>) -> B {
     let upwards =
         |row: &Row<B>, k: usize| F::of([row.at(k), row.at(k + 1), row.at(k + 2), row.at(k + 3)]);
-    // Read upwards and turned, they are one load and one permutation.
+    // Loaded in ascending order and reversed, the four numbers need one load and one permutation.
     let downwards = |row: Tail<'_, B>, k: usize| {
         F::turned([row.at(k - 3), row.at(k - 2), row.at(k - 1), row.at(k)])
     };
@@ -100,18 +100,18 @@ fn sum_by_fours<B: Coefficient, F: Four<B>>(k: usize, a: &Row<B>, b: Tail<'_, B>
     sums.sum()
 }
 
-/// Masks of the first one, two, three and four of four numbers.
+/// Masks that select the first one, two, three and four of four numbers.
 const FIRST: [[u64; 4]; 4] = [[!0, 0, 0, 0], [!0, !0, 0, 0], [!0, !0, !0, 0], [!0; 4]];
 
-/// Four numbers at a time.
+/// A vector of four numbers.
 trait Four<B>: Copy + Mul<Output = Self> + Add<Output = Self> + BitAnd<Output = Self> {
-    /// These four.
+    /// The vector of these four numbers.
     fn of(each: [B; 4]) -> Self;
 
-    /// These four from the last to the first.
+    /// The vector of these four numbers in reverse order.
     fn turned(each: [B; 4]) -> Self;
 
-    /// The masks of four numbers.
+    /// The vector of these four masks.
     fn first(each: [u64; 4]) -> Self;
 
     /// `self · by + plus`, fused where the target has an instruction for it.
@@ -181,7 +181,7 @@ impl Four<Lanes<f64x2>> for f64x8 {
 }
 
 impl Coefficient for TwoFloat {
-    // An operation is twenty: loops cost little.
+    // An operation takes about twenty instructions, so a loop costs little in comparison.
     const HIGHEST_UNROLLED: usize = 0;
 
     type Rounded = f64;

@@ -1,4 +1,4 @@
-//! Taylor series of a solution, order by order.
+//! The Taylor series of a solution, computed order by order.
 
 use std::cell::Cell;
 
@@ -28,7 +28,7 @@ pub(crate) trait SeriesField<P: System, B: Coefficient> {
         g: &mut P::Guards<Series<'s, B>>,
     );
 
-    /// Writes both, by operations that begin with those of the slope.
+    /// Writes both. The operations must begin with those of [`slope`](Self::slope), in the same order.
     fn slope_with_guards<'s>(
         &self,
         t: Series<'s, B>,
@@ -79,7 +79,7 @@ impl<P: System, B: Coefficient> SeriesField<P, B> for InMode<'_, P> {
 #[derive(Debug)]
 pub(crate) struct Expansion<B: Copy> {
     rows: Rows<B>,
-    /// Those that the present expansion takes.
+    /// Number of rows that the present expansion uses.
     n_rows: usize,
 }
 
@@ -90,8 +90,8 @@ impl<B: Coefficient> Default for Expansion<B> {
 }
 
 impl<B: Coefficient> Expansion<B> {
-    /// Begins an expansion about `(t0, y0)`, whose slope and guards there go to `slope` and `guards`: those of the
-    /// system to the bit.
+    /// Begins an expansion about `(t0, y0)`. The slope and the guards there are written to `slope` and `guards`; they
+    /// have the same bits as those of the system.
     pub(crate) fn begin<P: System>(
         &mut self,
         field: &impl SeriesField<P, B>,
@@ -110,13 +110,13 @@ impl<B: Coefficient> Expansion<B> {
         }
     }
 
-    /// Completes the expansion that was last begun, about the state `y[0]` at `t0` with the slope
-    /// `y[1]`: writes the coefficients from `y[2]` on, and those of the guards from `g[1]` on as far as `g` goes.
+    /// Completes the expansion that was begun last, about the state `y[0]` at `t0` with the slope `y[1]`. Writes the
+    /// coefficients from `y[2]` on, and those of the guards from `g[1]` on to the end of `g`.
     ///
     /// # Panics
-    /// Where the right-hand side or the guards make other operations at another order, or the two together fewer
-    /// than the right-hand side alone: they may branch on their mode and on the [`value`](crate::Real::value) of
-    /// their arguments only.
+    /// Where the right-hand side or the guards make other operations at one order than at another, or both together
+    /// make fewer than the right-hand side alone. They may branch only on their mode and on the
+    /// [`value`](crate::Real::value) of their arguments.
     pub(crate) fn complete<P: System>(
         &mut self,
         field: &impl SeriesField<P, B>,
@@ -145,8 +145,9 @@ impl<B: Coefficient> Expansion<B> {
     }
 }
 
-/// Whether [`System::rhs_with_guards`] does at `(t, y)` in `mode` what it has to: writes what `rhs` and `guards`
-/// write, to the bit, by operations that begin with those of `rhs`. For the tests of a model that has its own.
+/// Whether [`System::rhs_with_guards`] keeps its contract at `(t, y)` in `mode`: it writes what `rhs` and `guards`
+/// write, to the bit, by operations that begin with those of `rhs`. It is meant for the tests of a model with an
+/// implementation of its own.
 pub fn begins_with_rhs<P: System>(problem: &P, mode: &P::Mode, t: f64, y: &P::State<f64>) -> bool {
     let field = InMode { problem, mode };
     let [mut slope, mut slope_alone] = [(); 2].map(|()| y.clone());
@@ -171,17 +172,17 @@ pub fn begins_with_rhs<P: System>(problem: &P, mode: &P::Mode, t: f64, y: &P::St
         && bits(&both.values(n)) == bits(&alone.values(n))
 }
 
-/// One run of a system over series.
+/// The inputs of one run of a system with series.
 pub(super) struct Run<'a, F, B: Copy> {
-    /// The table, for this order and those below.
+    /// The table of coefficients of this order and the lower ones.
     pub(super) rows: &'a Rows<B>,
-    /// Time about which is expanded.
+    /// Time about which the solution is expanded.
     pub(super) t0: B,
     /// The system in its mode.
     pub(super) field: &'a F,
 }
 
-/// Time and state, of which `y` is the coefficient of the order of `table`.
+/// The series of time and state in a run, where `y` is the coefficient of the state for the order of `table`.
 #[inline(always)]
 fn start<'a, B: Coefficient, Y: Vector<Series<'a, B>>>(
     table: Table<'a, B>,
@@ -197,8 +198,8 @@ fn start<'a, B: Coefficient, Y: Vector<Series<'a, B>>>(
     (t, Y::from_fn(y.len(), |i| Series::new(table, y[i])))
 }
 
-/// Highest order with code of its own: in a loop over many states the places of the coefficients are no
-/// constants, and there is nothing to gain.
+/// Highest order for which specialised code is compiled. For states of unknown length it is zero: in a loop over many
+/// states the addresses of the coefficients are not constants, so specialised code would gain nothing.
 const fn highest_unrolled<P: System, B: Coefficient>() -> usize {
     if <P::State<B> as Vector<B>>::IS_SHORT { B::HIGHEST_UNROLLED } else { 0 }
 }

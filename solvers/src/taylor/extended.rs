@@ -1,8 +1,8 @@
-//! The Taylor method in twice the digits of an `f64`: runs that others are measured against.
+//! The Taylor method with twice the digits of an `f64`, for reference solutions.
 //!
-//! Time, state, coefficients and transitions are double-double numbers. That a guard falls is seen on
-//! polynomials with the nearest `f64` coefficients, as in [`method`](super::method); Newton's iteration
-//! with all digits then closes on its zero. Recorders are shown the nearest `f64` of everything.
+//! Time, state, coefficients and transitions are double-double numbers. Falling guards are detected on polynomials
+//! with the nearest `f64` coefficients, as in [`method`](super::method); Newton's iteration with all digits then
+//! converges to the zero of the guard. Recorders are shown the nearest `f64` of everything.
 
 use std::ops::ControlFlow;
 
@@ -24,15 +24,15 @@ use crate::stats::Stats;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 
-/// Most iterations of Newton's to close on an event: enough for roots of order four to get close.
+/// Largest number of Newton iterations for the time of an event. It is enough to come close to a root of order four.
 const MOST_ITERATIONS: usize = 40;
-/// The least by which one iteration's correction is smaller than the one before: a root of order four
-/// makes it 3/4.
+/// Largest ratio of one correction to the one before at which the iteration continues. At a root of order four the
+/// ratio is 3/4.
 const CONTRACTION: f64 = 0.9;
-/// How closely the time of an event is found, as a fraction of the time.
+/// Precision of the time of an event, as a fraction of the time.
 const PRECISION: f64 = 1e-30;
 
-/// An integration with double-double numbers: where it stands and what it has cost.
+/// An integration with double-double numbers: its present point and the work done so far.
 pub struct ExtendedIntegration<'a, P: System> {
     problem: &'a P,
     /// Time.
@@ -44,20 +44,20 @@ pub struct ExtendedIntegration<'a, P: System> {
     tolerance: Tolerance,
     expansion: Expansion<TwoFloat>,
     guards: GuardSeries<P::Guards<f64>, TwoFloat>,
-    /// Coefficients by order, from the present state on.
+    /// Coefficients by order; that of order zero is the present state.
     y: Vec<P::State<TwoFloat>>,
     t1: TwoFloat,
     y1: P::State<TwoFloat>,
     slope1: P::State<TwoFloat>,
-    /// The nearest `f64` of all that.
+    /// The same step in the nearest `f64`.
     step: TaylorStep<P::State<f64>>,
     watch: GuardWatch<P>,
     transitions: Transitions<P>,
 }
 
 impl<'a, P: System> ExtendedIntegration<'a, P> {
-    /// An integration that starts at `(t, y)` in the mode that the system gives it, with series of the
-    /// highest order. Tolerances may be as small as 1e-28; a bad one is an error of the first run.
+    /// An integration that starts at `(t, y)` in the mode that the system gives it, with series of the highest order.
+    /// Tolerances may be as small as 1e-28. A tolerance that is not valid is an error of the first run.
     pub fn new(problem: &'a P, t: f64, y: &P::State<f64>, tolerance: Tolerance) -> Self {
         let n = problem.dim();
         let extended = P::State::<TwoFloat>::from_fn(n, |i| TwoFloat::from(y.as_ref()[i]));
@@ -84,7 +84,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         &self.y[0]
     }
 
-    /// The nearest `f64` of it.
+    /// The nearest `f64` of the present state.
     pub fn rounded(&self) -> P::State<f64> {
         rounded::<P, _>(self.state())
     }
@@ -123,7 +123,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         Point { t: self.t.value(), y: rounded::<P, _>(self.state()), mode: self.mode.clone() }
     }
 
-    /// Goes on in the present mode, to `t_end` or the zero of the first guard that falls.
+    /// Integrates in the present mode to `t_end` or to the zero of the first guard that falls.
     fn phase(&mut self, t_end: f64, record: &mut dyn Record<P>) -> Result<PhaseEnd, Error> {
         let (problem, mode) = (self.problem, self.mode.clone());
         let (start, rest) = self.y.split_at_mut(1);
@@ -153,8 +153,8 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         Ok(PhaseEnd::EndOfTime)
     }
 
-    /// Expands about the present state, and takes a step as long as the last terms and the defect at its
-    /// end allow; none where the recorder breaks it off.
+    /// Expands about the present state, and takes a step whose size is limited by the last terms and by the defect at
+    /// its end. Breaks where the recorder ends the run.
     fn take_step(
         &mut self,
         t_end: f64,
@@ -197,7 +197,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         Error::StepUnderflow { t: self.t.value(), h, mode: format!("{:?}", self.mode) }
     }
 
-    /// Sums the series at `t1`; the norm of the error that its defect there tells.
+    /// Sums the series at `t1`, and returns the norm of the error estimate, which follows from the defect there.
     fn attempt(&mut self, t1: TwoFloat) -> f64 {
         let (size, degree) = (t1 - self.t, self.step.degree);
         self.t1 = t1;
@@ -216,7 +216,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         self.tolerance.norm(&error, self.step.y[0].as_ref(), self.step.y1.as_ref())
     }
 
-    /// Cuts the step at the zero of the guard that falls first on it; that guard.
+    /// Cuts the step at the zero of the guard that falls first on it, and returns that guard.
     fn locate(&mut self) -> Result<Option<usize>, Error> {
         let (problem, mode) = (self.problem, self.mode.clone());
         loop {
@@ -245,8 +245,8 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         }
     }
 
-    /// The zero of `guard` near `s` from the start of the step, by Newton's iteration on the guard itself
-    /// along the series of the state, as long as it closes in.
+    /// The zero of `guard` near the time `s` after the start of the step. Newton's iteration is applied to the guard
+    /// itself along the series of the state, as long as corrections decrease.
     fn zero_of(&self, guard: usize, s: TwoFloat) -> TwoFloat {
         let n = self.problem.n_guards();
         let mut g = P::Guards::<TwoFloat>::from_fn(n, |_| TwoFloat::from(0.0));
@@ -266,7 +266,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
             let size = correction.value().abs();
             let next = zero - correction;
             let is_before = (next.value() < 0.0) != (s.value() < 0.0);
-            // False for what is not a number.
+            // False where a correction is NaN.
             let closes_in = size < CONTRACTION * last;
             if !closes_in || is_before {
                 break;

@@ -1,4 +1,4 @@
-//! Guards along a step: polynomials too, and when the first of them falls.
+//! Guards along a step as polynomials, and the time at which the first of them falls.
 
 use super::coefficient::Coefficient;
 use super::expand::{GuardsRun, Run, SeriesField};
@@ -13,46 +13,46 @@ use crate::root::minimum;
 use crate::step::Step;
 use crate::system::{System, Vector};
 
-/// Order to which guards are expanded at first: enough, in most steps, to see that they are far from zero.
+/// Order to which guards are expanded first. In most steps it suffices to show that they are far from zero.
 pub(crate) const FIRST_LOOK: usize = 5;
-/// How exactly roots of the polynomials are found, as a fraction of the step.
+/// Precision of the roots of the polynomials, as a fraction of the step.
 const PRECISION: f64 = 1e-14;
 
 /// The Taylor coefficients of the guards about the start of a step.
 ///
-/// Those of low orders are written with the series of the solution, in the same run; where they are not
-/// enough to see that the guards stay away from zero, the guards are expanded to the full degree alone.
+/// The coefficients of low orders are computed together with the series of the solution. Where they do not suffice to
+/// show that the guards stay above zero, the guards alone are expanded to the full degree.
 #[derive(Debug)]
 pub struct GuardSeries<G, B: Copy> {
     g: Vec<G>,
     /// Values at the end of the step.
     pub(crate) end: G,
-    /// Of an expansion of the guards alone.
+    /// The table of an expansion of the guards alone.
     rows: Rows<B>,
-    /// Orders known from it.
+    /// Number of orders known from that expansion.
     n_alone: usize,
 }
 
 impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
-    /// Memory for `n` guards to `order`, one at least.
+    /// Workspace for `n` guards to `order`, which must be at least one.
     pub fn new(n: usize, order: usize) -> Self {
         let zeros = || G::from_fn(n, |_| B::Rounded::cst(0.0));
         let g = (0..=order).map(|_| zeros()).collect();
         Self { g, end: zeros(), rows: Rows::new(), n_alone: 0 }
     }
 
-    /// The values at the start, to be written there.
+    /// The values at the start, for the caller to write.
     pub(crate) fn start(&mut self) -> &mut G {
         &mut self.g[0]
     }
 
-    /// Another step begins where the last one ended.
+    /// Makes the end of the last step the start of the next one.
     #[inline(always)]
     pub(crate) fn advance(&mut self) {
         std::mem::swap(&mut self.g[0], &mut self.end);
     }
 
-    /// The coefficients of low orders, to be written beyond that of order zero.
+    /// The coefficients of low orders, for the caller to write from order one on.
     #[inline(always)]
     pub(crate) fn low(&mut self) -> &mut [G] {
         self.n_alone = 0;
@@ -60,13 +60,13 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
         &mut self.g[..=highest]
     }
 
-    /// The highest low order: the series of a solution to some order tells its guards to one below.
+    /// The highest of the low orders. The series of a solution to some order determines its guards to one order less.
     #[inline(always)]
     pub(crate) fn highest_low(&self) -> usize {
         (self.g.len() - 2).min(FIRST_LOOK)
     }
 
-    /// Takes over low orders and the end from those of several runs, as `pick` does it.
+    /// Copies the low orders and the end from the series of several runs; `pick` selects this run.
     pub(crate) fn take<L: Vector<C::Rounded>, C: Coefficient>(
         &mut self,
         all: &GuardSeries<L, C>,
@@ -76,7 +76,7 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
         pick(&all.end, &mut self.end);
     }
 
-    /// Makes all coefficients up to `order` known, those of the solution being `y`.
+    /// Computes all coefficients up to `order` from the coefficients `y` of the solution.
     fn expand<P: System<Guards<B::Rounded> = G>>(
         &mut self,
         field: &impl SeriesField<P, B>,
@@ -93,8 +93,8 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
         }
     }
 
-    /// Whether guard `i`, `end` at the end of a step of size `h`, stays above zero on it, by more than
-    /// its last two terms and what the rest lacks there.
+    /// Whether guard `i`, whose value at the end of a step of size `h` is `end`, stays above zero on the step by more
+    /// than its last two terms and the error of the polynomial at the end.
     #[inline]
     pub(crate) fn is_clear(
         &self,
@@ -114,13 +114,14 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
             least = least - (-term).max(zero);
             last = [last[1], term];
         }
-        // No for what is not a number.
+        // False where a value is NaN.
         least.is_above(last[0].abs() + last[1].abs() + (sum - end).abs() * 2.0)
     }
 }
 
 impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
-    /// Guard `i` over a step of size `h`, to `degree` or where its series ceases to be finite.
+    /// Guard `i` over a step of size `h` as a polynomial, of `degree` or of the highest degree to which its
+    /// coefficients are finite.
     fn polynomial(&self, i: usize, h: f64, degree: usize) -> Polynomial {
         let is_finite = |g: &&G| g.as_ref()[i].is_finite();
         let n = self.g[..=degree].iter().take_while(is_finite).count();
@@ -132,23 +133,23 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         }))
     }
 
-    /// The guard that falls first on `step`, a polynomial of `degree` with the coefficients `y` about
-    /// `t0`.
+    /// The guard that falls first on `step`, a polynomial of `degree` with the coefficients `y` about `t0`. Returns
+    /// `None` where no guard falls; the end then becomes the start of the next step.
     ///
-    /// A guard is a polynomial on the step, to the order of the method. It is clear where
+    /// To the order of the method a guard is a polynomial on the step. The guard is clear where
     ///
     /// ```text
     /// g_0 + Σ min(0, g_k hᵏ) > |g_N hᴺ| + |g_(N−1) hᴺ⁻¹| + 2 |Σ g_k hᵏ − g(t_1, y_1)|
     /// ```
     ///
-    /// for N the least of 5, the degree, and the order less one, and else its [first fall](Polynomial::first_fall) below `−bound/2` counts, if it is
-    /// followed by a violation. None is missed of the polynomial, but for a dip of terms beyond the fifth alone that
-    /// cancel at the end; where the guard is less smooth than the solution it may differ from the polynomial by more
-    /// than the last terms. Where a coefficient is not finite, all guards
-    /// are [looked for](GuardWatch) instead.
+    /// with N the least of 5, the degree, and the order less one. Otherwise the [first fall](Polynomial::first_fall)
+    /// of its polynomial below `−bound/2` counts, if a violation follows it. No fall of the polynomial is missed,
+    /// except a dip that is made by terms beyond the fifth alone and that has vanished at the end. Where the guard is
+    /// less smooth than the solution, it may differ from the polynomial by more than the last terms. Where a
+    /// coefficient is not finite, the [search](GuardWatch) on values and rates is used for all guards instead.
     ///
     /// # Errors
-    /// [`Error::NonFiniteGuard`] at the end of the step.
+    /// [`Error::NonFiniteGuard`] for a guard that is not finite at the end of the step.
     pub fn first_to_fall<P: System<Guards<f64> = G>>(
         &mut self,
         problem: &P,
@@ -160,7 +161,7 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         let (start, t1) = (step.t0(), step.t1());
         let (h, low) = (t1 - start, degree.min(self.highest_low()));
         let ends = self.end.as_ref().iter().enumerate();
-        // Without a branch between the guards. Where all are clear none is violated at the end.
+        // All guards are tested without a branch between them. Where all are clear, none is violated at the end.
         if ends.fold(true, |all, (guard, end)| all & self.is_clear(guard, h, low, *end)) {
             watch.keep();
             return Ok(None);
@@ -176,7 +177,7 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
             }
             self.expand(&field, t0, y, degree);
             if self.g[..=degree].iter().any(|g| !g.as_ref()[guard].is_finite()) {
-                // Singular at the start of the step: no polynomial tells what it does.
+                // The guard is singular at the start of the step, so no polynomial describes it.
                 watch.start_at(problem, mode.clone(), start, step.y0(), step.slope0());
                 return if watch.is_clear(problem, mode.clone(), step) {
                     Ok(None)
@@ -195,14 +196,14 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
                     watch.note_dip(guard, violated);
                     (s, start + violated * h)
                 }
-                // Violated at the end by the polynomial, if not by the guard.
+                // The polynomial shows a violation at the end. It counts only if the guard itself is violated there.
                 Some((s, _)) if at_end => (s, t1),
                 Some(_) => continue,
                 None if at_end => (1.0, t1),
                 None => continue,
             };
             let t = start + s * h;
-            // At one instant, to rounding, the first in number is first.
+            // Of guards that fall at the same time to rounding, the one with the lowest index comes first.
             let tie = 4.0 * f64::EPSILON * t1.abs().max(start.abs());
             if first.is_none_or(|other| (t - start).abs() < (other.t - start).abs() - tie) {
                 first = Some(GuardCrossing { guard, t, violated_at });
@@ -214,20 +215,21 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         Ok(first)
     }
 
-    /// The rate of guard `i` at `s` from the start of the step, by its polynomial of `degree`.
+    /// The rate of guard `i` at the time `s` after the start of the step, from its polynomial of `degree`.
     pub(super) fn rate(&self, i: usize, s: f64, degree: usize) -> f64 {
         let terms = self.g[1..=degree].iter().enumerate().rev();
         terms.fold(0.0, |sum, (k, g)| sum * s + (k + 1) as f64 * g.as_ref()[i])
     }
 }
 
-/// When `p` falls below `−bound/2` before it is below `−bound`, on [0, 1], and a time of the latter.
+/// The time on [0, 1] at which `p` falls below `−bound/2` before it is below `−bound`, and a time at which it is
+/// below `−bound`.
 fn fall_of(p: &Polynomial, bound: f64) -> Option<(f64, f64)> {
-    // A start between −bound and −bound/2 falls where it is violated.
+    // If the start lies between −bound and −bound/2, the fall is located at −bound instead.
     let is_below = p.at(0.0) <= -0.5 * bound;
     let located = p.raised(if is_below { bound } else { 0.5 * bound });
-    // Falls and rises that rounding does not tell apart would follow each other at one place for ever: the
-    // search moves on by at least a stride, and by twice as much each time.
+    // Falls and rises within rounding of each other could repeat at one place without end. So the search moves on by
+    // at least a stride, which doubles each time.
     let (mut from, mut stride) = (0.0_f64, PRECISION);
     while from < 1.0 {
         let fall = located.first_fall(from, PRECISION)?;

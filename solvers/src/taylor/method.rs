@@ -1,4 +1,4 @@
-//! The method: a series about the start of each step, summed at its end.
+//! The Taylor method: a series about the start of each step, summed at its end.
 
 use super::coefficient::Coefficient;
 use super::expand::Expansion;
@@ -15,15 +15,15 @@ use crate::step::Step;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 
-/// The Taylor method at work on one system.
+/// The Taylor method applied to one system.
 #[derive(Debug)]
 pub struct TaylorMethod<Y, G> {
     pub(crate) step: TaylorStep<Y>,
     expansion: Expansion<f64>,
     pub(crate) guards: GuardSeries<G, f64>,
-    /// Whether the series is complete, and not its first order alone.
+    /// Whether the series is complete; otherwise only its first order is known.
     pub(crate) is_expanded: bool,
-    /// Degree that the tolerance asks for; none to have it chosen by the step.
+    /// Degree that follows from the tolerance; `None` to choose it by the step size.
     pub(crate) degree: Option<usize>,
     pub(crate) error: Y,
 }
@@ -32,21 +32,21 @@ pub struct TaylorMethod<Y, G> {
 #[derive(Debug)]
 pub struct TaylorStep<Y> {
     pub(crate) t0: f64,
-    /// What the start has beyond `t0`, where it has more digits.
+    /// Low part of the time at the start, where that has more digits than `t0`.
     pub(super) t0_low: f64,
     pub(crate) t1: f64,
     pub(crate) y1: Y,
     pub(crate) slope1: Y,
-    /// Coefficients by order, from the state and the slope at the start on.
+    /// Coefficients by order; the first two are the state and the slope at the start.
     pub(crate) y: Vec<Y>,
     /// Degree of the polynomial that the step is taken with.
     pub(crate) degree: usize,
-    /// What the tolerance weighs each state with at the start.
+    /// Weights of the states in the norm, from the tolerance at the start.
     pub(super) weights: Y,
 }
 
 impl<Y: Vector<f64>> TaylorStep<Y> {
-    /// Memory for a step of `order` for systems of `n` states.
+    /// Workspace for a step of `order` for systems of `n` states.
     pub(super) fn new(n: usize, order: usize) -> Self {
         let zero = || Y::from_fn(n, |_| 0.0);
         let y = (0..=order).map(|_| zero()).collect();
@@ -62,7 +62,7 @@ impl<Y: Vector<f64>> TaylorStep<Y> {
         }
     }
 
-    /// The polynomial that the step is taken with, by its coefficients.
+    /// Coefficients of the polynomial that the step is taken with.
     pub(super) fn polynomial(&self) -> &[Y] {
         &self.y[..=self.degree]
     }
@@ -82,7 +82,7 @@ impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
         }
     }
 
-    /// Expands about the start of the step, once.
+    /// Expands about the start of the step, unless that is done already.
     fn expand<P>(&mut self, problem: &P, mode: P::Mode, stats: &mut Stats)
     where
         P: System<State<f64> = Y, Guards<f64> = G>,
@@ -97,7 +97,7 @@ impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
 }
 
 impl<Y, G> TaylorMethod<Y, G> {
-    /// Takes note of how far the series reaches; the step size to propose.
+    /// Stores the degree of `reach`, and returns the step size to propose.
     #[inline]
     pub(crate) fn reaches(&mut self, reach: Option<Reach>) -> Option<f64> {
         self.degree = reach.map(|reach| reach.degree);
@@ -144,15 +144,15 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
         self.reaches(reach)
     }
 
-    /// Sums the series, and begins that of the step to come: `y₁ = p(h)` and `ẏ₁ = f(t₁, y₁)` for the
-    /// polynomial `p` of degree N.
+    /// Sums the series at the end of the step, and begins the series of the next step: `y₁ = p(h)` and `ẏ₁ = f(t₁,
+    /// y₁)` for the polynomial `p` of degree N.
     ///
     /// ```text
     /// error = h (p'(h) − ẏ₁)/(N + 1)
     /// ```
     ///
-    /// The defect of p is that of its next term, `(N + 1) y_(N+1) hᴺ`, to leading order; and it is
-    /// large where the series does not converge to the solution, or the right-hand side branches.
+    /// To leading order the defect `p' − f(p)` is minus the derivative of the next term, `(N + 1) y_(N+1) hᴺ`. It is
+    /// large where the series does not converge to the solution, or where the right-hand side branches.
     fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats) {
         self.expand(problem, mode.clone(), stats);
         let step = &mut self.step;
@@ -209,7 +209,7 @@ fn sum<Y: Vector<f64>>(c: &[Y], h: f64, y: &mut Y) {
     }
 }
 
-/// The same with its derivative.
+/// Sums the polynomial with the coefficients `c` at `h`, and its derivative.
 #[inline]
 pub(crate) fn sum_with_slope<T: Coefficient, Y: Vector<T>>(
     c: &[Y],
@@ -229,7 +229,8 @@ pub(crate) fn sum_with_slope<T: Coefficient, Y: Vector<T>>(
     }
 }
 
-/// Makes `h/(N + 1)` times its difference from `slope` of the derivative of a polynomial of `degree` N.
+/// Replaces the `derivative` of a polynomial of `degree` N by the error estimate, `h/(N + 1)` times its difference
+/// from `slope`.
 #[inline]
 pub(crate) fn to_defect<T: Real, Y: Vector<T>>(h: T, degree: usize, slope: &Y, derivative: &mut Y) {
     let share = h / (degree + 1) as f64;

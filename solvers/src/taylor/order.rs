@@ -1,26 +1,27 @@
-//! Which order serves a tolerance, and how far a series reaches.
+//! The order of a series for a tolerance, and the step size that a series allows.
 
 use super::rows::MAX_ORDER;
 use crate::magnitude::{exp2, log2};
 use crate::system::Vector;
 use crate::tolerance::{Tolerance, weighed_sq};
 
-/// The order of runs with a fixed step.
+/// Order of runs with a fixed step.
 pub const FIXED_STEP_ORDER: usize = 8;
-/// The least order that a tolerance is served with: one below costs more steps than it saves.
+/// Smallest order for a tolerance. A lower order costs more additional steps than it saves.
 const LEAST_ORDER: usize = 8;
-/// Fraction of the reach of the last two terms that a step takes.
+/// Safety factor on the step size at which the last two terms are within the tolerance.
 const SAFETY: f64 = 0.9;
-/// Where the term of this order is tolerated too, the high ones are not the ones to trust.
+/// Order of the low term that is compared with the last two. If it too is within the tolerance there, the high terms
+/// do not decrease and cannot be trusted.
 const LOW: usize = 3;
-/// A low term reaches no farther than the last ones by more than this factor, `e^½`.
+/// Factor on the step size at which the low term is tested, `e^½`.
 const FARTHER: f64 = 1.648_721_270_700_128;
 
 /// `⌈−0.7 ln rtol⌉`, between 8 and [`MAX_ORDER`].
 ///
-/// Where the work of a series grows with the square of its order, steps are cheapest at `−½ ln rtol`. Here it grows
-/// little faster than the order, and what a step costs beside its series asks for more; measured on the paper's
-/// Table 1 (`benches/README.md`).
+/// If the work of a series grew with the square of its order, steps would be cheapest at the order `−½ ln rtol`. Here
+/// the work grows little faster than the order, and the work of a step beside its series favours higher orders. The
+/// factor 0.7 was measured on the paper's Table 1 (`benches/README.md`).
 ///
 /// À. Jorba, M. Zou, "A software package for the numerical integration of ODEs by means of high-order
 /// Taylor methods", Exp. Math. 14(1), 99–117 (2005), §3.1.
@@ -29,7 +30,7 @@ pub fn order_for(rtol: f64) -> usize {
     (order.max(0.0) as usize).clamp(LEAST_ORDER, MAX_ORDER)
 }
 
-/// A step, and the degree of the polynomial that it is taken with.
+/// A step size, and the degree of the polynomial that the step is taken with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {
     /// Degree.
@@ -38,33 +39,33 @@ pub struct Reach {
     pub h: f64,
 }
 
-/// How far the series with these coefficients reaches: where its last two terms are tolerated.
+/// The step size at which the last two terms of the series with these coefficients are within the tolerance.
 ///
 /// ```text
 /// h = 0.9 min(‖y_N‖^(−1/N), ‖y_(N−1)‖^(−1/(N−1)))      ‖·‖ in units of the tolerance
 /// ```
 ///
-/// Jorba and Zou, §3.2.1. Near a singular point of the right-hand side the high terms grow without
-/// bound or are not finite: the series is then cut at the degree that reaches farthest. None where
-/// not even two terms beyond the first are finite.
+/// Jorba and Zou, §3.2.1. Near a singular point of the right-hand side the high terms grow without bound or are not
+/// finite. The series is then cut at the degree that allows the longest step. Returns `None` where not even two terms
+/// beyond the first are finite.
 ///
-/// `weights` is memory, as long as a state.
+/// `weights` is workspace of the length of a state.
 pub fn reach<Y: Vector<f64>>(y: &[Y], tolerance: &Tolerance, weights: &mut Y) -> Option<Reach> {
     tolerance.weights(y[0].as_ref(), weights.as_mut());
     reach_by(y.len() - 1, |k| weighed_sq(y[k].as_ref(), weights.as_ref()))
 }
 
-/// [`reach`] of a series of `order` by the squares of its norms.
+/// [`reach`] of a series of `order`, from the squares of the norms of its coefficients.
 #[inline]
 pub(crate) fn reach_by(order: usize, norm_sq: impl Fn(usize) -> f64) -> Option<Reach> {
-    // log₂ h of the last two terms; not a number where they are not.
+    // log₂ h from the terms n − 1 and n; NaN where one of them is.
     let of_last = |n: usize| {
         let (a, b) = (log_root(norm_sq(n - 1), n - 1), log_root(norm_sq(n), n));
         if a < b || a.is_nan() { a } else { b }
     };
     let log_h = of_last(order);
     let h = exp2(log_h);
-    // Where already a low term is tolerated, the high ones do not converge.
+    // If the low term is within the tolerance there too, the high terms do not converge.
     let far = FARTHER * h;
     let is_high = norm_sq(LOW) * (far * far * far) * (far * far * far) < 1.0;
     if log_h > f64::NEG_INFINITY && (log_h == f64::INFINITY || !is_high) {
@@ -84,19 +85,19 @@ pub(crate) fn reach_by(order: usize, norm_sq: impl Fn(usize) -> f64) -> Option<R
     Some(Reach { degree: if n < order { n - 2 } else { n }, h: SAFETY * exp2(log_h) })
 }
 
-/// `log₂ x^(−1/2k)` for the square of a norm: infinite for zero.
+/// `log₂ x^(−1/2k)` for the square x of a norm; infinite for zero.
 fn log_root(norm_sq: f64, k: usize) -> f64 {
     -0.5 / k as f64 * log2(norm_sq)
 }
 
-/// The degree to which a series is worth evaluating at `h`, whatever the tolerance: the last three
-/// terms of some state growing by factors of two and more, it is cut where they began to.
+/// The degree to which a series is worth evaluating at `h`, regardless of the tolerance. Where each of the last three
+/// terms of some state is more than twice the one before, the series is cut where this growth began.
 pub fn convergent_degree<Y: Vector<f64>>(y: &[Y], h: f64) -> usize {
     let order = y.len() - 1;
     let n_states = y[0].as_ref().len();
     let is_growing = |k: usize, i: usize| {
         let (before, term) = (y[k - 1].as_ref()[i].abs(), (y[k].as_ref()[i] * h).abs());
-        // What is not a number grows.
+        // NaN counts as growth.
         term > 2.0 * before || term.is_nan()
     };
     let is_bad = |i: usize| {

@@ -1,9 +1,9 @@
-//! Where a polynomial falls below zero first: isolated by its Bernstein coefficients.
+//! The first place where a polynomial falls below zero, isolated by its Bernstein coefficients.
 
 use super::rows::MAX_ORDER;
 use crate::root::{Bracket, find_root};
 
-/// Halvings after which roots are not told apart: they are then a touch, and no crossing.
+/// Number of halvings after which two roots are not separated. They are then taken for a touch, which is no crossing.
 const DEPTH: u32 = 40;
 
 /// `1/C(n, k)`.
@@ -22,7 +22,7 @@ static PER_BINOMIAL: [[f64; MAX_ORDER + 1]; MAX_ORDER + 1] = {
     table
 };
 
-/// A polynomial on [0, 1], by its coefficients of 1, s, s², …
+/// A polynomial on [0, 1], given by its coefficients of 1, s, s², …
 #[derive(Clone, Copy, Debug)]
 pub struct Polynomial {
     c: [f64; MAX_ORDER + 1],
@@ -33,7 +33,7 @@ impl Polynomial {
     /// The polynomial with these coefficients.
     ///
     /// # Panics
-    /// For more than [`MAX_ORDER`]` + 1`, or none.
+    /// For more than [`MAX_ORDER`]` + 1` coefficients, or none.
     pub fn new(coefficients: impl ExactSizeIterator<Item = f64>) -> Self {
         let mut polynomial = Self { c: [0.0; MAX_ORDER + 1], degree: coefficients.len() - 1 };
         for (c, coefficient) in polynomial.c.iter_mut().zip(coefficients) {
@@ -52,7 +52,7 @@ impl Polynomial {
         self.coefficients().iter().rev().fold(0.0, |sum, c| sum * s + c)
     }
 
-    /// The same polynomial raised by `level`.
+    /// This polynomial plus the constant `level`.
     pub fn raised(mut self, level: f64) -> Self {
         self.c[0] += level;
         self
@@ -66,8 +66,8 @@ impl Polynomial {
         self
     }
 
-    /// The first root in `[from, 1]` at which it falls from above zero, to within `precision`; none
-    /// where it does not.
+    /// The first root in `[from, 1]` at which the polynomial falls from above zero, to within `precision`; `None`
+    /// where there is none.
     pub fn first_fall(&self, from: f64, precision: f64) -> Option<f64> {
         let bracket = Bernstein::on(self, from).first_fall(from, 1.0, DEPTH)?;
         if bracket.above == bracket.below {
@@ -77,15 +77,15 @@ impl Polynomial {
     }
 }
 
-/// A polynomial on some interval, by its coefficients in the basis of Bernstein:
+/// A polynomial on some interval, given by its Bernstein coefficients:
 ///
 /// ```text
 /// p = Σ b_j C(n, j) uʲ (1 − u)ⁿ⁻ʲ,   u from 0 to 1
 /// ```
 ///
-/// By Descartes' rule of signs the number of its roots inside is that of the changes of sign of
-/// `b_0 … b_n`, or less by an even number: none or one change decides, more are halved. So no crossing
-/// of the polynomial is passed over, however many there are.
+/// By Descartes' rule of signs the number of roots inside the interval is the number of sign changes in `b_0 … b_n`,
+/// or less by an even number. No change or one change determines the number of roots; with more changes the interval
+/// is halved. So no crossing of the polynomial is missed, however many there are.
 ///
 /// F. Rouillier, P. Zimmermann, "Efficient isolation of polynomial's real roots", J. Comput. Appl. Math.
 /// 162(1), 33–50 (2004).
@@ -100,7 +100,7 @@ impl Bernstein {
     fn on(p: &Polynomial, from: f64) -> Self {
         let n = p.degree;
         let mut b = p.c;
-        // The polynomial of u in s = from + (1 − from) u: Horner's shift, then a scale.
+        // Substitution of s = from + (1 − from) u: Horner's shift, then a scaling.
         let width = 1.0 - from;
         if from != 0.0 {
             for i in 0..n {
@@ -114,7 +114,7 @@ impl Bernstein {
                 scale *= width;
             }
         }
-        // b_j = Σ_k C(j, k)/C(n, k) c_k: differences summed up.
+        // b_j = Σ_k C(j, k)/C(n, k) c_k, computed as repeated sums.
         for (b, per_binomial) in b.iter_mut().zip(&PER_BINOMIAL[n][..=n]) {
             *b *= per_binomial;
         }
@@ -130,8 +130,8 @@ impl Bernstein {
         &self.b[..=self.degree]
     }
 
-    /// Signs of the coefficients that are not zero: the first and the last, which are those of the
-    /// polynomial just inside both ends, and whether they change once at most.
+    /// Signs of the first and the last nonzero coefficient, which are the signs of the polynomial just inside both
+    /// ends, and whether the sign changes at most once.
     fn signs(&self) -> ([f64; 2], bool) {
         let mut signs = self.coefficients().iter().filter(|b| **b != 0.0).map(|b| b.signum());
         let first = signs.next().unwrap_or(0.0);
@@ -143,7 +143,7 @@ impl Bernstein {
         ([first, last], changes <= 1)
     }
 
-    /// Both halves, by the algorithm of de Casteljau.
+    /// The polynomial on both halves of the interval, by the algorithm of de Casteljau.
     fn halves(&self) -> [Self; 2] {
         let n = self.degree;
         let (mut left, mut right) = (*self, *self);
@@ -157,8 +157,8 @@ impl Bernstein {
         [left, right]
     }
 
-    /// Where the first fall lies, this being the interval from `lo` to `hi`; a bracket without width
-    /// for a root met exactly.
+    /// A bracket of the first fall, where the interval is that from `lo` to `hi`. The bracket has no width where a
+    /// root is met exactly.
     fn first_fall(&self, lo: f64, hi: f64, depth: u32) -> Option<Bracket> {
         let ([first, last], is_simple) = self.signs();
         if is_simple || depth == 0 {

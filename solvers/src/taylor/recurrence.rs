@@ -1,10 +1,10 @@
-//! The recurrences of Taylor coefficients, one a function.
+//! The recurrences of Taylor coefficients, one function each.
 //!
-//! With `a(s) = Σ a_k sᵏ` and so on, each gives coefficient `k ≥ 1` of a result from those of its
-//! arguments up to order `k` and its own below, but for the product one order ahead. An argument's coefficient of
-//! order `k` is passed by value: it is new, and short sums run from the middle outwards so that the newest terms come
-//! last. Of a product the second factor, of a quotient the dividend may be the last to be known: it waits for one
-//! operation.
+//! With `a(s) = Σ a_k sᵏ` and so on, each function gives the coefficient `k ≥ 1` of a result from the coefficients of
+//! its arguments up to order `k` and its own lower ones; `product_ahead` gives the next order. The coefficient of
+//! order `k` of an argument is passed by value, because it was computed last; short sums run from the middle
+//! outwards, so that the newest terms are added last. Pass the operand on the critical path as the second factor of a
+//! product or the dividend of a quotient: only one fused operation follows it.
 //!
 //! A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd ed., SIAM (2008), table 13.1 and 13.2;
 //! E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, I.8.
@@ -12,22 +12,22 @@
 use super::coefficient::Coefficient;
 use super::rows::Row;
 
-/// The highest order of a run whose sums are taken from the middle outwards, as straight code does best.
+/// The highest order whose sums run from the middle outwards, which is the fastest form for straight-line code.
 pub(super) const SHORT: usize = 5;
 
-/// `1/k`, a constant where the order is one.
+/// `1/k`, which the compiler evaluates where the order is a constant.
 #[inline(always)]
 pub(super) fn reciprocal<B: Coefficient>(k: usize) -> B {
     B::cst(1.0) / k as f64
 }
 
-/// `Σ a_j b_(k−j)` over `j = 1 … k − 1`, `k ≥ 1`; none where there is none to sum.
+/// `Σ a_j b_(k−j)` over `j = 1 … k − 1`, for `k ≥ 1`; `None` where the sum is empty.
 #[inline(always)]
 fn inner<B: Coefficient>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
     if k > SHORT { Some(B::long_inner(k, a, b.tail(0))) } else { short_inner(k, a, b) }
 }
 
-/// The same, from the middle outwards.
+/// The same sum, from the middle outwards.
 #[inline(always)]
 fn short_inner<B: Coefficient>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
     let mut sum = if k.is_multiple_of(2) { Some(a.at(k / 2) * b.at(k / 2)) } else { None };
@@ -41,7 +41,7 @@ fn short_inner<B: Coefficient>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
     sum
 }
 
-/// The same for `b = a`.
+/// The same sum for `b = a`.
 #[inline(always)]
 fn inner_square<B: Coefficient>(k: usize, a: &Row<B>) -> Option<B> {
     if k > SHORT {
@@ -63,7 +63,7 @@ fn inner_square<B: Coefficient>(k: usize, a: &Row<B>) -> Option<B> {
     }
 }
 
-/// `a b + sum`, of a sum that may be none.
+/// `a b + sum`, where an empty sum is `None`.
 #[inline(always)]
 fn onto<B: Coefficient>(sum: Option<B>, a: B, b: B) -> B {
     match sum {
@@ -72,7 +72,7 @@ fn onto<B: Coefficient>(sum: Option<B>, a: B, b: B) -> B {
     }
 }
 
-/// `a − sum`, the same.
+/// `a − sum`, where an empty sum is `None`.
 #[inline(always)]
 fn less<B: Coefficient>(a: B, sum: Option<B>) -> B {
     match sum {
@@ -91,7 +91,8 @@ pub(super) fn product<B: Coefficient>(
     B::fma(b_k, a.at(0), onto(inner(k, a, b), a_k, b.at(0)))
 }
 
-/// `c_(k+1) = Σ a_j b_(k+1−j)` of `c = a b`, `k ≥ 0`, in a run of order `k` that knows the factors to order `k + 1`.
+/// `c_(k+1) = Σ a_j b_(k+1−j)` of `c = a b`, for `k ≥ 0`, in a run of order `k` in which the factors are known to
+/// order `k + 1`.
 #[inline(always)]
 pub(super) fn product_ahead<B: Coefficient>(
     k: usize,
@@ -99,7 +100,7 @@ pub(super) fn product_ahead<B: Coefficient>(
     (b, b_next): (&Row<B>, B),
 ) -> B {
     let sum = if k > SHORT {
-        // As many terms as sums of order k have.
+        // The long sum has as many terms as a sum of order k; the last term is added separately.
         Some(B::fma(a.at(k), b.at(1), B::long_inner(k, a, b.tail(1))))
     } else {
         short_inner(k + 1, a, b)
@@ -113,34 +114,33 @@ pub(super) fn square<B: Coefficient>(k: usize, (a, a_k): (&Row<B>, B)) -> B {
     onto(inner_square(k, a), a.at(0) * 2.0, a_k)
 }
 
-/// `c = a/b`: `b_0 c_k = a_k − Σ c_j b_(k−j)` over `j < k`, as `a_k/b_0 − (Σ …)/b_0`, so that `a_k` waits for one
-/// operation; `b` keeps nothing, `c` keeps `1/b_0`.
+/// `c = a/b`: `b_0 c_k = a_k − Σ c_j b_(k−j)` over `j < k`, computed as `a_k/b_0 − (Σ …)/b_0`, so that only one
+/// operation follows `a_k`. The row `c` keeps `1/b_0`.
 #[inline(always)]
 pub(super) fn quotient<B: Coefficient>(k: usize, a_k: B, (b, b_k): (&Row<B>, B), c: &Row<B>) -> B {
     let rest = onto(inner(k, c, b), b_k, c.at(0));
     B::fma(a_k, c.kept.get(), -(rest * c.kept.get()))
 }
 
-/// `c = √a`: `2 c_0 c_k = a_k − Σ c_j c_(k−j)` over `0 < j < k`; `c` keeps `1/(2 c_0)`.
+/// `c = √a`: `2 c_0 c_k = a_k − Σ c_j c_(k−j)` over `0 < j < k`. The row `c` keeps `1/(2 c_0)`.
 #[inline(always)]
 pub(super) fn sqrt<B: Coefficient>(k: usize, a_k: B, c: &Row<B>) -> B {
     less(a_k, inner_square(k, c)) * c.kept.get()
 }
 
-/// `Σ j a_j b_(k−j)/k` over `j = 1 … k`, of the row `d_j = j a_j`: what `b da/ds` integrates to.
+/// `Σ j a_j b_(k−j)/k` over `j = 1 … k`, from the row `d_j = j a_j`: the coefficient of the integral of `b da/ds`.
 #[inline(always)]
 pub(super) fn integral<B: Coefficient>(k: usize, (d, a_k): (&Row<B>, B), b: &Row<B>) -> B {
     onto(inner(k, d, b).map(|sum| sum * reciprocal::<B>(k)), a_k, b.at(0))
 }
 
-/// `c = ln a`: `a_0 c_k = a_k − Σ j c_j a_(k−j)/k` over `0 < j < k`, of the row `d_j = j c_j`, which
-/// keeps `1/a_0`.
+/// `c = ln a`: `a_0 c_k = a_k − Σ j c_j a_(k−j)/k` over `0 < j < k`, from the row `d_j = j c_j`, which keeps `1/a_0`.
 #[inline(always)]
 pub(super) fn ln<B: Coefficient>(k: usize, (a, a_k): (&Row<B>, B), d: &Row<B>) -> B {
     less(a_k, inner(k, d, a).map(|sum| sum * reciprocal::<B>(k))) * d.kept.get()
 }
 
-/// `c = aᵖ`: `k a_0 c_k = Σ (p (k − j) − j) c_j a_(k−j)` over `j < k`; `c` keeps `1/a_0`.
+/// `c = aᵖ`: `k a_0 c_k = Σ (p (k − j) − j) c_j a_(k−j)` over `j < k`. The row `c` keeps `1/a_0`.
 #[inline(always)]
 pub(super) fn power<B: Coefficient>(k: usize, (a, a_k): (&Row<B>, B), p: f64, c: &Row<B>) -> B {
     let mut sum = B::cst(0.0);

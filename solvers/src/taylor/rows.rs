@@ -1,4 +1,4 @@
-//! The table of coefficients that the operations of a right-hand side share.
+//! The table of Taylor coefficients, with a row for each operation of a right-hand side.
 
 use std::cell::Cell;
 
@@ -7,15 +7,15 @@ use super::coefficient::Coefficient;
 /// The highest order of a series.
 pub const MAX_ORDER: usize = 25;
 
-/// Rows of a new table.
+/// Number of rows of a new table.
 pub(super) const N_ROWS: usize = 64;
 
-/// The Taylor coefficients of one intermediate result, as far as they are kept.
+/// The Taylor coefficients of one intermediate result, as far as later orders read them.
 #[derive(Debug)]
 pub struct Row<B: Copy> {
-    /// To the highest order, and one that is known before it is asked for.
+    /// The coefficients to the highest order, and one more, because some are known one order ahead.
     coefficients: [Cell<B>; MAX_ORDER + 2],
-    /// What an operation keeps for the orders to come, such as the reciprocal of a divisor.
+    /// A number that an operation keeps for higher orders, such as the reciprocal of a divisor.
     pub(super) kept: Cell<B>,
 }
 
@@ -43,7 +43,7 @@ impl<B: Coefficient> Row<B> {
     }
 }
 
-/// The coefficients of a row from some order on, counted from there.
+/// The coefficients of a row from some order on, indexed from there.
 #[derive(Clone, Copy, Debug)]
 pub struct Tail<'a, B: Copy> {
     row: &'a Row<B>,
@@ -51,17 +51,17 @@ pub struct Tail<'a, B: Copy> {
 }
 
 impl<B: Coefficient> Tail<'_, B> {
-    /// That of order `first + k`.
+    /// The coefficient of order `first + k`.
     #[inline(always)]
     pub fn at(self, k: usize) -> B {
         self.row.at(self.first + k)
     }
 }
 
-/// A row for each operation, in the order in which a run comes by them.
+/// A row for each operation, in the order in which a run makes them.
 ///
-/// Each order is one run of the right-hand side, and each run begins at the first row. So an
-/// operation finds its row by counting, as long as every run makes the same operations.
+/// Each order is one run of the right-hand side, and each run begins at the first row. So an operation finds its row
+/// by counting, provided that every run makes the same operations.
 #[derive(Debug)]
 pub struct Rows<B: Copy> {
     rows: Vec<Row<B>>,
@@ -74,7 +74,7 @@ impl<B: Coefficient> Default for Rows<B> {
 }
 
 impl<B: Coefficient> Rows<B> {
-    /// A table that is enough for most, and grows with its use.
+    /// A table with enough rows for most systems, which grows where needed.
     pub fn new() -> Self {
         Self { rows: (0..N_ROWS).map(|_| Row::new()).collect() }
     }
@@ -84,7 +84,8 @@ impl<B: Coefficient> Rows<B> {
         self.rows[..n].iter().map(|row| row.at(0)).collect()
     }
 
-    /// Makes room for a run that took `n` rows; whether it had too little, and is worth nothing.
+    /// Makes room for a run that takes `n` rows. Returns whether there were too few rows, so that the run is invalid
+    /// and must be repeated.
     #[inline]
     pub(super) fn grow(&mut self, n: usize) -> bool {
         let is_short = self.rows.len() < n;
@@ -94,19 +95,20 @@ impl<B: Coefficient> Rows<B> {
         is_short
     }
 
-    /// The table as a run of order `k` sees it, which counts its rows in `n`.
+    /// The table for a run of order `k`, which counts its rows in `n`.
     ///
-    /// The count is not kept here: a local one is no memory where all is inlined.
+    /// The counter is a local variable of the caller and not a field here, because the compiler can keep a local
+    /// variable in a register where all operations are inlined.
     #[inline(always)]
     pub(super) fn table<'a>(&'a self, n: &'a Cell<usize>, k: usize) -> Table<'a, B> {
         let rows = &self.rows[..];
-        // Never false; it spares the checks of constant rows.
+        // Always true; it lets the compiler omit the bounds checks of rows with constant indices.
         assert!(rows.len() >= N_ROWS, "a table of rows never shrinks");
         Table { rows, n, k }
     }
 }
 
-/// The table in the hands of one run.
+/// The table, borrowed by one run.
 #[derive(Clone, Copy)]
 pub(super) struct Table<'a, B: Copy> {
     rows: &'a [Row<B>],
@@ -116,7 +118,7 @@ pub(super) struct Table<'a, B: Copy> {
 }
 
 impl<'a, B: Coefficient> Table<'a, B> {
-    /// The next row; any one where there is none, in a run that [begins anew](Rows::grow).
+    /// The next row. Beyond the last row it is an arbitrary one; the run is then [repeated](Rows::grow).
     #[inline(always)]
     pub(super) fn next(self) -> &'a Row<B> {
         let n = self.n.get();
@@ -129,8 +131,8 @@ impl<'a, B: Coefficient> Table<'a, B> {
         if n < self.rows.len() { &self.rows[n] } else { &self.rows[0] }
     }
 
-    /// What `call` gives with a count of its own, and the row that it took last. A function that is
-    /// not inlined would force the count into memory.
+    /// The result of `call`, which is given a row counter of its own, and the last row that it took. With the same
+    /// counter, a function that is not inlined would force the counter into memory.
     #[inline(always)]
     pub(super) fn outlined(self, call: impl FnOnce(Table<'_, B>) -> B) -> (&'a Row<B>, B) {
         let n = Cell::new(self.n.get());
@@ -139,7 +141,7 @@ impl<'a, B: Coefficient> Table<'a, B> {
         (self.row(n.get() - 1), coefficient)
     }
 
-    /// The same of several coefficients, whose rows it took last.
+    /// The same for several coefficients, which are in the last rows that `call` took.
     #[inline(always)]
     pub(super) fn all_outlined<const M: usize>(
         self,

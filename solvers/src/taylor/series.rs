@@ -1,4 +1,4 @@
-//! The scalar that expands a right-hand side: one Taylor coefficient at a time.
+//! The scalar that expands a right-hand side: a Taylor series, of which one coefficient is computed at a time.
 
 mod operators;
 
@@ -15,26 +15,24 @@ use crate::real::{
 /// The largest integer power that is taken by products.
 const LARGEST_PRODUCT: f64 = 64.0;
 
-/// A function of time, of which the present run computes one Taylor coefficient; those
-/// of lower orders are in a table.
+/// A function of time as a Taylor series. The present run computes the coefficient of one order; the lower ones are
+/// in a table.
 ///
-/// A right-hand side is run once per order. Each of its operations finds its row in the table and
-/// computes one coefficient by its [`recurrence`], so `N` runs expand to order `N`
-/// whatever the right-hand side is made of. Constants have no row, and cost no more than numbers.
-/// A coefficient is written to its row by what reads the row at higher orders: a recurrence *keeps* each
-/// operand that it sums over, and its own result where it sums over that.
+/// A right-hand side is run once per order. Each of its operations finds its row in the table and computes one
+/// coefficient by its [`recurrence`], so `N` runs expand to order `N` whatever the right-hand side consists of.
+/// Constants have no row, and cost no more than numbers. A coefficient is written to its row only if a later order
+/// reads it: a recurrence *keeps* each operand that it sums over, and its own result if it sums over that.
 ///
-/// The coefficient of order zero is computed by the very operations of an `f64`, and is
-/// [`value`](Real::value) at every order: decisions taken on it are the same in every run, as the
-/// table needs them to be.
+/// The coefficient of order zero is computed by the same operations as with `f64`. It is the [`value`](Real::value)
+/// of the series in the runs of all orders, so decisions are the same in every run. The table relies on that.
 #[derive(Clone, Copy)]
 pub struct Series<'a, B: Copy> {
     place: Option<Place<'a, B>>,
-    /// The coefficient of the present order; of a constant its value, at every order.
+    /// The coefficient of the present order; for a constant, its value in runs of all orders.
     pub(super) coefficient: B,
 }
 
-/// Where the coefficients of a series are.
+/// Place of the coefficients of a series: its table and row.
 #[derive(Clone, Copy)]
 struct Place<'a, B: Copy> {
     table: Table<'a, B>,
@@ -48,8 +46,8 @@ impl<'a, B: Coefficient> Series<'a, B> {
         Self { place: None, coefficient: x }
     }
 
-    /// A new row for this coefficient, which is written to it at order zero, and else once it is
-    /// [kept](Self::kept).
+    /// A series in a new row with this coefficient. The coefficient is written to the row at order zero, and at
+    /// higher orders only by [`kept`](Self::kept).
     #[inline(always)]
     pub(super) fn new(table: Table<'a, B>, coefficient: B) -> Self {
         let row = table.next();
@@ -59,8 +57,8 @@ impl<'a, B: Coefficient> Series<'a, B> {
         Self { place: Some(Place { table, row }), coefficient }
     }
 
-    /// The same, its coefficient written to its row, for what sums over lower orders: what is only added up, or
-    /// multiplied by constants, is never asked for it.
+    /// Writes the coefficient to its row, for recurrences that sum over lower orders. Series that are only added, or
+    /// multiplied by constants, need not be written.
     #[inline(always)]
     fn kept(self) -> Self {
         if let Some(Place { table, row }) = self.place {
@@ -69,26 +67,27 @@ impl<'a, B: Coefficient> Series<'a, B> {
         self
     }
 
-    /// The coefficient of the present order in `row`.
+    /// A series whose coefficient of the present order is this one, which is written to `row`.
     #[inline(always)]
     fn at(table: Table<'a, B>, row: &'a Row<B>, coefficient: B) -> Self {
         row.set(table.k, coefficient);
         Self { place: Some(Place { table, row }), coefficient }
     }
 
-    /// The coefficient of order `k`, which is the run's.
+    /// The coefficient of order `k`, which must be the order of the run.
     #[inline(always)]
     pub(super) fn coefficient(self, k: usize) -> B {
         if self.place.is_some() || k == 0 { self.coefficient } else { B::cst(0.0) }
     }
 
-    /// What `row` holds of the present order already.
+    /// The series in `row`, whose coefficient of the present order is known already.
     #[inline(always)]
     fn known(table: Table<'a, B>, row: &'a Row<B>) -> Self {
         Self { place: Some(Place { table, row }), coefficient: row.at(table.k) }
     }
 
-    /// A linear function of this series, with this coefficient; of a constant, its value.
+    /// A linear function of this series, whose coefficient is the given one; a constant where this series is
+    /// constant.
     #[inline(always)]
     pub(super) fn linear(self, coefficient: B) -> Self {
         match self.place {
@@ -104,11 +103,11 @@ impl<'a, B: Coefficient> Series<'a, B> {
         self.linear(if is_value { self.coefficient + x } else { self.coefficient })
     }
 
-    /// The series over the constant `x`.
+    /// The series divided by the constant `x`.
     #[inline(always)]
     fn over_constant(self, x: B) -> Self {
         let is_value = self.place.is_none_or(|place| place.table.k == 0);
-        // Higher orders need not be those of an f64 to the bit, and a division is slow.
+        // Only the value must agree with `f64` to the bit; at higher orders a product replaces the slow division.
         self.linear(if is_value {
             self.coefficient / x
         } else {
@@ -124,15 +123,15 @@ impl<'a, B: Coefficient> Series<'a, B> {
         }
     }
 
-    /// The coefficient of `aᵖ`, in the row taken last.
-    // Inlined, its loops keep the count of rows of all operations around them in memory.
+    /// Computes the coefficient of `aᵖ`, in the last row that it takes.
+    // Not inlined: its loops would keep the row counter of all surrounding operations in memory.
     #[inline(never)]
     fn power(table: Table<'_, B>, (row, a_k): (&Row<B>, B), p: f64) -> B {
         let k = table.k;
         if (2.0..=LARGEST_PRODUCT).contains(&p) && p.fract() == 0.0 {
             let base = Series { place: Some(Place { table, row }), coefficient: a_k };
             let product = base.product(p as u32);
-            // The value is that of an f64 to the bit.
+            // The value must agree with `f64` to the bit.
             let c_k = if k == 0 { Real::powf(a_k, p) } else { product.coefficient };
             return Series::new(table, c_k).coefficient;
         }
@@ -147,14 +146,15 @@ impl<'a, B: Coefficient> Series<'a, B> {
         c_k
     }
 
-    /// The coefficient of `f` of the series in `row`, in the row taken last.
+    /// Computes the coefficient of `f` of the series in `row`, in the last row that it takes.
     #[inline(never)]
     fn function<F: Function>(table: Table<'_, B>, (row, a_k): (&Row<B>, B), f: &F) -> B {
         let value = f.of(Series { place: Some(Place { table, row }), coefficient: a_k });
         Series::new(table, value.coefficient(table.k)).coefficient
     }
 
-    /// The coefficients of `f` of the series in these rows or, without one, constant; in the rows taken last.
+    /// Computes the coefficients of `f` of the series in these rows (constants where there is no row), in the last
+    /// rows that it takes.
     #[inline(never)]
     fn functions<F: Functions<N, M>, const N: usize, const M: usize>(
         table: Table<'_, B>,
@@ -168,7 +168,8 @@ impl<'a, B: Coefficient> Series<'a, B> {
         f.of(x).map(|y| Series::new(table, y.coefficient(table.k)).coefficient)
     }
 
-    /// `selfⁿ` by squaring, `n ≥ 1`: it has no singular point where the base is zero.
+    /// `selfⁿ` by repeated squaring, `n ≥ 1`. Unlike the recurrence of powers it has no singular point where the base
+    /// is zero.
     fn product(self, mut n: u32) -> Self {
         let (mut square, mut product) = (self, None);
         loop {
@@ -308,7 +309,7 @@ impl<B: Coefficient> Real for Series<'_, B> {
         };
         let table = at_x.table;
         let (k, rho, rate) = (table.k, table.next(), table.next());
-        // ρ ρ̇ = d·v, and ρ_(k+1) = ρ̇_k/(k + 1): neither squares nor a root beyond order zero.
+        // ρ ρ̇ = d·v and ρ_(k+1) = ρ̇_k/(k + 1), so orders above zero need neither squares nor a root.
         let rate_k = if k == 0 {
             let d = [x.coefficient, y.coefficient];
             let length = length_of_values(d, [v_x.coefficient, v_y.coefficient]);
@@ -350,7 +351,8 @@ impl<B: Coefficient> Real for Series<'_, B> {
             k == 0 || sin_rate.kept.get().value() == k as f64,
             "a curve that turns was not ended at the order before {k}"
         );
-        // Those of the rates are known from the order before, and tell sine and cosine one order ahead.
+        // The coefficients of the rates are known from the order before. They give those of sine and cosine one order
+        // higher.
         let share = recurrence::reciprocal::<B>(k + 1);
         sin.set(k + 1, sin_rate.at(k) * share);
         cos.set(k + 1, cos_rate.at(k) * share);
@@ -389,7 +391,7 @@ impl<B: Coefficient> Real for Series<'_, B> {
             let rates = [rates[0].coefficient, rates[1].coefficient];
             less_turning_of_values([a_x, a_y], [along, rates, arms], omega.coefficient, alpha)
         } else {
-            // r̈ of this order is k + 1 times ṙ of the next.
+            // The coefficient of r̈ of this order is k + 1 times that of ṙ of the next order.
             let n = (k + 1) as f64;
             [B::fma(next_sin_rate, -(arms[0] * n), a_x), B::fma(next_cos_rate, -(arms[1] * n), a_y)]
         };

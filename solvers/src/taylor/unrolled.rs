@@ -1,25 +1,25 @@
-//! Runs of one order, or of one of four, with that known to the compiler.
+//! Code that is specialised to one order of a series, or to one of four.
 //!
-//! Loops over lower orders are then straight lines of code. In a run of one order the place of each coefficient in
-//! the table is a constant too; in one of four orders sums are of one number of vectors.
+//! Loops over lower orders then become straight-line code. In code for one order the address of each coefficient in
+//! the table is a constant too. In code for four orders each sum has a fixed number of vectors.
 
 use super::rows::MAX_ORDER;
 
-/// Something that is done for one order of a series.
+/// A computation for one order of a series.
 pub(super) trait OfOrder: Sized {
-    /// What it gives.
+    /// The result.
     type Output;
 
-    /// Orders above this one are not worth code of their own.
+    /// Highest order for which specialised code is worthwhile.
     const HIGHEST: usize;
 
-    /// Orders above this one share their code with others.
+    /// Highest order with code of its own; orders above share code.
     const HIGHEST_APIECE: usize;
 
-    /// Does it for order `k`; inlined, for the sake of what is known of `k`.
+    /// Does the computation for order `k`. It must be inlined, so that the compiler can use what it knows of `k`.
     fn of_order(self, k: usize) -> Self::Output;
 
-    /// [`of_order`](Self::of_order), by the code for just these orders where there is one.
+    /// Calls [`of_order`](Self::of_order) in the code that is specialised to `k`, where there is such code.
     #[inline]
     fn unrolled(self, k: usize) -> Self::Output {
         macro_rules! among {
@@ -29,7 +29,7 @@ pub(super) trait OfOrder: Sized {
                     $($own if const { $own <= Self::HIGHEST_APIECE } => {
                         among::<Self, $own, 1>(self, k)
                     })*
-                    // By the number of vectors in a sum, ⌊(k + 2)/4⌋.
+                    // Grouped by the number of vectors in a sum, ⌊(k + 2)/4⌋.
                     6..=9 => among::<Self, 6, 4>(self, k),
                     10..=13 => among::<Self, 10, 4>(self, k),
                     14..=17 => among::<Self, 14, 4>(self, k),
@@ -39,13 +39,14 @@ pub(super) trait OfOrder: Sized {
                 }
             };
         }
-        // Up to the last of the short sums, and where that is worth it beyond, each order by itself.
+        // Orders up to the last of the short sums have code of their own each, and orders beyond where that is
+        // worthwhile.
         among!(0 1 2 3 4 5, 6 7 8 9 10 11 12 13)
     }
 }
 
-/// Does it for `k`, one of `N` orders from `LEAST` on: written so that this range is in the number itself and
-/// no compiler has to see it from where it is called.
+/// Does the computation for `k`, one of the `N` orders from `LEAST` on. The order is written so that its range is
+/// evident from the expression itself, and the compiler need not derive it from the call.
 #[inline(never)]
 fn among<R: OfOrder, const LEAST: usize, const N: usize>(run: R, k: usize) -> R::Output {
     debug_assert!((LEAST..LEAST + N).contains(&k), "order {k} is not among {N} from {LEAST} on");

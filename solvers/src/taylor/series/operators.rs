@@ -51,7 +51,7 @@ impl<B: Coefficient> Sub for Series<'_, B> {
 impl<B: Coefficient> Mul for Series<'_, B> {
     type Output = Self;
 
-    /// Waits for one operation where the second factor is known last, for two where the first is.
+    /// If the second factor is known last, one operation follows it; if the first is, two.
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         let (a_k, b_k) = (self.coefficient, other.coefficient);
