@@ -5,7 +5,7 @@ use crate::linear::{Jacobian, Shifted};
 use crate::one_step::OneStep;
 use crate::order_conditions::{residuals, trees};
 use crate::stats::Stats;
-use crate::step::Step;
+use crate::step::{Step, end_accessors};
 use crate::system::{System, Vector};
 
 /// A stiffly accurate Rosenbrock method with `S` stages. The coefficients are those of the form that needs no product
@@ -266,29 +266,7 @@ impl<Y: Vector<f64>, const S: usize> RosenbrockStep<Y, S> {
 }
 
 impl<Y: Vector<f64>, const S: usize> Step<Y> for RosenbrockStep<Y, S> {
-    fn t0(&self) -> f64 {
-        self.t0
-    }
-
-    fn t1(&self) -> f64 {
-        self.t1
-    }
-
-    fn y0(&self) -> &Y {
-        &self.y0
-    }
-
-    fn y1(&self) -> &Y {
-        &self.y1
-    }
-
-    fn slope0(&self) -> &Y {
-        &self.slope0
-    }
-
-    fn slope1(&self) -> &Y {
-        &self.slope1
-    }
+    end_accessors!(step => &step.y0, &step.slope0);
 
     fn interpolate(&self, t: f64, y: &mut Y) {
         if t == self.t1 {

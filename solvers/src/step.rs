@@ -25,6 +25,40 @@ pub trait Step<Y> {
     fn interpolate(&self, t: f64, y: &mut Y);
 }
 
+/// Writes the accessors of a [`Step`] over states `Y` that has the fields `t0`, `t1`, `y1` and `slope1`; state and slope
+/// at its start are given as expressions of it.
+macro_rules! end_accessors {
+    ($step:ident => $y0:expr, $slope0:expr) => {
+        fn t0(&self) -> f64 {
+            self.t0
+        }
+
+        fn t1(&self) -> f64 {
+            self.t1
+        }
+
+        fn y0(&self) -> &Y {
+            let $step = self;
+            $y0
+        }
+
+        fn y1(&self) -> &Y {
+            &self.y1
+        }
+
+        fn slope0(&self) -> &Y {
+            let $step = self;
+            $slope0
+        }
+
+        fn slope1(&self) -> &Y {
+            &self.slope1
+        }
+    };
+}
+
+pub(crate) use end_accessors;
+
 /// A step of an explicit tableau method with `S` stages.
 #[derive(Debug)]
 pub struct TableauStep<Y, const S: usize, T = f64> {
@@ -77,29 +111,7 @@ impl<Y: Vector<f64>, const S: usize> TableauStep<Y, S> {
 }
 
 impl<Y: Vector<f64>, const S: usize> Step<Y> for TableauStep<Y, S> {
-    fn t0(&self) -> f64 {
-        self.t0
-    }
-
-    fn t1(&self) -> f64 {
-        self.t1
-    }
-
-    fn y0(&self) -> &Y {
-        &self.y0
-    }
-
-    fn y1(&self) -> &Y {
-        &self.y1
-    }
-
-    fn slope0(&self) -> &Y {
-        &self.k[0]
-    }
-
-    fn slope1(&self) -> &Y {
-        &self.slope1
-    }
+    end_accessors!(step => &step.y0, &step.k[0]);
 
     fn interpolate(&self, t: f64, y: &mut Y) {
         if t == self.t1 {

@@ -1,7 +1,7 @@
 //! A step of a Radau method: its collocation polynomial, corrected by the error estimate.
 
 use super::Radau;
-use crate::step::Step;
+use crate::step::{Step, end_accessors};
 use crate::system::Vector;
 use crate::tolerance::Tolerance;
 
@@ -55,29 +55,7 @@ impl<Y: Vector<f64>> RadauStep<Y> {
 }
 
 impl<Y: Vector<f64>> Step<Y> for RadauStep<Y> {
-    fn t0(&self) -> f64 {
-        self.t0
-    }
-
-    fn t1(&self) -> f64 {
-        self.t1
-    }
-
-    fn y0(&self) -> &Y {
-        &self.y0
-    }
-
-    fn y1(&self) -> &Y {
-        &self.y1
-    }
-
-    fn slope0(&self) -> &Y {
-        &self.slope0
-    }
-
-    fn slope1(&self) -> &Y {
-        &self.slope1
-    }
+    end_accessors!(step => &step.y0, &step.slope0);
 
     fn interpolate(&self, t: f64, y: &mut Y) {
         if t == self.t1 {

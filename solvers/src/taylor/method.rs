@@ -11,7 +11,7 @@ use crate::event::{GuardCrossing, GuardWatch};
 use crate::one_step::OneStep;
 use crate::real::Real;
 use crate::stats::Stats;
-use crate::step::Step;
+use crate::step::{Step, end_accessors};
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 
@@ -240,29 +240,7 @@ pub(crate) fn to_defect<T: Real, Y: Vector<T>>(h: T, degree: usize, slope: &Y, d
 }
 
 impl<Y: Vector<f64>> Step<Y> for TaylorStep<Y> {
-    fn t0(&self) -> f64 {
-        self.t0
-    }
-
-    fn t1(&self) -> f64 {
-        self.t1
-    }
-
-    fn y0(&self) -> &Y {
-        &self.y[0]
-    }
-
-    fn y1(&self) -> &Y {
-        &self.y1
-    }
-
-    fn slope0(&self) -> &Y {
-        &self.y[1]
-    }
-
-    fn slope1(&self) -> &Y {
-        &self.slope1
-    }
+    end_accessors!(step => &step.y[0], &step.y[1]);
 
     fn interpolate(&self, t: f64, y: &mut Y) {
         if t == self.t1 {
