@@ -64,37 +64,32 @@ impl<Y: Vector<T>, const S: usize, T: Real> ExplicitRk<Y, S, T> {
     }
 
     /// Takes a step of size `h` to `t1` along `field`: computes the stages after the first, the state at the end and
-    /// the error estimates.
-    ///
-    /// The present stage and the slope before it are no memory where states are short: what is stored entry by
-    /// entry and loaded in other pieces, as vectors are, waits for its store, twice a stage.
+    /// the error estimates, by the formulas of [`Tableau`].
     #[inline(always)]
     pub(crate) fn take(&mut self, t1: T, h: T, field: &impl Slope<T, Y>) {
-        let (tableau, step) = (self.tableau, &mut self.step);
+        let (Tableau { a, b, c, .. }, step) = (self.tableau, &mut self.step);
         (step.t1, step.h) = (t1, h);
-        let (mut y, mut last) = (self.y_stage.take(), step.k[0].take());
+        let mut y = self.y_stage.take();
+        let mut k = Stages::new(&mut step.k);
         for i in 1..S {
-            let (w, w_last) = last_apart(tableau.a[i], i);
-            combine_with(&step.y0, h, (w, w_last), (&step.k[..i - 1], &last), &mut y);
-            step.k[i - 1] = last;
-            last = step.k[i].take();
-            field.slope(step.t0 + h * tableau.c[i], &y, &mut last);
+            // k_i = f(t₀ + c_i h, y₀ + h Σ_j a_ij k_j)
+            k.combine(&step.y0, h, a[i], &mut y);
+            k.push(|k_i| field.slope(step.t0 + h * c[i], &y, k_i));
         }
-        let earlier = &step.k[..S - 1];
-        let along = |w: &[f64; S], from: &Y, to: &mut Y| {
-            combine_with(from, h, last_apart(w, S), (earlier, &last), to);
-        };
+        // y₁ = y₀ + h Σ_j b_j k_j, where that is not the state of the last stage
         if !self.first_same_as_last {
-            along(&tableau.b, &step.y0, &mut y);
+            k.combine(&step.y0, h, b, &mut y);
         }
+        // error = h Σ_j (b_j − b̂_j) k_j
         if let Some(weights) = &self.error_weights {
-            along(weights, &self.zero, &mut step.error);
+            k.combine(&self.zero, h, weights, &mut step.error);
         }
         if let Some(weights) = &self.low_weights {
-            along(weights, &self.zero, &mut self.low_error);
+            k.combine(&self.zero, h, weights, &mut self.low_error);
         }
+        k.finish();
         step.y1.clone_from(&y);
-        (self.y_stage, step.k[S - 1]) = (y, last);
+        self.y_stage = y;
     }
 
     /// Evaluations of the right-hand side in one attempt.
@@ -130,11 +125,57 @@ impl<Y: Vector<T>, const S: usize, T: Real> ExplicitRk<Y, S, T> {
     }
 }
 
-/// The weights of stages before the last of `n`, and its own.
-#[inline(always)]
-fn last_apart(w: &[f64], n: usize) -> (&[f64], f64) {
-    let (earlier, last) = w.split_at(w.len().min(n - 1));
-    (earlier, last.first().copied().unwrap_or(0.0))
+/// The slopes `k` of the stages computed so far in one step.
+///
+/// The newest slope is held apart from the others, because short states then stay in registers: a slope that is stored
+/// number by number and loaded as a vector would wait for its stores.
+struct Stages<'a, Y, const S: usize> {
+    k: &'a mut [Y; S],
+    newest: Y,
+    /// Number of stages so far, the newest included.
+    n: usize,
+}
+
+impl<'a, Y, const S: usize> Stages<'a, Y, S> {
+    /// The first stage alone, whose slope is in `k`.
+    #[inline(always)]
+    fn new<T>(k: &'a mut [Y; S]) -> Self
+    where
+        Y: Vector<T>,
+    {
+        let newest = k[0].take();
+        Self { k, newest, n: 1 }
+    }
+
+    /// Writes `from + h Σ_j w_j k_j` over the stages so far to `to`.
+    #[inline(always)]
+    fn combine<T: Real>(&self, from: &Y, h: T, w: &[f64], to: &mut Y)
+    where
+        Y: Vector<T>,
+    {
+        let n_before = self.n - 1;
+        let (w, w_newest) = w.split_at(w.len().min(n_before));
+        let w_newest = w_newest.first().copied().unwrap_or(0.0);
+        combine_with(from, h, (w, w_newest), (&self.k[..n_before], &self.newest), to);
+    }
+
+    /// Adds a stage, whose slope is written by `slope`.
+    #[inline(always)]
+    fn push<T>(&mut self, slope: impl FnOnce(&mut Y))
+    where
+        Y: Vector<T>,
+    {
+        let next = self.k[self.n].take();
+        self.k[self.n - 1] = std::mem::replace(&mut self.newest, next);
+        slope(&mut self.newest);
+        self.n += 1;
+    }
+
+    /// Puts the newest slope to the others.
+    #[inline(always)]
+    fn finish(self) {
+        self.k[self.n - 1] = self.newest;
+    }
 }
 
 /// Square of the error estimate from two embedded solutions, `err₁⁴/(err₁² + 0.01 err₂²)`, from the squares of the
