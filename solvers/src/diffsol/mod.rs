@@ -19,7 +19,7 @@ use crate::event::GuardWatch;
 use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
 use crate::record::{Accepted, Record};
 use crate::stats::Stats;
-use crate::step::Step;
+use crate::step::{Step, end_accessors};
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 use algebra::{Algebra, Dense, Sparse};
@@ -136,17 +136,7 @@ impl<P: System> DiffsolSolver<P> {
         let mut slope0 = state::<P, A>(problem, solver.state().dy);
         self.watch.begin(problem, mode.clone(), point.t, &point.y, &slope0);
         loop {
-            let reason = solver.step().map_err(|error| failure(point, &error));
-            *stats = before;
-            count(solver, equations, stats);
-            let non_finite = equations.non_finite_row.get().or(match &reason {
-                Err(_) => equations.non_finite.get(),
-                Ok(_) => None,
-            });
-            if let Some(component) = non_finite {
-                return Err(Error::NonFinite { t: point.t, mode: format!("{mode:?}"), component });
-            }
-            let at_end = reason? == OdeSolverStopReason::TstopReached;
+            let at_end = take_step(solver, point, &before, stats)?;
             let y1 = state::<P, A>(problem, solver.state().y);
             check_finite(point, &y1)?;
             let reached = solver.state().t;
@@ -168,26 +158,7 @@ impl<P: System> DiffsolSolver<P> {
             let t1 = if at_end { t_end } else { reached };
             let (t0, y0) = (point.t, &point.y);
             let mut step = SolverStep { interpolant, t0, t1, y0, y1, slope0, slope1 };
-            let mut landed_on = None;
-            if !self.watch.is_clear(problem, mode.clone(), &step) {
-                // The search works on the interpolant, so it needs the slopes of the interpolant.
-                (step.slope0, step.slope1) = (slope(t0)?, slope(reached)?);
-                self.watch.start_at(problem, mode.clone(), t0, y0, &step.slope0);
-                self.watch.rates(problem, mode.clone(), t1, &step.y1, &step.slope1);
-                // A dip of the interpolant cannot be checked by retaking the step, so the tolerance decides whether
-                // it counts.
-                let doubt = Some(&self.tolerance);
-                let crossing =
-                    self.watch.first_to_fall(problem, mode.clone(), &step, f64::EPSILON, doubt)?;
-                if let Some(crossing) = crossing {
-                    let mut y = step.y1.clone();
-                    step.interpolate(crossing.t, &mut y);
-                    check_finite(point, &y)?;
-                    (step.t1, step.y1) = (crossing.t, y);
-                    step.slope1 = slope(crossing.t)?;
-                    landed_on = Some(crossing.guard);
-                }
-            }
+            let landed_on = self.cut_at_event(problem, point, &mut step, reached, slope)?;
             let go_on =
                 record.step(&Accepted { mode: mode.clone(), step: &step, landed_on, stats });
             let SolverStep { t1, y1, slope1, .. } = step;
@@ -203,6 +174,36 @@ impl<P: System> DiffsolSolver<P> {
 }
 
 impl<P: System> DiffsolSolver<P> {
+    /// Cuts `step` at the guard that falls first on it, and returns that guard. The solver has stepped to `reached`,
+    /// and `slope` gives the slope of its interpolant.
+    fn cut_at_event<F: Fn(f64, &mut P::State<f64>)>(
+        &mut self,
+        problem: &P,
+        point: &Point<P>,
+        step: &mut SolverStep<'_, F, P::State<f64>>,
+        reached: f64,
+        slope: impl Fn(f64) -> Result<P::State<f64>, Error>,
+    ) -> Result<Option<usize>, Error> {
+        let mode = || point.mode.clone();
+        if self.watch.is_clear(problem, mode(), step) {
+            return Ok(None);
+        }
+        // The search works on the interpolant, so it needs the slopes of the interpolant.
+        (step.slope0, step.slope1) = (slope(step.t0)?, slope(reached)?);
+        self.watch.start_at(problem, mode(), step.t0, step.y0, &step.slope0);
+        self.watch.rates(problem, mode(), step.t1, &step.y1, &step.slope1);
+        // A dip of the interpolant cannot be checked by retaking the step, so the tolerance decides whether it counts.
+        let doubt = Some(&self.tolerance);
+        let crossing = self.watch.first_to_fall(problem, mode(), step, f64::EPSILON, doubt)?;
+        let Some(crossing) = crossing else { return Ok(None) };
+        let mut y = step.y1.clone();
+        step.interpolate(crossing.t, &mut y);
+        check_finite(point, &y)?;
+        (step.t1, step.y1) = (crossing.t, y);
+        step.slope1 = slope(crossing.t)?;
+        Ok(Some(crossing.guard))
+    }
+
     /// Integrates one phase that is longer than the resolution of `diffsol`, with the linear algebra `A`.
     fn phase<A: Algebra>(
         &mut self,
@@ -292,6 +293,37 @@ fn started<P: System, A: Algebra, S: OdeSolverState<A::V>>(
     Ok(start)
 }
 
+/// Takes one step of `solver`, and returns whether it ends at the stop time. `stats` becomes what it was `before` the
+/// phase with all work of the solver added.
+///
+/// # Errors
+/// [`Error::NonFinite`] where a Jacobian was not finite, or a slope in a step that failed; [`Error::Diffsol`].
+fn take_step<
+    'a,
+    'p: 'a,
+    P: System + 'p,
+    A: Algebra,
+    S: OdeSolverMethod<'a, Equations<'p, P, A>>,
+>(
+    solver: &mut S,
+    point: &Point<P>,
+    before: &Stats,
+    stats: &mut Stats,
+) -> Result<bool, Error> {
+    let equations = &solver.problem().eqn;
+    let reason = solver.step().map_err(|error| failure(point, &error));
+    *stats = *before;
+    count(solver, equations, stats);
+    let non_finite = equations.non_finite_row.get().or(match &reason {
+        Err(_) => equations.non_finite.get(),
+        Ok(_) => None,
+    });
+    if let Some(component) = non_finite {
+        return Err(Error::NonFinite { t: point.t, mode: format!("{:?}", point.mode), component });
+    }
+    Ok(reason? == OdeSolverStopReason::TstopReached)
+}
+
 /// Adds the work of `solver` to `stats`.
 fn count<'a, 'p: 'a, P: System + 'p, A: Algebra, S: OdeSolverMethod<'a, Equations<'p, P, A>>>(
     solver: &S,
@@ -326,29 +358,7 @@ struct SolverStep<'s, F, Y> {
 }
 
 impl<F: Fn(f64, &mut Y), Y: Clone> Step<Y> for SolverStep<'_, F, Y> {
-    fn t0(&self) -> f64 {
-        self.t0
-    }
-
-    fn t1(&self) -> f64 {
-        self.t1
-    }
-
-    fn y0(&self) -> &Y {
-        self.y0
-    }
-
-    fn y1(&self) -> &Y {
-        &self.y1
-    }
-
-    fn slope0(&self) -> &Y {
-        &self.slope0
-    }
-
-    fn slope1(&self) -> &Y {
-        &self.slope1
-    }
+    end_accessors!(step => step.y0, &step.slope0);
 
     fn interpolate(&self, t: f64, y: &mut Y) {
         if t == self.t1 {

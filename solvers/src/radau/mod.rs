@@ -1,5 +1,6 @@
 //! Radau IIA methods: fully implicit, with stages computed by Newton's iteration.
 
+mod convergence;
 mod newton;
 mod step;
 

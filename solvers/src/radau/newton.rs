@@ -2,6 +2,7 @@
 
 use nalgebra::Complex;
 
+use super::convergence::{Convergence, Iteration};
 use super::{Radau, RadauStep, transformed};
 use crate::control::Control;
 use crate::linear::{Jacobian, Shifted};
@@ -10,26 +11,10 @@ use crate::stats::Stats;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 
-/// Largest number of iterations under a tolerance. RADAU5.
-const ITERATIONS: usize = 7;
-/// Largest number of iterations where the iteration continues to rounding.
-const ITERATIONS_TO_ROUNDING: usize = 50;
-/// Growth of the corrections, from the first one, beyond which the iteration has diverged.
-const GROWTH: f64 = 1e3;
 /// Largest error of the iteration, as a fraction of the tolerance. RADAU5.
 const REST: f64 = 0.03;
-/// Largest correction, as a fraction of the states, that is taken for rounding once corrections no longer shrink.
-const NOISE: f64 = 1e-8;
 /// States smaller than this fraction of the largest one are iterated as if they had that size.
 const SMALLEST: f64 = 1e-6;
-
-/// How a Newton iteration ended.
-enum Iteration {
-    Converged,
-    Diverged,
-    /// The slope of this state at a stage is not finite.
-    NotFinite(usize),
-}
 
 /// A Radau method applied to one system.
 pub struct RadauMethod<Y> {
@@ -151,77 +136,44 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
     /// Solves the equations of the stages. Under a tolerance the error is reduced to a fraction of it. With fixed
     /// steps, and for retaken steps, the iteration continues to rounding, so that the end of the step is a function
     /// of `h` alone.
-    ///
-    /// If corrections shrink by the factor θ, the error after one is θ/(1 − θ) of it. Under a tolerance the first
-    /// correction is judged by the factor of the previous iteration. RADAU5.
     fn iterate<P: System<State<f64> = Y>>(
         &mut self,
         problem: &P,
         mode: P::Mode,
         stats: &mut Stats,
     ) -> Iteration {
-        let tolerance = self.tolerance.as_ref().filter(|_| !self.is_completed);
-        let is_to_rounding = tolerance.is_none();
-        let (most, rest, noise) = match tolerance {
-            Some(tolerance) => {
-                let y0 = self.step.y0.as_ref().iter().zip(&tolerance.atol);
-                for (scale, (y0, atol)) in self.scale.as_mut().iter_mut().zip(y0) {
-                    *scale = atol + tolerance.rtol * y0.abs();
-                }
-                (ITERATIONS, self.rest, 1e-3 * self.rest)
-            }
-            None => (ITERATIONS_TO_ROUNDING, f64::EPSILON, NOISE),
-        };
+        let mut convergence = self.convergence();
         self.begin();
-        self.left = if is_to_rounding {
-            f64::INFINITY
-        } else {
-            libm::pow(self.left.max(f64::EPSILON), 0.8)
-        };
-        let (mut first, mut last, mut last_rate) = (f64::NAN, f64::NAN, f64::NAN);
-        for n in 1..=most {
+        let mut end = Iteration::Diverged;
+        for n in 1..=convergence.most {
             if let Some(component) = self.evaluate_stages(problem, mode.clone(), stats) {
-                return Iteration::NotFinite(component);
+                end = Iteration::NotFinite(component);
+                break;
             }
             self.correct(stats);
-            if n == 1 && is_to_rounding {
+            if n == 1 && convergence.is_to_rounding {
                 self.weigh_by_size();
             }
-            let size = self.correction();
-            if size == 0.0 {
-                return Iteration::Converged;
+            if let Some(ended) = convergence.judge(n, self.correction()) {
+                end = ended;
+                break;
             }
-            if n == 1 {
-                first = size;
-            }
-            if n > 1 {
-                let ratio = size / last;
-                let rate = if n == 2 { ratio } else { (ratio * last_rate).sqrt() };
-                last_rate = ratio;
-                if rate < 0.99 {
-                    self.left = rate / (1.0 - rate);
-                    // The iteration is given up early where the remaining iterations cannot suffice.
-                    let to_come = most.saturating_sub(n + 1) as f64;
-                    let in_the_end = self.left * size * libm::pow(rate, to_come);
-                    if in_the_end > rest && !is_to_rounding {
-                        return Iteration::Diverged;
-                    }
-                } else if size <= noise {
-                    // Rounding is reached.
-                    return Iteration::Converged;
-                } else if !is_to_rounding {
-                    return Iteration::Diverged;
-                }
-            }
-            if !size.is_finite() || size > GROWTH * first {
-                return Iteration::Diverged;
-            }
-            if self.left * size <= rest {
-                return Iteration::Converged;
-            }
-            last = size;
         }
-        Iteration::Diverged
+        self.left = convergence.left;
+        end
+    }
+
+    /// The test of convergence of an iteration that is to begin. Under a tolerance it also sets the scales of the
+    /// corrections.
+    fn convergence(&mut self) -> Convergence {
+        let Some(tolerance) = self.tolerance.as_ref().filter(|_| !self.is_completed) else {
+            return Convergence::to_rounding();
+        };
+        let y0 = self.step.y0.as_ref().iter().zip(&tolerance.atol);
+        for (scale, (y0, atol)) in self.scale.as_mut().iter_mut().zip(y0) {
+            *scale = atol + tolerance.rtol * y0.abs();
+        }
+        Convergence::to_tolerance(self.rest, self.left)
     }
 
     /// Evaluates the slopes at the stages. Returns the first state whose slope is not finite, if there is one.

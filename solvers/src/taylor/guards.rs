@@ -188,20 +188,8 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
             if !at_end && self.is_clear(guard, h, degree, end) {
                 continue;
             }
-            let bound = watch.bound(guard);
-            let p = self.polynomial(guard, h, degree);
-            let dip = if watch.is_disproved(guard) { None } else { fall_of(&p, bound) };
-            let (s, violated_at) = match dip {
-                Some((s, violated)) if violated < 1.0 => {
-                    watch.note_dip(guard, violated);
-                    (s, start + violated * h)
-                }
-                // The polynomial shows a violation at the end. It counts only if the guard itself is violated there.
-                Some((s, _)) if at_end => (s, t1),
-                Some(_) => continue,
-                None if at_end => (1.0, t1),
-                None => continue,
-            };
+            let Some((s, violated)) = self.fall_on_step(guard, h, degree, watch) else { continue };
+            let violated_at = violated.map_or(t1, |violated| start + violated * h);
             let t = start + s * h;
             // Of guards that fall at the same time to rounding, the one with the lowest index comes first.
             let tie = 4.0 * f64::EPSILON * t1.abs().max(start.abs());
@@ -213,6 +201,29 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
             watch.keep();
         }
         Ok(first)
+    }
+
+    /// The fall of guard `i` on a step of size `h` by its polynomial of `degree`, as a fraction of the step, and the
+    /// fraction at which it is then violated, `None` for the end of the step. The guard is to be evaluated at the end.
+    fn fall_on_step<P: System<Guards<f64> = G>>(
+        &self,
+        i: usize,
+        h: f64,
+        degree: usize,
+        watch: &mut GuardWatch<P>,
+    ) -> Option<(f64, Option<f64>)> {
+        let at_end = watch.is_violated(i);
+        let p = self.polynomial(i, h, degree);
+        let fall = if watch.is_disproved(i) { None } else { fall_of(&p, watch.bound(i)) };
+        match fall {
+            Some((s, violated)) if violated < 1.0 => {
+                watch.note_dip(i, violated);
+                Some((s, Some(violated)))
+            }
+            // The polynomial shows a violation at the end. It counts only if the guard itself is violated there.
+            Some((s, _)) => at_end.then_some((s, None)),
+            None => at_end.then_some((1.0, None)),
+        }
     }
 
     /// The rate of guard `i` at the time `s` after the start of the step, from its polynomial of `degree`.
