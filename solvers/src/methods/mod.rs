@@ -1,4 +1,7 @@
-//! The list of methods, one line each: whatever compares methods loops over it.
+//! The list of methods. Tests, benches and figures loop over it, so a method in the list is in all of them.
+//!
+//! A new explicit tableau is a file in this folder and an entry in [`METHODS`]. A tableau need not be in the list to be
+//! used: see [`tableau`](crate::tableau).
 
 mod bogacki_shampine_3;
 mod classical_4;
@@ -33,6 +36,7 @@ use crate::rosenbrock::{Rosenbrock, RosenbrockMethod};
 use crate::system::{Alike, System};
 use crate::tableau::Tableau;
 use crate::taylor::{self, TaylorMethod};
+use crate::tolerance::Tolerance;
 
 /// A method: its name, and what it is made of.
 #[derive(Debug)]
@@ -49,84 +53,78 @@ pub struct Method {
 /// What a method is made of.
 #[derive(Debug)]
 enum Scheme {
-    Explicit4(&'static Tableau<4>),
-    Explicit5(&'static Tableau<5>),
-    Explicit7(&'static Tableau<7>),
-    Explicit12(&'static Tableau<12>),
-    Rosenbrock8(&'static Rosenbrock<8>),
-    Explicit16(&'static Tableau<16>),
+    Explicit(Explicit),
     Taylor,
+    Rosenbrock(&'static Rosenbrock<8>),
     Radau(&'static Radau),
     Diffsol(DiffsolScheme),
     Auto,
 }
 
-/// Evaluates the first expression with the tableau of an explicit scheme, whatever its size, the
-/// second with that of a Rosenbrock scheme, the third for Taylor series, the fourth with the tableau of a
-/// Radau scheme, the fifth with the scheme of `diffsol`, or the sixth for the choice between two halves.
-macro_rules! by_scheme {
-    (
-        $scheme:expr,
-        $tableau:ident => $explicit:expr,
-        $rosenbrock:pat => $implicit:expr,
-        taylor => $series:expr,
-        $radau:pat => $iterated:expr,
-        $diffsol:pat => $other:expr,
-        auto => $chosen:expr $(,)?
-    ) => {
-        match $scheme {
-            Scheme::Explicit4($tableau) => $explicit,
-            Scheme::Explicit5($tableau) => $explicit,
-            Scheme::Explicit7($tableau) => $explicit,
-            Scheme::Explicit12($tableau) => $explicit,
-            Scheme::Rosenbrock8($rosenbrock) => $implicit,
-            Scheme::Explicit16($tableau) => $explicit,
-            Scheme::Taylor => $series,
-            Scheme::Radau($radau) => $iterated,
-            Scheme::Diffsol($diffsol) => $other,
-            Scheme::Auto => $chosen,
+/// An explicit tableau, by its number of stages.
+///
+/// The stage loop is compiled for each number of stages, so that it is unrolled and a step allocates nothing. A tableau
+/// with another number of stages needs a variant here and its line in [`for_any_stages`].
+#[derive(Clone, Copy, Debug)]
+enum Explicit {
+    Stages4(&'static Tableau<4>),
+    Stages5(&'static Tableau<5>),
+    Stages7(&'static Tableau<7>),
+    Stages12(&'static Tableau<12>),
+    Stages16(&'static Tableau<16>),
+}
+
+/// Evaluates an expression with the tableau of an [`Explicit`], whatever its number of stages.
+macro_rules! for_any_stages {
+    ($explicit:expr, $tableau:ident => $value:expr) => {
+        match $explicit {
+            Explicit::Stages4($tableau) => $value,
+            Explicit::Stages5($tableau) => $value,
+            Explicit::Stages7($tableau) => $value,
+            Explicit::Stages12($tableau) => $value,
+            Explicit::Stages16($tableau) => $value,
         }
     };
 }
 
+/// The method of an explicit tableau, for the list.
+const fn explicit(name: &'static str, about: &'static str, tableau: Explicit) -> Method {
+    let order = for_any_stages!(tableau, tableau => tableau.order);
+    Method { name, order, about, scheme: Scheme::Explicit(tableau) }
+}
+
 /// All methods.
 pub static METHODS: &[Method] = &[
-    Method {
-        name: "rk4",
-        order: CLASSICAL_4.order,
-        about: "classical Runge-Kutta, explicit, fixed step: the paper's method and the baseline",
-        scheme: Scheme::Explicit4(&CLASSICAL_4),
-    },
-    Method {
-        name: "rk43",
-        order: KUTTA_43.order,
-        about: "Kutta 4(3), the 3/8 rule with an error estimate, explicit, adaptive: loose tolerances, stiff springs",
-        scheme: Scheme::Explicit5(&KUTTA_43),
-    },
-    Method {
-        name: "bs32",
-        order: BOGACKI_SHAMPINE_3.order,
-        about: "Bogacki-Shampine 3(2), explicit, adaptive: loose tolerances, cheap restarts",
-        scheme: Scheme::Explicit4(&BOGACKI_SHAMPINE_3),
-    },
-    Method {
-        name: "rk45",
-        order: DORMAND_PRINCE_5.order,
-        about: "Dormand-Prince 5(4), explicit, adaptive: moderate tolerances, frequent events",
-        scheme: Scheme::Explicit7(&DORMAND_PRINCE_5),
-    },
-    Method {
-        name: "dop853",
-        order: DORMAND_PRINCE_853.order,
-        about: "Dormand-Prince 8(5,3), explicit, adaptive: tight tolerances",
-        scheme: Scheme::Explicit12(&DORMAND_PRINCE_853),
-    },
-    Method {
-        name: "vern98",
-        order: VERNER_98.order,
-        about: "Verner 9(8), explicit, adaptive: the tightest tolerances",
-        scheme: Scheme::Explicit16(&VERNER_98),
-    },
+    explicit(
+        "rk4",
+        "classical Runge-Kutta, explicit, fixed step: the paper's method and the baseline",
+        Explicit::Stages4(&CLASSICAL_4),
+    ),
+    explicit(
+        "rk43",
+        "Kutta 4(3), the 3/8 rule with an error estimate, explicit, adaptive: loose tolerances, stiff springs",
+        Explicit::Stages5(&KUTTA_43),
+    ),
+    explicit(
+        "bs32",
+        "Bogacki-Shampine 3(2), explicit, adaptive: loose tolerances, cheap restarts",
+        Explicit::Stages4(&BOGACKI_SHAMPINE_3),
+    ),
+    explicit(
+        "rk45",
+        "Dormand-Prince 5(4), explicit, adaptive: moderate tolerances, frequent events",
+        Explicit::Stages7(&DORMAND_PRINCE_5),
+    ),
+    explicit(
+        "dop853",
+        "Dormand-Prince 8(5,3), explicit, adaptive: tight tolerances",
+        Explicit::Stages12(&DORMAND_PRINCE_853),
+    ),
+    explicit(
+        "vern98",
+        "Verner 9(8), explicit, adaptive: the tightest tolerances",
+        Explicit::Stages16(&VERNER_98),
+    ),
     Method {
         name: "taylor",
         order: taylor::FIXED_STEP_ORDER,
@@ -137,7 +135,7 @@ pub static METHODS: &[Method] = &[
         name: "rodas5p",
         order: RODAS_5P.order,
         about: "Rodas5P, implicit, L-stable, adaptive: strong damping, loose tolerances, many events",
-        scheme: Scheme::Rosenbrock8(&RODAS_5P),
+        scheme: Scheme::Rosenbrock(&RODAS_5P),
     },
     Method {
         name: "radau5",
@@ -185,21 +183,18 @@ impl Method {
 
     /// Whether the method has no error estimate, so that the user must choose its step size.
     pub fn is_fixed_step(&self) -> bool {
-        by_scheme!(
-            self.scheme,
-            tableau => tableau.b_hat.is_none(),
+        match self.scheme {
+            Scheme::Explicit(explicit) => {
+                for_any_stages!(explicit, tableau => tableau.b_hat.is_none())
+            }
             _ => false,
-            taylor => false,
-            _ => false,
-            _ => false,
-            auto => false,
-        )
+        }
     }
 
     /// Whether every step of the method is implicit, so that stability does not limit the step size.
     pub fn is_implicit(&self) -> bool {
         match self.scheme {
-            Scheme::Rosenbrock8(_) | Scheme::Radau(_) => true,
+            Scheme::Rosenbrock(_) | Scheme::Radau(_) => true,
             Scheme::Diffsol(scheme) => scheme != DiffsolScheme::Tsit45,
             _ => false,
         }
@@ -213,15 +208,7 @@ impl Method {
     /// Whether the method can compute two runs of similar systems [at once](Self::run_pair): methods with an explicit
     /// tableau and Taylor series can.
     pub fn is_for_pairs(&self) -> bool {
-        by_scheme!(
-            self.scheme,
-            _tableau => true,
-            _ => false,
-            taylor => true,
-            _ => false,
-            _ => false,
-            auto => false,
-        )
+        matches!(self.scheme, Scheme::Explicit(_) | Scheme::Taylor)
     }
 
     /// Order of the Taylor series at a relative tolerance, or with a fixed step for `None`; `None` for a method
@@ -236,15 +223,12 @@ impl Method {
     /// Residuals of the conditions that the [tableau](Tableau::residuals) must meet; empty for a method without a
     /// tableau.
     pub fn residuals(&self) -> Vec<f64> {
-        by_scheme!(
-            self.scheme,
-            tableau => tableau.residuals(),
-            tableau => tableau.residuals(),
-            taylor => Vec::new(),
-            tableau => tableau.residuals(),
-            _ => Vec::new(),
-            auto => Vec::new(),
-        )
+        match self.scheme {
+            Scheme::Explicit(explicit) => for_any_stages!(explicit, tableau => tableau.residuals()),
+            Scheme::Rosenbrock(tableau) => tableau.residuals(),
+            Scheme::Radau(tableau) => tableau.residuals(),
+            Scheme::Taylor | Scheme::Diffsol(_) | Scheme::Auto => Vec::new(),
+        }
     }
 
     /// A solver that applies the method to `problem`, with steps chosen by `control`.
@@ -263,51 +247,38 @@ impl Method {
     {
         let n = problem.dim();
         self.check(n, &control)?;
-        Ok(by_scheme!(
-            self.scheme,
-            tableau => Box::new(OneStepSolver::new(problem, ExplicitRk::new(tableau, n), control)),
-            tableau => {
-                Box::new(OneStepSolver::new(problem, RosenbrockMethod::new(tableau, n), control))
-            },
-            taylor => {
+        Ok(match self.scheme {
+            Scheme::Explicit(explicit) => for_any_stages!(explicit, tableau => {
+                Box::new(OneStepSolver::new(problem, ExplicitRk::new(tableau, n), control))
+            }),
+            Scheme::Taylor => {
                 let order = match &control {
                     Control::Fixed(_) => taylor::FIXED_STEP_ORDER,
                     Control::Adaptive(tolerance) => taylor::order_for(tolerance.rtol),
                 };
                 let method = TaylorMethod::new(n, problem.n_guards(), order);
                 Box::new(OneStepSolver::new(problem, method, control))
-            },
-            tableau => {
+            }
+            Scheme::Rosenbrock(tableau) => {
+                Box::new(OneStepSolver::new(problem, RosenbrockMethod::new(tableau, n), control))
+            }
+            Scheme::Radau(tableau) => {
                 let method = RadauMethod::new(tableau, n, &control);
                 Box::new(OneStepSolver::new(problem, method, control))
-            },
-            scheme => match control {
-                Control::Adaptive(tolerance) => {
-                    Box::new(DiffsolSolver::new(problem, scheme, tolerance))
-                }
-                Control::Fixed(_) => {
-                    return Err(Error::BadControl { method: self.name, needs: "a tolerance" });
-                }
-            },
-            auto => {
-                let Control::Adaptive(tolerance) = control else {
-                    return Err(Error::BadControl { method: self.name, needs: "a tolerance" });
-                };
-                let held = auto::held(&tolerance);
-                let radau = RadauMethod::new(&RADAU_IIA_5, n, &held).on_slow_solutions();
-                let implicit = Box::new(OneStepSolver::new(problem, radau, held));
-                let is_loose = tolerance.rtol >= auto::LOOSE;
-                let control = Control::Adaptive(tolerance);
-                let explicit: Box<dyn Paced<P> + 'p> = if is_loose {
-                    let pair = ExplicitRk::new(&KUTTA_43, n);
-                    Box::new(OneStepSolver::new(problem, pair, control))
-                } else {
-                    let pair = ExplicitRk::new(&DORMAND_PRINCE_853, n);
-                    Box::new(OneStepSolver::new(problem, pair, control))
-                };
-                Box::new(AutoSolver::new(problem, explicit, implicit))
-            },
-        ))
+            }
+            Scheme::Diffsol(scheme) => {
+                Box::new(DiffsolSolver::new(problem, scheme, self.tolerance(control)?))
+            }
+            Scheme::Auto => auto_solver(problem, self.tolerance(control)?),
+        })
+    }
+
+    /// The tolerance of `control`, for a method that cannot take fixed steps.
+    fn tolerance(&self, control: Control) -> Result<Tolerance, Error> {
+        match control {
+            Control::Adaptive(tolerance) => Ok(tolerance),
+            Control::Fixed(_) => Err(Error::BadControl { method: self.name, needs: "a tolerance" }),
+        }
     }
 
     /// Integrates `runs` of one model to `t_end`, each shown to the recorder at the same index, and returns how each
@@ -334,18 +305,13 @@ impl Method {
         for run in runs.iter() {
             self.check(run.problem.dim(), control)?;
         }
-        if P::IN_LANES && runs.iter().all(|run| std::ptr::eq(run.problem, problem)) {
-            by_scheme!(
-                self.scheme,
-                tableau => {
-                    return Ok(pool::run(problem, tableau, control, (runs, t_end), records));
-                },
-                _ => {},
-                taylor => {},
-                _ => {},
-                _ => {},
-                auto => {},
-            );
+        if P::IN_LANES
+            && let Scheme::Explicit(explicit) = self.scheme
+            && runs.iter().all(|run| std::ptr::eq(run.problem, problem))
+        {
+            return Ok(for_any_stages!(explicit, tableau => {
+                pool::run(problem, tableau, control, (runs, t_end), records)
+            }));
         }
         let pairs = runs.iter_mut().zip(records);
         pairs
@@ -382,21 +348,21 @@ impl Method {
         }
         let [a, b] = [0, 1].map(|i| runs[i].problem);
         if (a.dim(), a.n_guards()) == (b.dim(), b.n_guards()) {
-            by_scheme!(
-                self.scheme,
-                tableau => return Ok(pair::by_stages(tableau, controls, t_end, runs, records)),
-                _ => {},
-                taylor => {
+            match self.scheme {
+                Scheme::Explicit(explicit) => {
+                    return Ok(for_any_stages!(explicit, tableau => {
+                        pair::by_stages(tableau, controls, t_end, runs, records)
+                    }));
+                }
+                Scheme::Taylor => {
                     if let [Control::Adaptive(a), Control::Adaptive(b)] = controls
                         && taylor::order_for(a.rtol) == taylor::order_for(b.rtol)
                     {
                         return Ok(pair::by_series([a, b], controls, t_end, runs, records));
                     }
-                },
-                _ => {},
-                _ => {},
-                auto => {},
-            );
+                }
+                _ => {}
+            }
         }
         let mut solvers =
             [self.solver(a, controls[0].clone())?, self.solver(b, controls[1].clone())?];
@@ -417,4 +383,28 @@ impl Method {
             Control::Fixed(_) => Ok(()),
         }
     }
+}
+
+/// The solver of the method `auto` on `problem`.
+fn auto_solver<'p, P: System + 'p>(
+    problem: &P,
+    tolerance: Tolerance,
+) -> Box<dyn PhaseSolver<P> + 'p>
+where
+    P::Mode: 'p,
+{
+    let n = problem.dim();
+    let held = auto::held(&tolerance);
+    let radau = RadauMethod::new(&RADAU_IIA_5, n, &held).on_slow_solutions();
+    let implicit = Box::new(OneStepSolver::new(problem, radau, held));
+    let is_loose = tolerance.rtol >= auto::LOOSE;
+    let control = Control::Adaptive(tolerance);
+    let explicit: Box<dyn Paced<P> + 'p> = if is_loose {
+        let pair = ExplicitRk::new(&KUTTA_43, n);
+        Box::new(OneStepSolver::new(problem, pair, control))
+    } else {
+        let pair = ExplicitRk::new(&DORMAND_PRINCE_853, n);
+        Box::new(OneStepSolver::new(problem, pair, control))
+    };
+    Box::new(AutoSolver::new(problem, explicit, implicit))
 }
