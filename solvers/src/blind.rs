@@ -1,4 +1,4 @@
-//! The event-blind baseline: the mode is read off the state at every stage.
+//! The event-blind baseline: a system whose mode is read off the state at every stage.
 
 use std::fmt;
 use std::ops::ControlFlow;

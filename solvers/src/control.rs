@@ -190,7 +190,7 @@ mod tests {
         for bad in [1.0, f64::NAN] {
             assert_eq!(checks.check(1.0, norm_sq(bad)), controller().judge(1.0, norm_sq(bad)));
         }
-        // The rejection is over with the next good step.
+        // The next accepted step ends the effect of the rejection.
         checks.check(0.5, norm_sq(1e-9));
         assert!(matches!(checks.judge(0.5, norm_sq(1e-9)), Verdict::Accept(h) if h > 0.5));
         let mut fixed = StepController::new(Control::Fixed(0.1), 4);

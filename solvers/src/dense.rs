@@ -50,7 +50,7 @@ pub(crate) fn nested<Y: Vector<f64>, const S: usize>(
     y: &mut Y,
 ) {
     let rest = 1.0 - theta;
-    // θ and 1 − θ in the order in which F₃ … F₇ are multiplied by them.
+    // The factors of F₃ … F₇: products of θ and 1 − θ in turn.
     let mut factors = [theta * rest * theta * rest; 5];
     for i in 1..factors.len() {
         factors[i] = factors[i - 1] * if i % 2 == 1 { theta } else { rest };

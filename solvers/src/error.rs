@@ -128,10 +128,10 @@ pub enum Error {
     BadControl {
         /// The method.
         method: &'static str,
-        /// What it needs.
+        /// What the method needs.
         needs: &'static str,
     },
-    /// A solver of the library `diffsol` gave up.
+    /// A solver of the library `diffsol` stopped with an error.
     #[error(
         "diffsol stopped at t = {t} in mode {mode}: {message}; raise rtol, or use an explicit method"
     )]
@@ -140,7 +140,7 @@ pub enum Error {
         t: f64,
         /// Mode.
         mode: String,
-        /// What the library said.
+        /// The message of the library.
         message: String,
     },
 }

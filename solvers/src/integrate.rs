@@ -22,7 +22,7 @@ const STORM_OF_RUN: f64 = 1e-12;
 
 /// An integration of one system: its present point and the work done so far.
 ///
-/// After an error both stay valid up to the last accepted step.
+/// After an error both are valid, and are those of the last accepted step.
 pub struct Integration<'a, P: System> {
     pub(crate) problem: &'a P,
     /// Time, state and mode.
@@ -44,13 +44,13 @@ impl<'a, P: System> Integration<'a, P> {
         }
     }
 
-    /// Integrates to `t_end` (before the present time: backward) with `solver`, and shows `record`
-    /// the accepted steps that it needs and every event.
+    /// Integrates to `t_end` with `solver`, backward where `t_end` is before the present time, and shows `record` the
+    /// accepted steps that it needs and every event.
     ///
     /// # Errors
-    /// [`Error::BadArgument`] for a `t_end` that is not finite, [`Error::NonFinite`] for such a
-    /// start, [`Error::Chatter`] for transitions without rest at one instant, [`Error::EventStorm`]
-    /// for events that accumulate to no [limit](System::accumulation), and any error of a step.
+    /// [`Error::BadArgument`] for a `t_end` that is not finite, [`Error::NonFinite`] for a start that is not finite,
+    /// [`Error::Chatter`] for transitions at one instant that do not end, [`Error::EventStorm`] for events that
+    /// accumulate to no [limit](System::accumulation), and any error of a step.
     pub fn run(
         &mut self,
         t_end: f64,
@@ -130,7 +130,7 @@ pub(crate) struct Transitions<P: System> {
 }
 
 impl<P: System> Transitions<P> {
-    /// For an integration that starts at `t`.
+    /// The transitions of an integration that starts at `t`.
     pub(crate) fn new(problem: &P, t: f64) -> Self {
         let n_storm = STORM.max(2 * problem.n_guards());
         let last_events = VecDeque::with_capacity(n_storm);

@@ -53,10 +53,10 @@
 //! | `rodas5p` | [Rodas5P](methods::RODAS_5P), implicit | 5 | fixed or adaptive |
 //! | `radau5` | [Radau IIA](methods::RADAU_IIA_5), implicit | 5 | fixed or adaptive |
 //! | `bdf` | [BDF of the library `diffsol`](diffsol) | 1 to 5 | adaptive |
-//! | `tr_bdf2` | its TR-BDF2 | 2 | adaptive |
-//! | `esdirk34` | its ESDIRK 3(4) | 3 | adaptive |
-//! | `tsit45` | its Tsitouras 5(4) | 5 | adaptive |
-//! | `auto` | [the choice between two](auto): explicit or implicit, step by step | 4 or 8, implicit 5 | adaptive |
+//! | `tr_bdf2` | TR-BDF2 of `diffsol` | 2 | adaptive |
+//! | `esdirk34` | ESDIRK 3(4) of `diffsol` | 3 | adaptive |
+//! | `tsit45` | Tsitouras 5(4) of `diffsol` | 5 | adaptive |
+//! | `auto` | [switches](auto) between an explicit and an implicit method | 4 or 8, implicit 5 | adaptive |
 //!
 //! # Modules, in the order in which data flow
 //!

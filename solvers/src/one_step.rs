@@ -151,7 +151,7 @@ impl<P: System, M: OneStep<P>> Paced<P> for OneStepSolver<P, M> {
 }
 
 impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
-    /// `method` on `problem`, its steps chosen by `control`.
+    /// A solver that applies `method` to `problem`, with steps chosen by `control`. The caller checks the tolerance.
     pub fn new(problem: &P, method: M, control: Control) -> Self {
         let embedded_order = method.embedded_order().unwrap_or(0);
         Self {

@@ -33,7 +33,7 @@ pub trait PhaseSolver<P: System> {
     /// shows `record` the accepted steps that it needs.
     ///
     /// # Errors
-    /// Any [`Error`] of a step; `point` is then the end of the last accepted one.
+    /// Any [`Error`] of a step; `point` is then at the end of the last accepted step.
     fn solve_phase(
         &mut self,
         problem: &P,

@@ -5,7 +5,7 @@ use std::ops::{Add, AddAssign, ControlFlow, Sub};
 use crate::record::{Accepted, Event, Needs, Record};
 use crate::system::System;
 
-/// Evaluations and linear algebra, counted.
+/// Counts of evaluations and of linear algebra.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Evaluations of the right-hand side, except those for Jacobians, samples and audits.
@@ -14,11 +14,11 @@ pub struct Work {
     pub n_jac: u64,
     /// Factorisations of an iteration matrix.
     pub n_factorisations: u64,
-    /// Linear systems solved.
+    /// Solutions of linear systems.
     pub n_lin_solves: u64,
 }
 
-/// What an integration cost, counted.
+/// Counts of all work of an integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stats {
     /// All work, including that of rejected and retaken steps.

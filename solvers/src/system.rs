@@ -1,4 +1,4 @@
-//! The hybrid system: what a model tells the integrators, and nothing about how they ask.
+//! The hybrid system: all that the integrators ask of a model.
 
 use std::fmt::Debug;
 
@@ -62,7 +62,7 @@ impl<S: Clone + Debug> Vector<S> for Vec<S> {
 /// What follows an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Next<M> {
-    /// The system goes on in this mode (the same one after a reset of the state).
+    /// The system continues in this mode, which may be the same one after a reset of the state.
     Mode(M),
     /// The event is terminal: the run ends here.
     Stop,
@@ -75,16 +75,16 @@ pub enum Next<M> {
 /// where g_i falls below zero:  (mode, y) ← transition(mode, i, t, y).
 /// ```
 ///
-/// The model answers questions and owns no loop: time, step size and the location of events are
-/// the driver's. `rhs` and `guards` must be smooth functions *of their mode*, defined a little
-/// past its surfaces too: a step is taken whole in one mode and then cut.
+/// The model evaluates functions and contains no loop: the driver chooses the times and step sizes and locates the
+/// events. Within a mode, `rhs` and `guards` must be smooth functions of time and state, and they must be defined a
+/// little beyond the mode's surfaces too, because a step is taken in one mode and cut afterwards.
 pub trait System {
     /// The discrete state. It may carry data, such as the speed of the last impact. It is cloned often, so a long
     /// mode should be a cheap handle to shared data, such as an `Arc<[T]>`.
     type Mode: Clone + PartialEq + Debug;
-    /// The continuous state, [`dim`](Self::dim) long.
+    /// The continuous state, of length [`dim`](Self::dim).
     type State<S: Real>: Vector<S>;
-    /// The values of the guards, [`n_guards`](Self::n_guards) long.
+    /// The values of the guards, of length [`n_guards`](Self::n_guards).
     type Guards<S: Real>: Vector<S>;
 
     /// Whether [`rhs`](Self::rhs) and [`guards`](Self::guards) never branch on the [value](Real::value) of a number
@@ -104,7 +104,7 @@ pub trait System {
     /// Writes `f_mode(t, y)` to `dydt`.
     fn rhs<S: Real>(&self, mode: Self::Mode, t: S, y: &Self::State<S>, dydt: &mut Self::State<S>);
 
-    /// Writes the guards of `mode` to `g`: positive inside the mode.
+    /// Writes the guards of `mode` to `g`. They are positive inside the mode.
     fn guards<S: Real>(&self, mode: Self::Mode, t: S, y: &Self::State<S>, g: &mut Self::Guards<S>);
 
     /// Writes both [`rhs`](Self::rhs) and [`guards`](Self::guards) at `(t, y)`, with the same bits as the two

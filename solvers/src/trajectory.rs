@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use crate::record::{Accepted, Event, Needs, Record};
 use crate::system::{Next, System, Vector};
 
-/// At which times a trajectory is kept.
+/// The times at which a trajectory keeps samples.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Grid {
     /// At the end of every accepted step.
@@ -26,7 +26,7 @@ impl Grid {
     }
 }
 
-/// A kept state.
+/// A state that was kept.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample<Y, M> {
     /// Time.
@@ -37,7 +37,7 @@ pub struct Sample<Y, M> {
     pub y: Y,
 }
 
-/// A kept event.
+/// An event that was kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Switch<M> {
     /// Time.

@@ -66,7 +66,7 @@ pub struct DiffsolSolver<P: System> {
 }
 
 impl<P: System> DiffsolSolver<P> {
-    /// `scheme` on `problem` to `tolerance`.
+    /// A solver that applies `scheme` to `problem` with `tolerance`.
     pub fn new(problem: &P, scheme: DiffsolScheme, tolerance: Tolerance) -> Self {
         Self { scheme, tolerance, watch: GuardWatch::new(problem) }
     }

@@ -61,7 +61,7 @@ impl<T: ComplexField<RealField = f64> + Copy> DenseLu<T> {
     }
 }
 
-/// Eliminates in the `n` columns of `lu`, swapping whole rows.
+/// Eliminates in the `n` columns of `lu`, with swaps of whole rows.
 #[inline(always)]
 fn eliminate<T: ComplexField<RealField = f64> + Copy>(
     lu: &mut [T],
@@ -92,7 +92,7 @@ fn eliminate<T: ComplexField<RealField = f64> + Copy>(
     }
 }
 
-/// Solves by the `n` columns of `lu`, forward and backward.
+/// Solves the system factorised in the `n` columns of `lu`: forward, then backward substitution.
 #[inline(always)]
 fn substitute<T: ComplexField<RealField = f64> + Copy>(
     lu: &[T],

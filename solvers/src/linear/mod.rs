@@ -70,7 +70,7 @@ impl Jacobian {
     }
 }
 
-/// `s I − h J`, factorised for one `h` after the other.
+/// `s I − h J`, factorised anew for each `h`.
 pub(crate) enum Shifted<T> {
     Dense(DenseLu<T>),
     Sparse(Box<SparseLu<T>>),
@@ -116,10 +116,10 @@ mod tests {
     use crate::real::Real;
     use crate::system::Next;
 
-    /// `ẏ_i = y_(i−1) − 3 y_i² + y_(i+1)`; with `true` for a mode the last state pulls on the first.
+    /// `ẏ_i = y_(i−1) − 3 y_i² + y_(i+1)`; in the mode `true` the last state also acts on the first.
     struct Chain {
         n: usize,
-        /// Whether its Jacobian is given with all its zeros.
+        /// Whether the Jacobian is given with all zero entries.
         is_full: bool,
     }
 
@@ -184,7 +184,8 @@ mod tests {
         }
     }
 
-    /// Greatest entry of `shift x − h J x − b` at the solution, by differences of the right-hand side.
+    /// Largest entry of `shift x − h J x − b` at the solution, where `J x` is checked against differences of the
+    /// right-hand side.
     fn residual<T: Scalar>(
         chain: &Chain,
         is_ring: bool,
@@ -205,7 +206,7 @@ mod tests {
         let mut check = |x: &[f64], rest: &[f64]| {
             let mut product = vec![0.0; chain.n];
             jacobian.add_product(x, &mut product);
-            // The right-hand side is quadratic: this difference is J x.
+            // The right-hand side is quadratic, so this difference is exactly J x.
             let ahead = |sign: f64| {
                 let moved = y.iter().zip(x).map(|(y, x)| y + 0.5 * sign * x).collect();
                 let mut dydt = y.clone();
@@ -233,7 +234,7 @@ mod tests {
             let chain = Chain { n, is_full: false };
             let (mut jacobian, mut shifted) = (Jacobian::new(n), Shifted::new(n));
             for is_ring in [false, n > 2, false] {
-                // Measured: 2.1e-14, the sparse one with its pattern widened once.
+                // Measured: 2.1e-14, with the sparse pattern widened once.
                 let found = residual(&chain, is_ring, shift, &mut jacobian, &mut shifted);
                 assert!(found < 2e-13, "{n}: {found:e}");
             }

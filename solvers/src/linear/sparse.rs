@@ -121,7 +121,7 @@ impl<T: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy> Spars
         }
     }
 
-    /// Analyses a pattern.
+    /// Computes the symbolic factorisation of a pattern.
     fn analyse(&mut self, pattern: SymbolicSparseColMatRef<'_, usize>) {
         self.numeric = NumericLu::new();
         self.symbolic = factorize_symbolic_lu(pattern, LuSymbolicParams::default()).ok();
@@ -154,7 +154,7 @@ impl<T: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy> Spars
         self.shifted = shifted;
     }
 
-    /// Factorises `matrix`, which has the pattern of the one before it.
+    /// Factorises `matrix`, whose pattern must be that of the last factorised one.
     pub(crate) fn factorise_matrix(&mut self, matrix: SparseColMatRef<'_, usize, T>) {
         if self.symbolic.is_none() {
             self.analyse(matrix.symbolic());

@@ -210,7 +210,7 @@ mod tests {
             n.set(0);
             let [a_both, b_both] = [(); 2].map(|()| both.table(&n, k).next());
             for j in 0..=MAX_ORDER {
-                // Orders that no such sum takes are poison.
+                // Orders that do not belong to the sum are NaN, so that reading one shows.
                 let is_term = (1..k).contains(&j);
                 let of = |x: usize| if is_term { (x % 97) as f64 } else { f64::NAN };
                 let each = [of(j * j + 3), of(7 * j + 5), of(11 * j + 2), of(j * j + 5 * j)];
@@ -221,7 +221,7 @@ mod tests {
                 a_both.set(j, Lanes::from_fn(|run| [each[0], each[2]][run]));
                 b_both.set(j, Lanes::from_fn(|run| [each[1], each[3]][run]));
             }
-            // Whole numbers: the order of summation is no matter.
+            // The terms are integers, so the order of summation does not matter.
             let sum =
                 |a: &Row<f64>, b: &Row<f64>| -> f64 { (1..k).map(|j| a.at(j) * b.at(k - j)).sum() };
             assert_eq!(f64::long_inner(k, a, b.tail(0)), sum(a, b), "order {k}");

@@ -10,7 +10,7 @@ use super::unrolled::OfOrder;
 use crate::erk::InMode;
 use crate::system::{System, Vector};
 
-/// A right-hand side and guards to expand.
+/// A right-hand side with guards that can be evaluated with series.
 pub(crate) trait SeriesField<P: System, B: Coefficient> {
     /// Writes the slope at `(t, y)` to `dydt`.
     fn slope<'s>(
@@ -204,7 +204,8 @@ const fn highest_unrolled<P: System, B: Coefficient>() -> usize {
     if <P::State<B> as Vector<B>>::IS_SHORT { B::HIGHEST_UNROLLED } else { 0 }
 }
 
-/// The coefficients of the state of the next order, `y_(k+1) = f_k/(k + 1)`; gives the rows it took.
+/// A run of the right-hand side, which writes the coefficients of the state of the next order, `y_(k+1) = f_k/(k +
+/// 1)`, to `next`. It returns the number of rows that it took.
 struct RhsRun<'a, P: System, B: Coefficient, F> {
     run: Run<'a, F, B>,
     y: &'a P::State<B>,
@@ -230,7 +231,7 @@ impl<P: System, B: Coefficient, F: SeriesField<P, B>> OfOrder for RhsRun<'_, P, 
     }
 }
 
-/// The same, and the coefficients of the guards to `g`, rounded.
+/// The same run with the guards, whose coefficients it writes to `g`, rounded.
 struct RhsWithGuardsRun<'a, P: System, B: Coefficient, F> {
     run: Run<'a, F, B>,
     y: &'a P::State<B>,
@@ -280,7 +281,8 @@ fn write_rounded<B: Coefficient>(k: usize, series: &[Series<'_, B>], g: &mut [B:
     each(g.len().min(series.len()), |i| g[i] = series[i].coefficient(k).rounded());
 }
 
-/// The coefficients of the guards to `g`, rounded; the same.
+/// A run of the guards alone, which writes their coefficients to `g`, rounded. It returns the number of rows that it
+/// took.
 pub(super) struct GuardsRun<'a, P: System, B: Coefficient, F> {
     pub(super) run: Run<'a, F, B>,
     pub(super) y: &'a P::State<B>,
@@ -306,8 +308,8 @@ impl<P: System, B: Coefficient, F: SeriesField<P, B>> OfOrder for GuardsRun<'_, 
     }
 }
 
-/// Calls `of` for 0 … n − 1, the first eight without a loop: an array with an index that varies is
-/// memory, and so is then all that its entries point to.
+/// Calls `of` for 0 … n − 1, the first eight times without a loop. The index is then a constant; with a variable
+/// index the compiler would keep the array, and all that its entries point to, in memory.
 #[inline(always)]
 fn each(n: usize, mut of: impl FnMut(usize)) {
     let mut at = |i: usize| {
@@ -335,7 +337,7 @@ mod tests {
     use crate::real::Real;
     use crate::system::Next;
 
-    /// A pendulum whose guard and rate have the sine in common.
+    /// A pendulum whose guard and right-hand side share the sine.
     struct Pendulum {
         guards_first: bool,
     }

@@ -89,8 +89,8 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         rounded::<P, _>(self.state())
     }
 
-    /// Integrates to `t_end` (before the present time: backward), and shows the nearest `f64` of every
-    /// accepted step and every event to `record`.
+    /// Integrates to `t_end`, backward where that is before the present time, and shows `record` the nearest `f64` of
+    /// every accepted step and every event.
     ///
     /// # Errors
     /// As [`Integration::run`](crate::Integration::run).

@@ -128,7 +128,7 @@ mod tests {
         assert_eq!(order_for(1e-30), MAX_ORDER);
     }
 
-    /// Of coefficients by order, at an absolute tolerance of 1e-6.
+    /// The reach of a series with these coefficients at an absolute tolerance of 1e-6.
     fn reach_of(coefficient: impl Fn(usize) -> f64) -> Option<Reach> {
         let y: Vec<[f64; 1]> = (0..=10).map(|k| [coefficient(k)]).collect();
         reach(&y, &Tolerance { rtol: 1e-30, atol: vec![1e-6] }, &mut [0.0])
@@ -138,13 +138,13 @@ mod tests {
     fn a_geometric_series_reaches_where_its_last_two_terms_are_tolerated() {
         let reach = reach_of(|k| f64::powi(3.0, k as i32)).unwrap();
         let exact = 0.9 * f64::powf(1e-6, 1.0 / 9.0) / 3.0;
-        // Measured: 1.6e-4, of the rough logarithm and power.
+        // Measured: 1.6e-4, from the approximate logarithm and power.
         assert!(reach.degree == 10 && (reach.h / exact - 1.0).abs() < 1e-3, "{reach:?}");
     }
 
     #[test]
     fn a_series_is_cut_where_its_terms_cease_to_fall() {
-        // From order 6 on a thousandfold each, or none.
+        // From order 6 on each coefficient is a thousand times the one before, or NaN.
         for beyond in [1e3, f64::NAN] {
             let reach = reach_of(|k| if k < 6 { 1.0 } else { f64::powi(beyond, k as i32) });
             assert!(reach.is_some_and(|reach| reach.degree < 6 && reach.h > 0.0), "{reach:?}");

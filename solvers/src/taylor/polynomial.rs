@@ -58,7 +58,7 @@ impl Polynomial {
         self
     }
 
-    /// Its negative.
+    /// The polynomial with the opposite sign.
     pub fn negated(mut self) -> Self {
         for c in &mut self.c {
             *c = -*c;
@@ -200,7 +200,7 @@ mod tests {
             (1.0, &[0.3, 0.300001, 0.7, 0.8], Some(0.3)),
             (-1.0, &[0.3], Some(0.3)),
             (1.0, &[0.3], None),
-            // The first root is a rise.
+            // The polynomial rises at the first root.
             (-1.0, &[0.2, 0.5, 0.6, 0.9], Some(0.5)),
             (-1.0, &[0.25, 0.5], Some(0.5)),
             (1.0, &[1.5, -0.5], None),

@@ -12,7 +12,7 @@ use crate::real::{
     turning_of_values,
 };
 
-/// The largest integer power that is taken by products.
+/// The largest integer exponent for which a power is computed by products.
 const LARGEST_PRODUCT: f64 = 64.0;
 
 /// A function of time as a Taylor series. The present run computes the coefficient of one order; the lower ones are

@@ -1,11 +1,11 @@
-//! Series against what they expand.
+//! Tests of series against the functions that they expand.
 
 use std::cell::Cell;
 
 use super::super::rows::{MAX_ORDER, N_ROWS, Rows};
 use super::*;
 
-/// Every operation of a [`Real`] once, of an argument near 0.7 that changes at one.
+/// Every operation of a [`Real`], for an argument near 0.7 whose rate is one.
 pub(crate) fn operations<S: Real>(x: S) -> [S; 11] {
     let (sin, cos) = x.sin_cos();
     let length = S::length([x * x, sin], [x * 2.0, cos]);
@@ -25,7 +25,7 @@ pub(crate) fn operations<S: Real>(x: S) -> [S; 11] {
     ]
 }
 
-/// Second derivatives of curves that turn by sin x, by x², and evenly.
+/// Second derivatives of curves whose angle is sin x, x², and 2x.
 fn curves<S: Real>(x: S) -> S {
     let (sin, cos) = x.sin_cos();
     let arms = [S::cst(0.3), S::cst(-1.2)];
@@ -40,7 +40,7 @@ fn curves<S: Real>(x: S) -> S {
     of_curve + of_rates + a * b + c * d + e * f
 }
 
-/// Coefficients of order `k` of the operations about `x`, those below being in `rows`.
+/// Coefficients of order `k` of [`operations`] about `x`, where the lower ones are in `rows`.
 fn coefficients(rows: &Rows<f64>, x: f64, k: usize) -> [f64; 11] {
     let n = Cell::new(0);
     let x = Series::new(rows.table(&n, k), [x, 1.0, 0.0][k.min(2)]);
@@ -49,14 +49,14 @@ fn coefficients(rows: &Rows<f64>, x: f64, k: usize) -> [f64; 11] {
     all
 }
 
-/// Rows for [`operations`] and some.
+/// A table with more rows than [`operations`] needs.
 pub(crate) fn enough_rows<B: Coefficient>() -> Rows<B> {
     let mut rows = Rows::new();
     rows.grow(2 * N_ROWS);
     rows
 }
 
-/// Rows in which a coefficient that is read before it is written shows.
+/// A table filled with NaN, so that a coefficient that is read before it is written shows.
 fn poisoned() -> Rows<f64> {
     let (rows, n) = (enough_rows(), Cell::new(0));
     for _ in 0..2 * N_ROWS {
@@ -121,7 +121,7 @@ fn a_curve_that_is_not_ended_is_refused() {
     }
 }
 
-/// Those of two numbers, of which one may be constant.
+/// Functions of two numbers, of which one may be constant.
 struct Both;
 
 impl Functions<2, 3> for Both {
@@ -139,11 +139,11 @@ fn functions_of_several_numbers_are_the_same_outlined() {
         let run = |is_outlined: bool| {
             let n = Cell::new(if is_outlined { 0 } else { N_ROWS / 2 });
             let x = Series::new(rows.table(&n, k), [0.7, 1.0, 0.0][k.min(2)]);
-            // A linear result, which nothing has kept yet.
+            // A linear result, which is not written to its row yet.
             let given = [x * 0.5 + 0.35, Series::constant(1.5)];
             let [y, again, c] =
                 if is_outlined { Series::all_outlined(given, &Both) } else { Both.of(given) };
-            // Rows of their own come after it.
+            // Later operations take further rows.
             [y * x, again * again, c * x, y / x].map(|series| series.coefficient(k))
         };
         assert_eq!(run(true), run(false), "order {k}");
