@@ -10,8 +10,8 @@ const SHRINK: f64 = 0.2;
 const GROWTH: f64 = 10.0;
 /// Weight of the previous error; zero is the plain integral controller. DOPRI5.
 const BETA: f64 = 0.04;
-/// Growth limit per step after a failed Newton iteration. With it, steps return to the size that failed in about
-/// seven steps; the error estimate alone would lead there in two, to fail again.
+/// Growth limit per step after a step that failed, as by a Newton iteration that did not converge. With it, steps
+/// come near the size that failed after about seven steps; the error estimates alone would lead there in two.
 const CREEP: f64 = 1.1;
 /// Binary logarithm of the floor of the remembered error, 1e-4. The floor keeps one step with a tiny error from
 /// holding back the next. DOPRI5.

@@ -58,6 +58,8 @@
 //! | `tsit45` | Tsitouras 5(4) of `diffsol` | 5 | adaptive |
 //! | `auto` | [switches](auto) between an explicit and an implicit method | 4 or 8, implicit 5 | adaptive |
 //!
+//! A Butcher tableau that is not in this list is used as [`tableau`] shows.
+//!
 //! # Modules, in the order in which data flow
 //!
 //! - The problem: [`system`], the scalar type that it is generic over ([`real`]), [`problems`] with closed forms, and
