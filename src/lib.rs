@@ -14,17 +14,18 @@
 //! ```
 //!
 //! with modes free, slip+, slip− and stick. [`model`] is these equations, [`deltazero_solvers`]
-//! integrates them with the modes frozen within each step and every event located, and [`study`]
-//! compares methods and settings by error and work against a [`reference`](mod@reference).
+//! integrates them with the modes frozen within each step and every event located, and [`deltazero_study`]
+//! compares methods and settings by error and work against a reference.
 //!
 //! ```
 //! use deltazero::config::Config;
 //! use deltazero::model::Mechanism;
-//! use deltazero::run::{Limits, Run, Setting};
+//! use deltazero::run::{Run, setting};
 //! use deltazero_solvers::Grid;
+//! use deltazero_study::run::Limits;
 //!
 //! let config = Config::load(None, &["solver.rtol=1e-9".into(), "run.t_end=0.2".into()])?;
-//! let setting = Setting::of(&config).ok_or("no such method")?;
+//! let setting = setting(&config).ok_or("no such method")?;
 //! let limits = Limits { max_rhs: 1_000_000, max_seconds: 10.0, stop: &false.into() };
 //! let grid = Grid::uniform(0.01, config.run.t_end);
 //! let run = Run::new(&Mechanism::new(&config), &setting, config.run.t_end, &grid, limits);
@@ -39,15 +40,11 @@
 //! |---|---|
 //! | [`config`] | parameters with units and sources, the paper's Table 1 as the default |
 //! | [`model`] | the mechanism as two hybrid systems, each a block, or a chain where there are several bays or bristles; of a slider-crank one; no time, no loop |
-//! | [`warning`] | what a user should know before trusting a result |
-//! | [`run`] | one run by one method at one setting |
-//! | [`energy_balance`] | a recorder: where the energy of a run went |
-//! | [`metrics`] | errors of states, events and contacts; where the work went |
-//! | [`reference`](mod@reference) | the run that errors are measured against, and its own error |
-//! | [`contest`] | which method reaches an accuracy at the least cost |
-//! | [`study`] | the experiments, each a function from a configuration to a table |
+//! | [`run`] | one run of a mechanism, joint by joint |
+//! | [`study`] | what a configuration asks of the study, and the experiments on the paper's mechanism |
 //! | [`figures`] | the figures, each a function from a table to a chart |
 //! | [`report`] | tables to CSV, Markdown and an HTML page |
+//! | [`studied`] | a study of any subject, with all its files |
 
 pub mod config;
 pub mod figures;

@@ -14,7 +14,7 @@ use crate::setting::Events;
 /// Where the energy went, all in J, summed over parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Balance {
-    /// Work of the drive torques, or of that which holds a crank's speed.
+    /// Work of what drives the system.
     #[serde(with = "json_number::one")]
     pub work: f64,
     /// Kinetic energy at the end.
@@ -27,7 +27,7 @@ pub struct Balance {
     #[serde(with = "json_number::one")]
     pub dissipated: f64,
     /// `work + energy at the start − kinetic − elastic − dissipated`: zero for an exact run of a
-    /// consistent reading (`pin`, `full`).
+    /// model that conserves energy.
     #[serde(with = "json_number::one")]
     pub residual: f64,
 }

@@ -7,11 +7,10 @@ use crate::selection::{Benchmark, CUT, Contest, Entry, Failure, FailureKind, Rul
 use crate::warning::{Code, Warning};
 use crate::work_precision::Progress;
 
-/// More events of a site than this in a unit of the subject's time are named chatter: a deploying strut has 15 a second,
-/// a slider-crank 36 a turn.
+/// More events of a site than this in a unit of the subject's time are named chatter: a rattling joint has some 15 a second.
 const CHATTER_RATE: f64 = 500.0;
 
-/// The answer for one configuration and accuracy.
+/// The answer for one subject and accuracy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recommendation {
     /// The error asked for.

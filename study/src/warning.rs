@@ -18,7 +18,7 @@ pub enum Code {
     Energy,
     /// What only takes energy has given some.
     Dissipation,
-    /// A pin deeper in its bush than the clearance is wide.
+    /// A contact deeper than its law holds for.
     Penetration,
     /// An explicit method on a contact that damps so strongly that stability bounds its steps.
     Stiff,

@@ -186,7 +186,7 @@ impl Row {
 pub struct WorkPrecision {
     /// What the errors are measured against.
     pub reference: ReferenceSummary,
-    /// One row a run, in the order of the configuration.
+    /// One row a run, in the order of the plan.
     pub rows: Vec<Row>,
 }
 

@@ -1,10 +1,10 @@
-//! The contacts of a joint in a few numbers.
+//! The contacts of a site in a few numbers.
 
 use serde::Serialize;
 
 use super::contacts::Contact;
 
-/// The contacts of a joint, or of several, in a few numbers; what there is none of is none.
+/// The contacts of a site, or of several, in a few numbers; what there is none of is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ContactSummary {
     /// How many.

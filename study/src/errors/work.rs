@@ -51,7 +51,7 @@ pub struct LocationWork {
 /// together all of it, but for a step that failed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WorkByPhase {
-    /// Without clearance.
+    /// Held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pinned: Option<PhaseWork>,
     /// Free.

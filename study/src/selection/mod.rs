@@ -408,7 +408,7 @@ pub fn accepts_events(accuracy: f64, events: Events, trial: &Trial) -> bool {
     accuracy > EVENTS_FROM || events == Events::Blind || trial.events_are_right()
 }
 
-/// Mean accepted step [s] of a run that came `covered` seconds far, blocks added.
+/// Mean accepted step [s] of a run that came `covered` seconds far, parts added.
 fn mean_step(covered: f64, stats: &Stats) -> Option<f64> {
     (stats.n_accepted > 0).then(|| covered / stats.n_accepted as f64)
 }

@@ -19,7 +19,7 @@ pub const ACCURACY: f64 = 1e-6;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ModeKind {
-    /// Free, or held without clearance.
+    /// Free, or held.
     Flight,
     /// In contact, the surfaces sliding.
     Slip,
