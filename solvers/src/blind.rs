@@ -35,10 +35,6 @@ impl<P: ModeOfState> System for Blind<'_, P> {
         self.0.dim()
     }
 
-    fn n_guards(&self) -> usize {
-        1
-    }
-
     fn initial_mode(&self, _t: f64, _y: &Self::State<f64>) -> OfState {
         OfState
     }

@@ -12,6 +12,9 @@ pub trait Vector<S>: Clone + Debug + AsRef<[S]> + AsMut<[S]> {
     /// dense matrices.
     const IS_SHORT: bool = false;
 
+    /// The length, where it is part of the type; zero where it is not.
+    const LENGTH: usize = 0;
+
     /// The vector of length `n` with the entries `entry(0) … entry(n − 1)`.
     ///
     /// # Panics
@@ -25,6 +28,8 @@ pub trait Vector<S>: Clone + Debug + AsRef<[S]> + AsMut<[S]> {
 
 impl<S: Copy + Debug, const N: usize> Vector<S> for [S; N] {
     const IS_SHORT: bool = true;
+
+    const LENGTH: usize = N;
 
     // Up to eight entries are written out without a loop or a call, so that the compiler can keep those of a series
     // in registers.
@@ -92,11 +97,17 @@ pub trait System {
     /// several runs at once.
     const IN_LANES: bool = false;
 
-    /// Number of continuous states.
-    fn dim(&self) -> usize;
+    /// Number of continuous states: by default the length of [`State`](Self::State), which an array has in its type. A
+    /// model whose states are in a `Vec` must tell it.
+    fn dim(&self) -> usize {
+        <Self::State<f64> as Vector<f64>>::LENGTH
+    }
 
-    /// Number of guards, the same in all modes. A guard that a mode does not use is a positive constant there.
-    fn n_guards(&self) -> usize;
+    /// Number of guards, the same in all modes; by default as [`dim`](Self::dim). A guard that a mode does not use is a
+    /// positive constant there.
+    fn n_guards(&self) -> usize {
+        <Self::Guards<f64> as Vector<f64>>::LENGTH
+    }
 
     /// The mode of a run that starts at `(t, y)`.
     fn initial_mode(&self, t: f64, y: &Self::State<f64>) -> Self::Mode;

@@ -36,10 +36,6 @@ impl System for Rod {
         self.n
     }
 
-    fn n_guards(&self) -> usize {
-        0
-    }
-
     fn initial_mode(&self, _t: f64, _y: &Vec<f64>) {}
 
     fn rhs<S: Real>(&self, (): (), _t: S, y: &Vec<S>, dydt: &mut Vec<S>) {

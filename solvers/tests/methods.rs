@@ -60,14 +60,6 @@ impl System for Smooth {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 0];
 
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        0
-    }
-
     fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
 
     fn rhs<S: Real>(&self, (): (), t: S, &[a, b]: &[S; 2], dydt: &mut [S; 2]) {

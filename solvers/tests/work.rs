@@ -108,14 +108,6 @@ impl System for Relaxation {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 1];
 
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        1
-    }
-
     fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
 
     fn rhs<S: Real>(&self, (): (), t: S, y: &[S; 2], dydt: &mut [S; 2]) {
@@ -210,14 +202,6 @@ impl System for Bound {
     type Mode = ();
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 0];
-
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        0
-    }
 
     fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
 

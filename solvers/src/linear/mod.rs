@@ -132,10 +132,6 @@ mod tests {
             self.n
         }
 
-        fn n_guards(&self) -> usize {
-            0
-        }
-
         fn initial_mode(&self, _t: f64, _y: &Vec<f64>) -> bool {
             false
         }
@@ -270,9 +266,6 @@ mod tests {
             type Guards<S: Real> = [S; 0];
             fn dim(&self) -> usize {
                 MANY
-            }
-            fn n_guards(&self) -> usize {
-                0
             }
             fn initial_mode(&self, _t: f64, _y: &Vec<f64>) {}
             fn rhs<S: Real>(&self, (): (), _t: S, _y: &Vec<S>, dydt: &mut Vec<S>) {

@@ -95,14 +95,6 @@ impl System for BouncingBall {
 
     const IN_LANES: bool = true;
 
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        1
-    }
-
     fn initial_mode(&self, _t: f64, y: &[f64; 2]) -> BouncingMode {
         if *y == [0.0, 0.0] { BouncingMode::Rest } else { BouncingMode::Flight }
     }

@@ -164,14 +164,6 @@ impl System for CompliantBall {
 
     const IN_LANES: bool = true;
 
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        1
-    }
-
     fn initial_mode(&self, t: f64, y: &[f64; 2]) -> BallMode {
         self.mode_of_state(t, y)
     }

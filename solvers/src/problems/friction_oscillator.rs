@@ -95,14 +95,6 @@ impl System for FrictionOscillator {
 
     const IN_LANES: bool = true;
 
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        2
-    }
-
     fn initial_mode(&self, _t: f64, &[x, v]: &[f64; 2]) -> FrictionMode {
         if v > 0.0 {
             FrictionMode::SlipPlus

@@ -97,14 +97,6 @@ impl System for HertzBall {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 1];
 
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        1
-    }
-
     fn initial_mode(&self, t: f64, y: &[f64; 2]) -> StopMode {
         self.mode_of_state(t, y)
     }

@@ -177,14 +177,6 @@ impl System for SlidingStops {
 
     const IN_LANES: bool = true;
 
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        3
-    }
-
     fn initial_mode(&self, t: f64, &[x, v]: &[f64; 2]) -> StopsMode {
         let block = if v > 0.0 {
             Block::Slides(Wall::Right)

@@ -153,14 +153,6 @@ impl System for SpringStop {
 
     const IN_LANES: bool = true;
 
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        1
-    }
-
     fn initial_mode(&self, t: f64, y: &[f64; 2]) -> StopMode {
         self.mode_of_state(t, y)
     }

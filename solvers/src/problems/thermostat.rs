@@ -122,14 +122,6 @@ impl System for Thermostat {
 
     const IN_LANES: bool = true;
 
-    fn dim(&self) -> usize {
-        1
-    }
-
-    fn n_guards(&self) -> usize {
-        1
-    }
-
     fn initial_mode(&self, _t: f64, _y: &[f64; 1]) -> Heater {
         self.heater
     }

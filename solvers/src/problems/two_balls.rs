@@ -65,14 +65,6 @@ impl System for TwoBalls {
 
     const IN_LANES: bool = true;
 
-    fn dim(&self) -> usize {
-        4
-    }
-
-    fn n_guards(&self) -> usize {
-        2
-    }
-
     fn initial_mode(&self, t: f64, y: &[f64; 4]) -> [BouncingMode; 2] {
         let each = parted(y);
         std::array::from_fn(|i| self.balls[i].initial_mode(t, &each[i]))

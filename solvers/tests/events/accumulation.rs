@@ -65,14 +65,6 @@ impl System for Halving {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 1];
 
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        1
-    }
-
     fn initial_mode(&self, _t: f64, y: &[f64; 2]) -> f64 {
         y[0]
     }

@@ -50,14 +50,6 @@ impl System for Quartic {
     type State<S: Real> = [S; 1];
     type Guards<S: Real> = [S; 2];
 
-    fn dim(&self) -> usize {
-        1
-    }
-
-    fn n_guards(&self) -> usize {
-        2
-    }
-
     fn initial_mode(&self, _t: f64, _y: &[f64; 1]) -> bool {
         true
     }
@@ -105,14 +97,6 @@ impl System for Root {
     type Mode = bool;
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 1];
-
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        1
-    }
 
     fn initial_mode(&self, _t: f64, _y: &[f64; 2]) -> bool {
         true

@@ -227,14 +227,6 @@ impl System for Drag {
 
     const IN_LANES: bool = true;
 
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        1
-    }
-
     fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
 
     fn rhs<S: Real>(&self, (): (), t: S, y: &[S; 2], dydt: &mut [S; 2]) {

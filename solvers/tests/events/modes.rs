@@ -31,14 +31,6 @@ impl System for Trampoline {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 1];
 
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        1
-    }
-
     fn initial_mode(&self, _t: f64, _y: &[f64; 2]) -> Mode {
         Mode::Flight
     }

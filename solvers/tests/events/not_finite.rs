@@ -26,14 +26,6 @@ impl System for Breaks {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 2];
 
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        2
-    }
-
     fn initial_mode(&self, _t: f64, _y: &[f64; 2]) -> &'static str {
         "only"
     }

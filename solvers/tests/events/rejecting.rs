@@ -28,14 +28,6 @@ macro_rules! quadrature {
 
             const IN_LANES: bool = $in_lanes;
 
-            fn dim(&self) -> usize {
-                2
-            }
-
-            fn n_guards(&self) -> usize {
-                1
-            }
-
             fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
 
             fn rhs<S: Real>(&self, (): (), t: S, _y: &[S; 2], dydt: &mut [S; 2]) {

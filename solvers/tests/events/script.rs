@@ -62,10 +62,6 @@ impl System for Script {
 
     const IN_LANES: bool = true;
 
-    fn dim(&self) -> usize {
-        2
-    }
-
     fn n_guards(&self) -> usize {
         self.guards[0].len()
     }

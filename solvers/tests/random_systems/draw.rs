@@ -237,14 +237,6 @@ impl System for Drawn {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; N_GUARDS];
 
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn n_guards(&self) -> usize {
-        N_GUARDS
-    }
-
     fn initial_mode(&self, _t: f64, _y: &[f64; 2]) -> usize {
         0
     }
