@@ -6,6 +6,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use deltazero::config::Config;
+use deltazero::mechanisms::strut::chain_of;
 use deltazero::model::Chain;
 use deltazero_solvers::{Method, System};
 use deltazero_study::run::{Accuracy, Setting, integrate};
@@ -20,7 +21,7 @@ const SPAN: f64 = 2e-4;
 fn chain(bays: u32) -> Option<Chain> {
     let mut config = Config::table1().ok()?;
     config.bays = bays;
-    Some(Chain::new(&config))
+    Some(chain_of(&config))
 }
 
 fn evaluations(criterion: &mut Criterion) {

@@ -7,7 +7,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use deltazero::config::Config;
 use deltazero::model::contact::Touch;
 use deltazero::model::mode::N_GUARDS;
-use deltazero::model::{Block, Mechanism, Mode, State};
+use deltazero::model::{Block, Joints, Mode, State};
 use deltazero_solvers::{Control, Integration, Method, Next, Real, System};
 
 /// A block held in one mode, with the first `N` of its guards: all four, or none.
@@ -20,14 +20,6 @@ impl<const N: usize> System for Held<'_, N> {
     type Mode = Mode;
     type State<S: Real> = State<S>;
     type Guards<S: Real> = [S; N];
-
-    fn dim(&self) -> usize {
-        6
-    }
-
-    fn n_guards(&self) -> usize {
-        N
-    }
 
     fn initial_mode(&self, _t: f64, _y: &State<f64>) -> Mode {
         self.mode
@@ -84,7 +76,7 @@ fn run<const N: usize>(criterion: &mut Criterion, block: &Block, method: &str, n
 /// Pairs: the same steps with guards that hold, and without guards.
 fn guards_without_crossings(criterion: &mut Criterion) {
     let Ok(config) = Config::table1() else { return };
-    let block = &Mechanism::new(&config).blocks()[0].clone();
+    let block = &Joints::new(&config).blocks()[0].clone();
     for method in ["rk45", "dop853"] {
         run::<N_GUARDS>(criterion, block, method, "guarded");
         run::<0>(criterion, block, method, "unguarded");

@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use deltazero::config::Config;
 use deltazero::model::contact::Touch;
-use deltazero::model::{Block, Mechanism, Mode, State};
+use deltazero::model::{Block, Joints, Mode, State};
 use deltazero::run::Run;
 use deltazero_solvers::{Control, Grid, Integration, METHODS, Method, System, Tolerance};
 use deltazero_study::run::{Accuracy, Limits, Setting};
@@ -24,7 +24,7 @@ const RTOL: f64 = 1e-6;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let config = Config::table1()?;
-    let mechanism = Mechanism::new(&config);
+    let mechanism = Joints::new(&config);
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     let [case, times] = &arguments[..] else {
         cases().iter().for_each(|case| println!("{case}"));
@@ -78,7 +78,7 @@ fn steps(block: &Block, method: &str) -> Result<(), Box<dyn Error>> {
 }
 
 /// The 0–2 s transient of both joints with 200 samples each, events located.
-fn table1(mechanism: &Mechanism, method: &str) -> Result<(), Box<dyn Error>> {
+fn table1(mechanism: &Joints, method: &str) -> Result<(), Box<dyn Error>> {
     let method = named(method)?;
     let accuracy =
         if method.is_fixed_step() { Accuracy::Step(1e-4) } else { Accuracy::Rtol(RTOL, None) };

@@ -6,7 +6,7 @@ use std::error::Error;
 use std::time::Instant;
 
 use deltazero::config::Config;
-use deltazero::model::{Block, Mechanism, State};
+use deltazero::model::{Block, Joints, State};
 use deltazero::run::{BlockTrajectory, integrate_many};
 use deltazero_solvers::{Grid, Method, Stats, Trajectory};
 use deltazero_study::run::{Accuracy, Setting, integrate};
@@ -23,7 +23,7 @@ const ROUNDS: usize = 7;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let config = Config::table1()?;
-    let mechanism = Mechanism::new(&config);
+    let mechanism = Joints::new(&config);
     let blocks = mechanism.blocks();
     println!(
         "method   rtol   joints  one by one [runs/s]  at once [runs/s]  ratio (of each round)"

@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use deltazero::config::Config;
-use deltazero::model::Mechanism;
+use deltazero::model::Joints;
 use deltazero::run::Run;
 use deltazero_solvers::{Grid, METHODS};
 use deltazero_study::run::{Accuracy, Limits, Setting};
@@ -16,7 +16,7 @@ use deltazero_study::setting::Events;
 
 fn table1(criterion: &mut Criterion) {
     let Ok(config) = Config::table1() else { return };
-    let mechanism = Mechanism::new(&config);
+    let mechanism = Joints::new(&config);
     let grid = Grid::uniform(config.run.sample, config.run.t_end);
     let stop = AtomicBool::new(false);
     let limits = Limits::none(&stop);

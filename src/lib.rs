@@ -19,7 +19,7 @@
 //!
 //! ```
 //! use deltazero::config::Config;
-//! use deltazero::model::Mechanism;
+//! use deltazero::model::Joints;
 //! use deltazero::run::{Run, setting};
 //! use deltazero_solvers::Grid;
 //! use deltazero_study::run::Limits;
@@ -28,7 +28,7 @@
 //! let setting = setting(&config).ok_or("no such method")?;
 //! let limits = Limits { max_rhs: 1_000_000, max_seconds: 10.0, stop: &false.into() };
 //! let grid = Grid::uniform(0.01, config.run.t_end);
-//! let run = Run::new(&Mechanism::new(&config), &setting, config.run.t_end, &grid, limits);
+//! let run = Run::new(&Joints::new(&config), &setting, config.run.t_end, &grid, limits);
 //! assert_eq!(run.trajectories[0].samples.len(), 20);
 //! assert_eq!(run.error(), None);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -39,7 +39,8 @@
 //! | module | what it is |
 //! |---|---|
 //! | [`config`] | parameters with units and sources, the paper's Table 1 as the default |
-//! | [`model`] | the mechanism as two hybrid systems, each a block, or a chain where there are several bays or bristles; of a slider-crank one; no time, no loop |
+//! | [`model`] | pins in bushes as hybrid systems, each a block, or a chain where there are several bays or bristles, with their laws; no time, no loop |
+//! | [`mechanisms`] | the mechanisms, one a file: keys, problem, words |
 //! | [`run`] | one run of a mechanism, joint by joint |
 //! | [`study`] | what a configuration asks of the study, and the experiments on the paper's mechanism |
 //! | [`figures`] | the figures, each a function from a table to a chart |
@@ -48,6 +49,7 @@
 
 pub mod config;
 pub mod figures;
+pub mod mechanisms;
 pub mod model;
 pub mod report;
 pub mod run;

@@ -2,29 +2,24 @@
 
 mod about;
 pub mod audit;
-pub mod contact;
 mod files;
 pub mod html;
 pub mod laws;
 pub mod recommend;
 pub mod regimes;
 mod runs;
-mod slider_crank;
+pub mod simulation;
 pub mod steps;
 
 pub use about::{About, Provenance};
 pub use files::{File, study_files};
 pub use runs::study_csv;
-pub use slider_crank::slider_csv;
 
 use std::fmt::Write as _;
-use std::io::{self, Write};
 
 use deltazero_study::work_precision::{ACCURACIES, WorkPrecision, cheapest, doubt};
 
 use crate::figures::Drawing;
-use crate::model::Body;
-use crate::run::JointHistory;
 
 /// A number as it reads back to the same bits; empty for none.
 fn exact(x: Option<f64>) -> String {
@@ -132,60 +127,4 @@ pub fn study_markdown(about: &About, table: &WorkPrecision, drawings: &[Drawing]
     let _ = write!(text, "\n## Where the work goes\n\n{}", runs::work(rows));
     let _ = write!(text, "\n## Columns of study.csv\n\n{}", runs::columns(about, rows));
     text
-}
-
-/// Writes `trajectory.csv`, sorted by joint, bay and time.
-///
-/// # Errors
-/// Those of `out`.
-pub fn trajectory_csv(out: &mut dyn Write, joints: &[&JointHistory<'_>]) -> io::Result<()> {
-    if joints.iter().any(|joint| matches!(joint.block.body, Body::SliderCrank(_))) {
-        return slider_crank::trajectory_csv(out, joints);
-    }
-    let header = "bay,joint,t_s,mode,d1_m,d2_m,theta_rad,v1_m_s,v2_m_s,omega_rad_s,f_n_n,f_t_n";
-    writeln!(out, "{header}")?;
-    for JointHistory { bay, block, samples, .. } in joints {
-        for sample in samples {
-            let [d1, d2, theta, v1, v2, omega] = sample.y;
-            let (joint, t, mode) = (block.joint, sample.t, sample.mode.code());
-            // A diverging state may be finite where its forces are not.
-            let [f_n, f_t] = [sample.forces.normal, sample.forces.tangential]
-                .map(|f| exact(f.is_finite().then_some(f)));
-            writeln!(
-                out,
-                "{bay},{joint},{t:e},{mode},{d1:e},{d2:e},{theta:e},{v1:e},{v2:e},{omega:e},{f_n},{f_t}"
-            )?;
-        }
-    }
-    Ok(())
-}
-
-/// `events.csv`: the mode changes, sorted by time, then bay, then joint.
-pub fn events_csv(joints: &[&JointHistory<'_>]) -> String {
-    let changes_of = |joint: &&JointHistory<'_>| {
-        let place = (joint.bay, joint.block.joint);
-        joint.changes.iter().map(|change| (place, *change)).collect::<Vec<_>>()
-    };
-    let mut rows: Vec<_> = joints.iter().flat_map(changes_of).collect();
-    rows.sort_by(|a, b| a.1.t.total_cmp(&b.1.t).then(a.0.cmp(&b.0)));
-    let mut csv = String::from("bay,joint,t_s,mode_before,mode_after\n");
-    for ((bay, joint), change) in rows {
-        let _ = writeln!(csv, "{bay},{joint},{:e},{},{}", change.t, change.before, change.after);
-    }
-    csv
-}
-
-/// `motion.csv`: what the figures of the contact and the orbit show.
-pub fn motion_csv(motion: &crate::study::motion::Motion) -> String {
-    let mut csv = String::from("part,joint,t_s,mode,d1_m,d2_m,delta_m,f_n_n,f_t_n\n");
-    for (part, rows) in [("whole", &motion.rows), ("zoom", &motion.zoom)] {
-        for row in rows {
-            let _ = writeln!(
-                csv,
-                "{part},{},{:e},{},{:e},{:e},{:e},{:e},{:e}",
-                row.joint, row.t_s, row.mode, row.d1_m, row.d2_m, row.delta_m, row.f_n_n, row.f_t_n
-            );
-        }
-    }
-    csv
 }

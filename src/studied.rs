@@ -1,10 +1,15 @@
 //! A study of any subject, with all its files.
 
+use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::{fs, io};
 
+use deltazero_study::map::Map;
+use deltazero_study::plan::sample_times;
+use deltazero_study::recommend::{Recommendation, recommend};
 use deltazero_study::reference::ReferenceError;
+use deltazero_study::selection::Rules;
 use deltazero_study::steps::StepTables;
 use deltazero_study::work_precision::WorkPrecision;
 use deltazero_study::{Plan, Subject, work_precision};
@@ -70,4 +75,52 @@ impl Studied {
             .filter(|(name, _)| *name != "rk4_stability.csv")
             .try_for_each(|(name, text)| fs::write(dir.join(name), text))
     }
+}
+
+/// The method and setting for `subject`, to `t_end` [s], at an error of at most `accuracy`, with the measured reason.
+pub fn recommended(subject: Subject, t_end: f64, accuracy: f64) -> Recommendation {
+    let stop = AtomicBool::new(false);
+    let span = (t_end, sample_times(None, t_end));
+    let limits = Plan::new(t_end).limits(&stop);
+    recommend(subject, span, accuracy, &Rules::default(), limits, Vec::new(), &|_| {})
+}
+
+/// The winner of every cell of a map, as a table in Markdown.
+pub fn map_table(map: &Map) -> String {
+    let [x, y] = map.axes.each_ref().map(|axis| axis.label());
+    let mut text = format!("| {x} | {y} | e at most | winner | setting | its e | time [ms] |\n");
+    text += "|---|---|---|---|---|---|---|\n";
+    for cell in &map.cells {
+        let ([x, y], contest) = (cell.at, &cell.contest);
+        let _ = write!(text, "| {x:e} | {y:e} | {:e} | ", contest.accuracy);
+        let _ = match contest.winner() {
+            Some(first) => writeln!(
+                text,
+                "{} {} | {} | {:.1e} | {:.3} |",
+                first.method,
+                first.events,
+                first.setting(),
+                first.e,
+                1e3 * first.time_s()
+            ),
+            None => writeln!(text, "{} | | | |", contest.status.name()),
+        };
+    }
+    text
+}
+
+/// Writes `map.md` and the picture of the winners into `dir`, which is made where there is none.
+///
+/// # Errors
+/// Those of the file system, and where the figure cannot be drawn.
+pub fn write_map(map: &Map, dir: impl AsRef<Path>) -> io::Result<()> {
+    let (dir, drawing) = (dir.as_ref(), figures::map::winners(map));
+    let picture = drawing.picture().map_err(io::Error::other)?;
+    fs::create_dir_all(dir.join("figures"))?;
+    fs::write(dir.join("figures/winners.svg"), picture.svg)?;
+    fs::write(dir.join("figures/winners.png"), picture.png)?;
+    let (title, caption) = (picture.title, picture.caption);
+    let text =
+        format!("# {title}\n\n![{title}](figures/winners.png)\n\n{caption}\n\n{}", map_table(map));
+    fs::write(dir.join("map.md"), text)
 }

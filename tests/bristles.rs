@@ -6,6 +6,7 @@ mod common;
 use std::ops::ControlFlow;
 
 use common::{balance, config, distance, located, run, run_chain, setting};
+use deltazero::mechanisms::strut::chain_of;
 use deltazero::model::Chain;
 use deltazero::run::{mode_changes, trajectories};
 use deltazero_solvers::{Accepted, Event, Next, Record};
@@ -49,7 +50,7 @@ fn the_energy_of_bristles_balances() {
 fn bristles_are_unbent_where_a_contact_begins() {
     for set in ["contact.adhesion=true", "contact.adhesion=false"] {
         let config = config(&["bays=3", LUGRE, set, "run.t_end=0.2"]);
-        let chain = Chain::new(&config);
+        let chain = chain_of(&config);
         let mut seen = Touches { bent: 0, begun: 0 };
         let run = integrate(&chain, &located("rk45", 1e-8), chain.start(), 0.2, &mut seen);
         assert!(run.outcome.is_ok() && seen.begun > 10 && seen.bent > 0, "{seen:?}");

@@ -6,7 +6,7 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use common::{Golden, GoldenChain, config, located, run, run_chain, setting};
-use deltazero::model::Mechanism;
+use deltazero::model::Joints;
 use deltazero::run::{Run, integrate_many, integrate_pair, mode_changes};
 use deltazero::study::plan::reference;
 use deltazero_solvers::{Grid, METHODS, Trajectory};
@@ -74,7 +74,7 @@ fn the_reference_reproduces_both_and_states_its_true_error() {
     for reading in ["pin", "full"] {
         let golden = Golden::read(&format!("{reading}_table1"));
         let config = config(&[&format!("reading={reading}")]);
-        let mechanism = Mechanism::new(&config);
+        let mechanism = Joints::new(&config);
         let reference = reference(&config, &AtomicBool::new(false)).unwrap();
         let (mut e, mut late) = (0.0_f64, 0.0_f64);
         for (i, own) in reference.parts.iter().enumerate() {
@@ -227,7 +227,7 @@ fn work_on_table_1_is_pinned() {
 fn work_does_not_depend_on_what_is_recorded() {
     let work = |sample: &str| {
         let config = config(&[&format!("run.sample={sample}")]);
-        let mechanism = Mechanism::new(&config);
+        let mechanism = Joints::new(&config);
         let limits =
             Limits { max_rhs: u64::MAX, max_seconds: f64::INFINITY, stop: &AtomicBool::new(false) };
         let grid = Grid::uniform(config.run.sample, config.run.t_end);
@@ -252,7 +252,7 @@ fn runs_at_once_have_the_bits_of_one_run() {
         &["reading=cosine", "contact.exponent=1.5", "friction.law=threlfall"],
     ];
     for keys in cases {
-        for block in Mechanism::new(&config(keys)).blocks() {
+        for block in Joints::new(&config(keys)).blocks() {
             for (method, rtol) in [("rk45", 1e-6), ("dop853", 1e-8)] {
                 let setting = located(method, rtol);
                 let start = |i: usize| {
@@ -293,7 +293,7 @@ fn both_joints_at_once_have_the_bits_of_one_after_the_other() {
     ];
     for keys in cases {
         let config = config(keys);
-        let mechanism = Mechanism::new(&config);
+        let mechanism = Joints::new(&config);
         let blocks = mechanism.blocks();
         let fresh = || [0, 1].map(|_| Trajectory::on(Grid::uniform(0.01, 0.5)));
         for method in METHODS.iter().filter(|method| method.is_for_pairs() || method.name == "bdf")

@@ -7,8 +7,9 @@ use std::path::Path;
 
 use common::{audited, balance, config, located, run, run_chain, setting};
 use deltazero::config::{Config, ContactLaw, ReadingName};
+use deltazero::mechanisms::strut::chain_of;
 use deltazero::model::chain::Modes;
-use deltazero::model::{Body, Chain, Jointed, Mechanism, Mode};
+use deltazero::model::{AnyLinkage, Body, Chain, Jointed, Joints, Mode};
 use deltazero::study::ideal::ideal;
 use deltazero_solvers::{Grid, Next, Outcome, Trajectory};
 use deltazero_study::Problem as _;
@@ -72,11 +73,11 @@ fn stiffness<P: Jointed>(part: &P, method: &str, t_end: f64) -> Option<Warning> 
 #[test]
 fn a_contact_that_begins_slowly_under_hysteresis_is_told_to_be_stiff() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases/p2-63.toml");
-    let slow = Chain::new(&Config::load(Some(&path), &[]).unwrap());
+    let slow = chain_of(&Config::load(Some(&path), &[]).unwrap());
     let warning = stiffness(&slow, "vern98", 0.02).unwrap();
     assert!(warning.code == Code::Stiff && warning.message.contains("radau5"), "{warning:?}");
     // The stiff springs of Table 1 are followed, not held.
-    let block = Mechanism::new(&config(&[])).blocks()[0].clone();
+    let block = Joints::new(&config(&[])).blocks()[0].clone();
     for method in ["rk45", "taylor", "vern98"] {
         assert_eq!(stiffness(&block, method, 2.0), None, "{method}");
     }
@@ -92,7 +93,7 @@ fn a_penetration_beyond_the_clearance_is_told() {
 #[test]
 fn a_contact_that_has_lost_its_mode_gives_energy_and_says_so() {
     // What p1-97 did: damping with a force of the wrong sign.
-    let blocks = Mechanism::new(&config(&["contact.law=flores", "contact.adhesion=false"]));
+    let blocks = Joints::new(&config(&["contact.law=flores", "contact.adhesion=false"]));
     let block = blocks.blocks()[0].clone();
     let touch = block.normal.touch(1e-3);
     let y = [0.0, -0.5 * block.clearance, 0.0, 0.0, -1e-2, 0.0];
@@ -347,10 +348,13 @@ fn a_small_clearance_tends_to_the_ideal_slider_crank() {
         let config = config(&["mechanism=slider-crank", "run.t_end=0.012", &sets[0], &sets[1]]);
         let (mechanism, run) = run(&config, &located("rk45", 1e-9));
         let block = &mechanism.blocks()[0];
-        let Body::SliderCrank(crank) = &block.body else { panic!("no slider-crank") };
+        let Body::Linkage(AnyLinkage::SliderCrank(crank)) = &block.body else {
+            panic!("no slider-crank")
+        };
         let off = run.trajectories[0].samples.iter().map(|sample| {
             let forces = block.forces(sample.mode, &sample.y, &block.pose(&sample.y));
-            let own = block.slider(sample.mode, &sample.y, forces).unwrap();
+            let load = block.load_on_linkage(sample.mode, &sample.y, forces);
+            let own = crank.slider(&sample.y, load);
             let ideal = [0.0, 0.0, sample.y[2], 0.0, 0.0, crank.speed];
             let ideal = crank.slider(&ideal, [0.0; 3]);
             [(own.place - ideal.place).abs(), (own.velocity - ideal.velocity).abs()]
@@ -371,13 +375,13 @@ fn the_energy_of_a_chain_balances() {
         ("contact.exponent=1.5", 1e-11),
     ] {
         let config = config(&["bays=4", "run.t_end=0.2", set]);
-        let chain = Chain::new(&config);
+        let chain = chain_of(&config);
         let y0 = chain.start();
         let mut record = EnergyBalance::new(&chain, Events::Located, &y0);
         let setting = located("rk45", 1e-10);
         let run = integrate(&chain, &setting, y0, config.run.t_end, &mut record);
         assert_eq!(run.outcome, Ok(Outcome::Finished), "{set}");
-        let balance = record.at(&run.mode, &run.y).unwrap();
+        let balance = record.at(&run.mode, run.t, &run.y).unwrap();
         let relative = (balance.residual / balance.work).abs();
         assert!(relative < bound, "{set}: {relative:e}");
     }
@@ -424,7 +428,7 @@ fn many_bays_that_leave_the_surface_at_once_are_no_storm() {
 #[test]
 fn each_bay_has_the_contacts_of_its_own_joint() {
     let config = config(&["bays=3", "run.t_end=0.3"]);
-    let chain = Chain::new(&config);
+    let chain = chain_of(&config);
     let mut record =
         (Contacts::new(&chain, Events::Located), Trajectory::<Vec<f64>, Modes>::on(Grid::Steps));
     let run = integrate(&chain, &located("rk45", 1e-10), chain.start(), 0.3, &mut record);

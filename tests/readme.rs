@@ -4,7 +4,6 @@
 use std::sync::atomic::AtomicBool;
 
 use deltazero::config::Config;
-use deltazero::model::Mechanism;
 use deltazero::report;
 use deltazero::report::laws::markdown;
 use deltazero::study::audit::{Audit, audit};
@@ -115,7 +114,7 @@ fn the_step_figures_of_the_committed_study_are_of_the_setting_that_its_answer_na
     let best = cheapest(&table.rows, ACCURACY).unwrap();
     assert!(best.events == Events::Located && best.events_are_right(), "{best:?}");
     let config = Config::load(None, &[format!("study.methods=[\"{}\"]", best.method)]).unwrap();
-    let subject = Mechanism::new(&config).subject();
+    let subject = config.mechanism.subject(&config);
     let stop = AtomicBool::new(false);
     let limits = Limits::none(&stop);
     let histories = step_histories(&subject, &plan(&config), &table, limits);

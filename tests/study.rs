@@ -7,17 +7,16 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use common::config;
-use deltazero::config::{Config, ReadingName};
+use deltazero::config::Config;
 use deltazero::figures::Picture;
-use deltazero::model::Mechanism;
 use deltazero::report::html::{Heading, Page, Part, Section, Table};
 use deltazero::study::plan::{benchmark, plan, reference, work_precision};
-use deltazero::study::regimes::{Cell, CellStatus};
 use deltazero::study::stability::stability;
 use deltazero::{figures, report};
 use deltazero_solvers::{Grid, METHODS, Method};
 use deltazero_study::columns::{Column, Value};
 use deltazero_study::horizon::{Horizon, Span, horizon};
+use deltazero_study::map::{CellStatus, Contested};
 use deltazero_study::run::{Accuracy, Limits, Price, Setting};
 use deltazero_study::selection::{
     Benchmark, CUT, Candidate, Contest, Entry, FailureKind, MARGIN, Standings, Start, Trial,
@@ -178,7 +177,7 @@ fn steps(methods: &str) -> (WorkPrecision, StepTables) {
         ["run.t_end=0.15", "study.repeats=1", "study.steps=[1e-4]", "study.rtol=[1e-6]", methods];
     let (config, stop) = (config(&sets), AtomicBool::new(false));
     let table = work_precision(&config, &[], &stop, &|_| {}).unwrap();
-    let subject = Mechanism::new(&config).subject();
+    let subject = config.mechanism.subject(&config);
     let steps = StepTables::new(&subject, &plan(&config), &table, Limits::none(&stop));
     (table, steps)
 }
@@ -254,8 +253,7 @@ fn rk4_finds_events_that_are_none_beyond_the_limit_of_stability() {
 #[test]
 fn every_figure_of_a_study_without_a_finished_run_can_be_drawn() {
     let table = study(&["study.max_rhs=600000", "study.steps=[1e-7]", "study.methods=[\"rk4\"]"]);
-    let config = Config::table1().unwrap();
-    for drawing in figures::of_mechanism(&config, &table, &StepTables::default(), None, None) {
+    for drawing in figures::of_mechanism(&[1e-4; 2], &table, &StepTables::default(), None, None) {
         drawing.figure.svg().unwrap();
         drawing.figure.png().unwrap();
     }
@@ -491,10 +489,7 @@ fn located_events_must_be_right_from_1e_minus_6_on_and_blind_ones_need_not() {
 
 #[test]
 fn auto_wins_a_cell_where_it_alone_arrives() {
-    let with = |methods: &[&str]| Cell {
-        reading: ReadingName::Pin,
-        stiffness: 1e7,
-        damping_ratio: 0.01,
+    let with = |methods: &[&str]| Contested {
         accuracy: 1e-4,
         status: CellStatus::Ok,
         error: None,
@@ -550,7 +545,7 @@ fn a_run_that_ends_early_has_an_infinite_error_and_one_a_sample_short_has_not() 
 static RUNNING: AtomicBool = AtomicBool::new(false);
 
 fn measured(config: &Config, work: f64) -> Horizon {
-    let subject = Mechanism::new(config).subject();
+    let subject = config.mechanism.subject(config);
     let span = Span { t_end: config.run.t_end, reached: config.run.t_end, work };
     horizon(&subject, &vec![span; subject.parts.len()], &RUNNING)
 }
@@ -571,7 +566,7 @@ fn the_horizon_is_that_of_the_reference() {
 #[test]
 fn a_motion_that_costs_too_much_to_follow_is_not_measured() {
     let config = Config::table1().unwrap();
-    let subject = Mechanism::new(&config).subject();
+    let subject = config.mechanism.subject(&config);
     assert_eq!(measured(&config, 0.0), Horizon::WholeRun);
     let spans = [Span { t_end: 1e3, reached: 1e3, work: 0.0 }; 2];
     assert_eq!(horizon(&subject, &spans, &AtomicBool::new(true)), Horizon::NotMeasured);

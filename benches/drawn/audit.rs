@@ -115,7 +115,8 @@ impl<'a, P: Jointed> Auditor<'a, P> {
             loss += own;
         }
         if self.friction_takes {
-            let friction = self.part.powers(mode, y).unwrap_or_default().dissipated() - loss;
+            // A joint knows no time.
+            let friction = self.part.powers(mode, 0.0, y).unwrap_or_default().dissipated() - loss;
             self.seen.friction_gave += dt * (-friction).max(0.0);
         }
     }

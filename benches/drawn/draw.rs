@@ -1,8 +1,6 @@
 //! A configuration drawn at random: what a user may set, and how it is written.
 
-use deltazero::config::{
-    Config, ConfigError, ContactLaw, Curvature, FrictionLaw, MechanismName, ReadingName,
-};
+use deltazero::config::{Config, ConfigError, ContactLaw, Curvature, FrictionLaw, ReadingName};
 
 use super::random::Random;
 
@@ -23,8 +21,8 @@ impl Draw {
         let random = &mut Random::of_draw(seed, i);
         let mut draw = Self { keys: Vec::new() };
         let is_crank = random.chance(0.35);
-        let mechanism = if is_crank { MechanismName::SliderCrank } else { MechanismName::Strut };
-        draw.word("mechanism", mechanism.name());
+        let mechanism = if is_crank { "slider-crank" } else { "strut" };
+        draw.word("mechanism", mechanism);
         if is_crank {
             draw.slider_crank(random);
         } else {

@@ -66,7 +66,7 @@ impl Ran {
         let mut record = ((trajectory, meter), (balance, Auditor::new(part)));
         let run = integrate(part, setting, y0.clone(), t_end, &mut record);
         let ((trajectory, meter), (balance, auditor)) = record;
-        let balance = balance.at(&run.mode, &run.y).unwrap_or_default();
+        let balance = balance.at(&run.mode, run.t, &run.y).unwrap_or_default();
         let end = match &run.outcome {
             Ok(Outcome::Finished) => End::Finished,
             Ok(Outcome::Stopped) => End::Stopped,

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use deltazero::config::{Config, ReadingName};
-use deltazero::model::{Block, Jointed, Mechanism, Part};
+use deltazero::model::{Block, Jointed, Joints, Part};
 use deltazero_solvers::Method;
 use deltazero_study::Problem as _;
 use deltazero_study::part::Start;
@@ -129,7 +129,7 @@ impl Verdict {
     /// Judges a configuration by runs that cost no more than `budget` each.
     pub(crate) fn of(config: &Config, budget: Budget) -> Self {
         let mut verdict = Self::new();
-        for part in &Mechanism::new(config).parts {
+        for part in &Joints::new(config).parts {
             match part {
                 Part::Block(block) => verdict.judge(block, config, budget),
                 Part::Chain(chain) => verdict.judge(chain, config, budget),

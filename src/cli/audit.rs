@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::output::{Output, hash};
 use super::progress::Bar;
-use super::{Failure, RunArgs, print, say, struts_only};
+use super::{Failure, RunArgs, default_only, print, say};
 
 #[derive(Args)]
 pub(super) struct AuditArgs {
@@ -24,7 +24,7 @@ pub(super) struct AuditArgs {
 
 pub(super) fn run(args: &AuditArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let config =
-        one_bay(struts_only(args.run.load()?, "the claims are those of the struts' paper")?)?;
+        one_bay(default_only(args.run.load()?, "the claims are those of the struts' paper")?)?;
     let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out/audit"));
     let output = Output::open(&dir, hash("audit", &used(&config)?), args.run.force)?;
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);

@@ -22,14 +22,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
-use deltazero::config::{Config, ConfigError, MechanismName};
+use deltazero::config::{Config, ConfigError};
+use deltazero::mechanisms::MECHANISMS;
 use deltazero_study::setting::Events;
 use deltazero_study::warning::Warning;
 
 /// Which integrator, at which setting, for this contact?
 ///
 /// Without a command: the study of the paper's Table 1, 0-2 s, into ./deltazero-out.
-/// With --set mechanism=slider-crank, simulate, study and recommend are about that mechanism.
+/// With --set mechanism=NAME, simulate, study and recommend are about another mechanism; `deltazero config` lists them.
 #[derive(Parser)]
 #[command(version, args_conflicts_with_subcommands = true)]
 struct Cli {
@@ -90,15 +91,14 @@ impl RunArgs {
     }
 }
 
-/// Refuses a slider-crank, of which a command does not speak.
-fn struts_only(config: Config, why: &str) -> Result<Config, Failure> {
-    match config.mechanism {
-        MechanismName::Strut => Ok(config),
-        MechanismName::SliderCrank => {
-            let way_out = "`simulate`, `study` and `recommend` take it";
-            Err(Failure::Usage(format!("mechanism = slider-crank: {why}; {way_out}")))
-        }
+/// Refuses every mechanism but the default one, the paper's, where a command speaks of no other.
+fn default_only(config: Config, why: &str) -> Result<Config, Failure> {
+    let name = config.mechanism.entry.name;
+    if MECHANISMS.first().is_some_and(|default| default.name == name) {
+        return Ok(config);
     }
+    let way_out = "`simulate`, `study` and `recommend` take it";
+    Err(Failure::Usage(format!("mechanism = {name}: {why}; {way_out}")))
 }
 
 /// Why a command did not succeed, and with it the exit code.

@@ -4,7 +4,8 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-use deltazero_solvers::{Accepted, Event, Needs, Record, System};
+use deltazero_solvers::Stats;
+use deltazero_study::run::Brake;
 use deltazero_study::work_precision::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -115,10 +116,16 @@ impl TimeBar {
         Self { bar, shown, quiet }
     }
 
-    /// A recorder that shows how far the part with the joint `joint`, one of `parts`, has come to
-    /// `t_end` [s].
-    pub(super) fn of(&self, joint: usize, parts: usize, t_end: f64) -> TimeOf<'_> {
-        TimeOf { bar: self, joint, parts, t_end, steps: 0 }
+    /// A brake that shows how far the part number `i` of `n`, called `name`, has come to `t_end` [s], and leaves
+    /// the braking to another.
+    pub(super) fn over<B: Brake>(
+        &self,
+        inner: B,
+        (i, n): (usize, usize),
+        name: &str,
+        t_end: f64,
+    ) -> TimeOf<'_, B> {
+        TimeOf { bar: self, inner, i, n, name: name.to_owned(), t_end, steps: 0 }
     }
 
     /// Says what is done after the runs, where they took long.
@@ -144,32 +151,29 @@ impl Drop for TimeBar {
     }
 }
 
-/// See [`TimeBar::of`].
-pub(super) struct TimeOf<'a> {
+/// See [`TimeBar::over`].
+pub(super) struct TimeOf<'a, B> {
     bar: &'a TimeBar,
-    joint: usize,
-    parts: usize,
+    inner: B,
+    i: usize,
+    n: usize,
+    name: String,
     t_end: f64,
     steps: u32,
 }
 
-impl<P: System> Record<P> for TimeOf<'_> {
-    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
+impl<B: Brake> Brake for TimeOf<'_, B> {
+    fn step(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {
         self.steps = self.steps.wrapping_add(1);
         if self.steps.is_multiple_of(STEPS_A_LOOK) {
-            let t = accepted.step.t1();
-            let done = (self.joint - 1) as f64 + (t / self.t_end).clamp(0.0, 1.0);
-            let message = format!("joint {}, t = {t:.3e} s", self.joint);
-            self.bar.show(done / self.parts as f64, message);
+            let done = self.i as f64 + (t / self.t_end).clamp(0.0, 1.0);
+            let message = format!("{} t = {t:.3e} s", self.name);
+            self.bar.show(done / self.n as f64, message);
         }
-        ControlFlow::Continue(())
+        self.inner.step(t, stats)
     }
 
-    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-
-    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
-        Needs::Ends
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        self.inner.rejected(stats)
     }
 }

@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 
 use super::output::{Output, hash, is_current};
 use super::progress::{Bar, spoken};
-use super::{Failure, RunArgs, note_left_out, print, say, struts_only};
+use super::{Failure, RunArgs, default_only, note_left_out, print, say};
 
 #[derive(Args)]
 pub(super) struct RegimesArgs {
@@ -32,7 +32,7 @@ pub(super) struct RegimesArgs {
 
 pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let why = "the map's damping ratio is that of the struts' masses under F_N = K δ + D δ̇";
-    let mut config = struts_only(args.run.load()?, why)?;
+    let mut config = default_only(args.run.load()?, why)?;
     let mut dir = "deltazero-out/regimes";
     if args.quick {
         config = quick(&config);

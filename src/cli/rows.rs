@@ -3,20 +3,26 @@
 use std::ops::ControlFlow;
 
 use deltazero::config::{Config, MOST_ROWS, ROW_BYTES};
-use deltazero_solvers::{Accepted, Event, Needs, Record, System};
-use deltazero_study::run::Setting;
+use deltazero_solvers::Stats;
+use deltazero_study::run::{Brake, Setting};
 
 use super::Failure;
 
 /// The way out.
 const WAY_OUT: &str = "give run.sample, or shorten run.t_end";
 
-/// A recorder that breaks a run off where it has made too many rows.
+/// How many rows a run may make.
 #[derive(Clone, Copy)]
 pub(super) struct Rows {
-    n_steps: f64,
-    /// Of a part: each makes a row for each of its joints.
+    /// Of a part: each makes a row for each of its sites.
     most_steps: f64,
+}
+
+/// Breaks a run off where it has made too many rows, else leaves it to another brake.
+pub(super) struct RowBrake<B> {
+    rows: Rows,
+    n_steps: f64,
+    inner: B,
 }
 
 impl Rows {
@@ -26,11 +32,11 @@ impl Rows {
     /// [`Failure::Usage`] where fixed steps are known to make too many.
     pub(super) fn new(config: &Config, setting: &Setting) -> Result<Self, Failure> {
         if config.run.sample > 0.0 {
-            return Ok(Self { n_steps: 0.0, most_steps: f64::INFINITY });
+            return Ok(Self { most_steps: f64::INFINITY });
         }
-        let n_joints = config.n_joints() as f64;
+        let n_sites = config.mechanism.n_sites(config) as f64;
         if let Some(step) = setting.step() {
-            let rows = config.run.t_end / step * n_joints;
+            let rows = config.run.t_end / step * n_sites;
             if rows > MOST_ROWS {
                 return Err(Failure::Usage(format!(
                     "run.sample = 0 at steps of {step:e} s makes {rows:.1e} rows of trajectory.csv, {:.1e} bytes, \
@@ -39,12 +45,19 @@ impl Rows {
                 )));
             }
         }
-        Ok(Self { n_steps: 0.0, most_steps: MOST_ROWS / n_joints })
+        Ok(Self { most_steps: MOST_ROWS / n_sites })
     }
 
-    /// Why the run was broken off, where it was.
+    /// A brake of a run that begins now.
+    pub(super) fn over<B: Brake>(self, inner: B) -> RowBrake<B> {
+        RowBrake { rows: self, n_steps: 0.0, inner }
+    }
+}
+
+impl<B> RowBrake<B> {
+    /// Why the run was broken off, where it was by this brake.
     pub(super) fn complaint(&self, t: f64) -> Option<String> {
-        (self.n_steps > self.most_steps).then(|| {
+        (self.n_steps > self.rows.most_steps).then(|| {
             format!(
                 "run.sample = 0 keeps every step, and they made more than {MOST_ROWS:e} rows of all joints by t = {t:e} s; {WAY_OUT}"
             )
@@ -52,44 +65,42 @@ impl Rows {
     }
 }
 
-impl<P: System> Record<P> for Rows {
-    fn step(&mut self, _: &Accepted<'_, P>) -> ControlFlow<()> {
+impl<B: Brake> Brake for RowBrake<B> {
+    fn step(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {
         self.n_steps += 1.0;
-        if self.n_steps > self.most_steps {
+        if self.n_steps > self.rows.most_steps {
             return ControlFlow::Break(());
         }
-        ControlFlow::Continue(())
+        self.inner.step(t, stats)
     }
 
-    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-
-    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
-        Needs::Ends
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        self.inner.rejected(stats)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use deltazero::model::Mechanism;
+    use std::sync::atomic::AtomicBool;
+
+    use deltazero::model::Joints;
     use deltazero_solvers::Outcome;
-    use deltazero_study::run::integrate;
+    use deltazero_study::run::{Braked, Limits, Price, integrate};
 
     use super::*;
 
     #[test]
     fn a_run_with_too_many_steps_to_keep_is_broken_off_and_says_so() {
         let config = Config::load(None, &["run.sample=0".to_owned()]).unwrap();
-        let (setting, mechanism) =
-            (deltazero::run::setting(&config).unwrap(), Mechanism::new(&config));
+        let (setting, joints) = (deltazero::run::setting(&config).unwrap(), Joints::new(&config));
         let mut rows = Rows::new(&config, &setting).unwrap();
         assert_eq!(rows.most_steps, 0.5 * MOST_ROWS);
         rows.most_steps = 10.0;
-        let block = mechanism.blocks()[0];
-        let run = integrate(block, &setting, block.initial_state(), 2.0, &mut rows);
+        let (stop, block) = (AtomicBool::new(false), joints.blocks()[0]);
+        let mut brake = rows.over(Limits::none(&stop).watch(Price::of_setting(&setting)));
+        let run = integrate(block, &setting, block.initial_state(), 2.0, &mut Braked(&mut brake));
         assert_eq!((run.outcome, run.stats.n_accepted), (Ok(Outcome::Interrupted), 11));
-        let complaint = rows.complaint(run.t).unwrap();
+        let complaint = brake.complaint(run.t).unwrap();
         assert!(complaint.contains("run.sample = 0") && complaint.contains(WAY_OUT), "{complaint}");
     }
 
@@ -97,6 +108,6 @@ mod tests {
     fn samples_on_a_grid_never_break_a_run_off() {
         let config = Config::table1().unwrap();
         let rows = Rows::new(&config, &deltazero::run::setting(&config).unwrap()).unwrap();
-        assert_eq!((rows.most_steps, rows.complaint(1.0)), (f64::INFINITY, None));
+        assert_eq!(rows.most_steps, f64::INFINITY);
     }
 }

@@ -7,14 +7,14 @@ use std::time::SystemTime;
 use clap::Args;
 use deltazero::config::Config;
 use deltazero::figures;
-use deltazero::model::Mechanism;
-use deltazero::report;
+use deltazero::model::Joints;
+use deltazero::report::simulation::motion_csv;
+use deltazero::report::{self, About};
 use deltazero::study::machine::Machine;
-use deltazero::study::motion::motion;
 use deltazero::study::plan::{limits, plan};
 use deltazero::study::record::{StudyRecord, name_reading};
-use deltazero::study::restitution;
 use deltazero::study::stability::stability;
+use deltazero_study::motion::Motion;
 use deltazero_study::reference::RECIPE;
 use deltazero_study::steps::StepTables;
 use deltazero_study::work_precision::{Progress, Row, Status, WorkPrecision, against};
@@ -60,7 +60,7 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         config.study.threads = usize::from(threads);
     }
     note_left_out(&config, &config.study.events, args.run.quiet);
-    warn(&restitution::warnings(&config), args.run.quiet);
+    warn(&config.mechanism.warnings(&config), args.run.quiet);
     let bar = Bar::new(args.run.quiet);
     let known = unfinished_rows(&output);
     let reference = match reference(&output, &config, stop, args.run.quiet) {
@@ -74,14 +74,14 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     };
     let begun = WorkPrecision { reference: reference.summary.clone(), rows: known.clone() };
     let kept = Kept::new(&output, unfinished(&output, &config, begun), stop);
-    let subject = Mechanism::new(&config).subject();
+    let subject = config.mechanism.subject(&config);
     let table =
         against(&subject, &reference, &plan(&config), &known, stop, &|progress| match progress {
             Progress::Row(row) => kept.take(*row),
             progress => bar.show(progress),
         });
     let mut study = StudyRecord { time: now(), table, ..kept.into_study()? };
-    let about = report::contact::about(&config);
+    let about = About::of(&config);
     output.write("study.csv", report::study_csv(&about, &study.table).as_bytes())?;
     write_json(&output, &study)?;
     if stop.load(Ordering::Relaxed) {
@@ -162,8 +162,11 @@ pub(super) fn write_report(
 ) -> Result<(), Failure> {
     let StudyRecord { config, table, .. } = study;
     let (limits, plan) = (limits(config, stop), plan(config));
-    let steps = StepTables::new(&Mechanism::new(config).subject(), &plan, table, limits);
-    let (stability, motion) = (stability(config, table, limits), motion(config, limits));
+    let steps = StepTables::new(&config.mechanism.subject(config), &plan, table, limits);
+    let (stability, motion) = (
+        stability(config, table, limits),
+        Motion::new(&config.mechanism.subject(config), config.run.t_end, limits),
+    );
     if stop.load(Ordering::Relaxed) {
         return Err(Failure::Interrupted(RESUMED));
     }
@@ -171,15 +174,14 @@ pub(super) fn write_report(
         output.write(name, text.as_bytes())?;
     }
     if let Some(motion) = &motion {
-        output.write("motion.csv", report::motion_csv(motion).as_bytes())?;
-        if !motion.slider.is_empty() {
-            output.write("slider.csv", report::slider_csv(&motion.slider).as_bytes())?;
-        }
+        output.write("motion.csv", motion_csv(motion).as_bytes())?;
     }
+    let joints = Joints::new(config);
+    let clearances: Vec<f64> = joints.blocks().iter().map(|block| block.clearance).collect();
     let mut drawings =
-        figures::of_mechanism(config, table, &steps, stability.as_ref(), motion.as_ref());
+        figures::of_mechanism(&clearances, table, &steps, stability.as_ref(), motion.as_ref());
     drawings.extend(figures::chosen_axes(table, &config.study.x, &config.study.y));
-    let about = report::contact::about(config);
+    let about = About::of(config);
     let files = report::study_files(&about, &plan, table, &study.provenance(), &drawings)
         .map_err(|(name, error)| Failure::Run(format!("cannot draw {name}: {error}")))?;
     files.iter().try_for_each(|file| output.write(&file.name, &file.content))

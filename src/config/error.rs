@@ -154,27 +154,17 @@ pub enum ConfigError {
         /// Why not, and the way out.
         reason: &'static str,
     },
-    /// A slider-crank with what only the struts have, or that cannot turn.
-    #[error("{place}: {found} does not go with mechanism = slider-crank: {reason}")]
-    NotInASliderCrank {
-        /// Where it was given.
+    /// What a mechanism cannot have.
+    #[error("{place}: {found} does not go with {with}: {reason}")]
+    NotInMechanism {
+        /// Where the offending one of the two was given.
         place: Place,
         /// The key with its value.
         found: Box<str>,
+        /// What it does not go with.
+        with: Box<str>,
         /// Why not, and the way out.
-        reason: &'static str,
-    },
-    /// A chain of several bays with what only one bay can have.
-    #[error("{place}: {found} does not go with bays = {bays}: {reason}")]
-    NotInAChain {
-        /// Where the offending one of the two was given.
-        place: Place,
-        /// Number of bays.
-        bays: u32,
-        /// The other key with its value.
-        found: Box<str>,
-        /// Why not, and the way out.
-        reason: &'static str,
+        reason: Box<str>,
     },
     /// An output grid that no disk would hold.
     #[error(

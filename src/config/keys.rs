@@ -1,13 +1,14 @@
 //! The table of keys: everything the configuration knows of them is here, once.
 //!
 //! The default file, the JSON Schema, the check of what is given and the suggestions for what is
-//! misspelt all follow from [`KEYS`].
+//! misspelt all follow from [`keys`].
 
 use deltazero_study::setting::{Digits, Events};
 
 use super::kind::Kind;
 use super::range::{End, Range};
-use super::words::{AXES, ContactLaw, Curvature, FrictionLaw, METHODS, MechanismName, ReadingName};
+use super::words::{AXES, ContactLaw, Curvature, FrictionLaw, METHODS, ReadingName};
+use crate::mechanisms::{MECHANISMS, NAMES};
 
 /// One key.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,164 +60,29 @@ impl Key {
     }
 }
 
-const POSITIVE: Kind = Kind::Number(Range::POSITIVE);
-const NOT_NEGATIVE: Kind = Kind::Number(Range::NOT_NEGATIVE);
-const FINITE: Kind = Kind::Number(Range::FINITE);
+/// A number above zero.
+pub const POSITIVE: Kind = Kind::Number(Range::POSITIVE);
+/// A number of at least zero.
+pub const NOT_NEGATIVE: Kind = Kind::Number(Range::NOT_NEGATIVE);
+/// Any finite number.
+pub const FINITE: Kind = Kind::Number(Range::FINITE);
 const RTOL: Kind = Kind::Number(Range::closed(1e-14, 1e-1));
 const ACCURACY: Kind = Kind::Number(Range::closed(1e-12, 1e-1));
 
 use DefaultValue::{Absent, Toml};
 
-/// Where the slider-crank is from.
-const SLIDER_CRANK_SOURCE: &str = "slider-crank benchmark of Flores, Ambrósio, Claro and Lankarani";
+/// The key that chooses the mechanism.
+const MECHANISM: Key = Key {
+    path: "mechanism",
+    kind: Kind::Word(&NAMES),
+    default: Toml("\"strut\""),
+    unit: "",
+    doc: "What is integrated; `deltazero config --set mechanism=NAME` prints its keys and defaults",
+    source: "the paper's case",
+};
 
-/// The defaults that another mechanism has, its numbers being of another order: path, value as TOML.
-pub const SLIDER_CRANK_DEFAULTS: &[(&str, &str)] = &[
-    ("reading", "\"full\""),
-    ("joint.clearance", "5e-4"),
-    ("joint.pin_radius", "9.5e-3"),
-    ("contact.law", "\"lankarani_nikravesh\""),
-    ("contact.stiffness", "6.61e10"),
-    ("contact.exponent", "1.5"),
-    ("friction.coefficient", "0.03"),
-    ("friction.static_coefficient", "0.045"),
-    ("run.t_end", "0.024"),
-    ("run.sample", "1e-4"),
-    ("solver.step", "1e-6"),
-    ("study.steps", "[2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7]"),
-];
-
-/// Every key, in the order of the default file: first those of the root, then table by table.
-pub const KEYS: &[Key] = &[
-    Key {
-        path: "mechanism",
-        kind: Kind::Word(MechanismName::WORDS),
-        default: Toml("\"strut\""),
-        unit: "",
-        doc: "strut: the paper's two joints; slider-crank: one joint between rod and slider, other defaults",
-        source: "the paper's case",
-    },
-    Key {
-        path: "reading",
-        kind: Kind::Word(ReadingName::WORDS),
-        default: Toml("\"pin\""),
-        unit: "",
-        doc: "Reading of the paper: where the contact force enters and how friction acts",
-        source: "the consistent one with friction as in Eq. (9)",
-    },
-    Key {
-        path: "bays",
-        // Work grows with their square: 1000 leave the start after 5 s of computing, 2000 after 19 s, 10 000 after minutes.
-        kind: Kind::Integer(1, 2_000),
-        default: Toml("1"),
-        unit: "",
-        doc: "Side frames in the chain, work growing with their square; more than one: reading \"pin\" and located events only, and not `audit`",
-        source: "the paper's case",
-    },
-    Key {
-        path: "strut.length",
-        kind: POSITIVE,
-        default: Toml("2.5"),
-        unit: "m",
-        doc: "Length l of each of the six equal struts",
-        source: "Table 1, l_i",
-    },
-    Key {
-        path: "strut.density",
-        kind: POSITIVE,
-        default: Toml("7800.0"),
-        unit: "kg/m³",
-        doc: "Density ρ of the struts",
-        source: "Table 1, ρ_i (printed in kg/m²)",
-    },
-    Key {
-        path: "strut.radius",
-        kind: POSITIVE,
-        default: Toml("0.005"),
-        unit: "m",
-        doc: "Radius r' of the solid round struts: mass m = ρ π r'² l",
-        source: "Table 1, r'_i",
-    },
-    Key {
-        path: "strut.inertia",
-        kind: Kind::OneOf(&[Kind::Word(&["axial", "transverse"]), POSITIVE]),
-        default: Toml("\"axial\""),
-        unit: "kg m²",
-        doc: "Inertia J about the centroid: axial m r'²/2, transverse m l²/12, or a number",
-        source: "Table 1, J_i, which is the axial one rounded",
-    },
-    Key {
-        path: "drive.m1",
-        kind: FINITE,
-        default: Toml("1.0"),
-        unit: "N m",
-        doc: "Torque M1 on θ1 of every bay",
-        source: "Table 1, M_1",
-    },
-    Key {
-        path: "drive.m4",
-        kind: FINITE,
-        default: Toml("0.3"),
-        unit: "N m",
-        doc: "Torque M4 on θ2",
-        source: "Table 1, M_4",
-    },
-    Key {
-        path: "slider_crank.crank_length",
-        kind: POSITIVE,
-        default: Toml("0.05"),
-        unit: "m",
-        doc: "Length r of the crank",
-        source: SLIDER_CRANK_SOURCE,
-    },
-    Key {
-        path: "slider_crank.rod_length",
-        kind: POSITIVE,
-        default: Toml("0.12"),
-        unit: "m",
-        doc: "Length l of the rod, above crank_length + clearance",
-        source: SLIDER_CRANK_SOURCE,
-    },
-    Key {
-        path: "slider_crank.rod_mass",
-        kind: POSITIVE,
-        default: Toml("0.21"),
-        unit: "kg",
-        doc: "Mass of the rod, its centroid in its middle",
-        source: SLIDER_CRANK_SOURCE,
-    },
-    Key {
-        path: "slider_crank.rod_inertia",
-        kind: POSITIVE,
-        default: Toml("2.5e-4"),
-        unit: "kg m²",
-        doc: "Inertia of the rod about its centroid",
-        source: SLIDER_CRANK_SOURCE,
-    },
-    Key {
-        path: "slider_crank.slider_mass",
-        kind: POSITIVE,
-        default: Toml("0.14"),
-        unit: "kg",
-        doc: "Mass of the slider, with the bush",
-        source: SLIDER_CRANK_SOURCE,
-    },
-    Key {
-        path: "slider_crank.crank_speed",
-        kind: POSITIVE,
-        default: Toml("523.5987755982989"),
-        unit: "rad/s",
-        doc: "Speed of the crank, which is held",
-        source: "5000 rpm, as in the same benchmark",
-    },
-    Key {
-        path: "slider_crank.start_angle",
-        kind: FINITE,
-        default: Toml("0.0"),
-        unit: "rad",
-        doc: "Angle of the crank at the start; 0: crank and rod in line, the slider farthest",
-        source: "the same benchmark",
-    },
+/// The keys of all mechanisms, table by table.
+const COMMON: &[Key] = &[
     Key {
         path: "joint.clearance",
         kind: NOT_NEGATIVE,
@@ -435,10 +301,10 @@ pub const KEYS: &[Key] = &[
     },
     Key {
         path: "solver.atol",
-        kind: Kind::OneOf(&[POSITIVE, Kind::List(&POSITIVE, Some(6))]),
+        kind: Kind::OneOf(&[POSITIVE, Kind::List(&POSITIVE, None)]),
         default: Absent("1e-12"),
         unit: "",
-        doc: "Absolute tolerance in each state's unit (m, m, rad, m/s, m/s, rad/s), one for all or one each; bristles (m) take the one for all",
+        doc: "Absolute tolerance in each state's unit, one for all or one each: of a joint (m, m, rad, m/s, m/s, rad/s), its bristles (m) taking the one for all",
         source: "absent: rtol times the model's scale of each state",
     },
     Key {
@@ -631,9 +497,15 @@ pub const KEYS: &[Key] = &[
     },
 ];
 
+/// Every key, in the order of the default file: the mechanism, the keys of each mechanism, those of all.
+pub fn keys() -> impl Iterator<Item = &'static Key> + Clone {
+    let own = MECHANISMS.iter().flat_map(|entry| entry.keys);
+    std::iter::once(&MECHANISM).chain(own).chain(COMMON)
+}
+
 /// The key at `path`, which may be one for a single joint: `joint2.contact.stiffness`.
 pub fn find(path: &str) -> Option<&'static Key> {
-    let key = |path: &str| KEYS.iter().find(|key| key.path == path);
+    let key = |path: &str| keys().find(|key| key.path == path);
     match one_joint(path) {
         Some((_, rest)) => key(rest).filter(|key| key.per_joint()),
         None => key(path),
@@ -651,7 +523,7 @@ pub(super) fn one_joint(path: &str) -> Option<(&'static str, &str)> {
 
 /// The tables, in the order of the default file.
 pub(super) fn tables() -> Vec<&'static str> {
-    let mut tables: Vec<_> = KEYS.iter().filter_map(Key::table).collect();
+    let mut tables: Vec<_> = keys().filter_map(Key::table).collect();
     tables.dedup();
     tables
 }
@@ -663,7 +535,6 @@ pub(super) fn names_in(path: &str) -> Option<Vec<&'static str>> {
         None if JOINTS.contains(&path) => return Some(JOINT_TABLES.to_vec()),
         None => path,
     };
-    let names: Vec<_> =
-        KEYS.iter().filter(|key| key.table() == Some(table)).map(Key::name).collect();
+    let names: Vec<_> = keys().filter(|key| key.table() == Some(table)).map(Key::name).collect();
     (!names.is_empty()).then_some(names)
 }

@@ -16,11 +16,11 @@
 //! # Ok::<(), ConfigError>(())
 //! ```
 //!
-//! One table, [`KEYS`], is the home of every key: its default, range, unit and documentation. What
+//! One table, [`keys`], is the home of every key: its default, range, unit and documentation. What
 //! a user gives passes through it key by key (`toml_source` → `settings` → [`Config`]), and the
 //! default file ([`default_toml`]) and the JSON Schema ([`json_schema`]) are printed from it.
 //!
-//! `mechanism = "slider-crank"` has [defaults of its own](SLIDER_CRANK_DEFAULTS) for what is not given.
+//! Each [mechanism](crate::mechanisms) has keys of its own, and may have other defaults for those that all share.
 //!
 //! A value for one joint (`joint2.contact.stiffness`) stands before the common one
 //! (`contact.stiffness`), wherever each was given; of the same key the last one counts: first the
@@ -49,17 +49,20 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 pub use error::{ConfigError, Place};
-pub use keys::{DefaultValue, JOINT_TABLES, JOINTS, KEYS, Key, SLIDER_CRANK_DEFAULTS, find};
+pub use keys::{
+    DefaultValue, FINITE, JOINT_TABLES, JOINTS, Key, NOT_NEGATIVE, POSITIVE, find, keys,
+};
 pub use kind::Kind;
 pub use parts::{
-    Atol, Contact, Contest, Drive, Friction, Inertia, Joint, JointConfig, Regimes, Run,
-    SliderCrank, Solver, Strut, Study,
+    Atol, Contact, Contest, Drive, Friction, Inertia, Joint, JointConfig, Regimes, Run, Solver,
+    Strut, Study,
 };
 pub use print::default_toml;
 pub use range::{End, Range};
 pub use schema::json_schema;
-pub use words::{AXES, ContactLaw, Curvature, FrictionLaw, METHODS, MechanismName, ReadingName};
+pub use words::{AXES, ContactLaw, Curvature, FrictionLaw, METHODS, ReadingName};
 
+use crate::mechanisms::Chosen;
 use given::Given;
 use settings::Settings;
 pub use settings::{MOST_ROWS, ROW_BYTES};
@@ -70,8 +73,8 @@ pub use settings::{MOST_ROWS, ROW_BYTES};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Value", into = "Value")]
 pub struct Config {
-    /// What hangs on the joints.
-    pub mechanism: MechanismName,
+    /// What is integrated.
+    pub mechanism: Chosen,
     /// Reading of the paper.
     pub reading: ReadingName,
     /// Side frames in the chain.
@@ -80,8 +83,6 @@ pub struct Config {
     pub strut: Strut,
     /// The driving torques.
     pub drive: Drive,
-    /// Crank, rod and slider.
-    pub slider_crank: SliderCrank,
     /// Root joints 1 (AB) and 2 (AF), what is common to both already entered in each.
     pub joints: [JointConfig; 2],
     /// Extent and output of a run.
@@ -140,12 +141,11 @@ impl Config {
             all.insert(JOINTS[1].to_owned(), Value::Object(difference));
         }
         let parts = [
-            ("mechanism", json(&self.mechanism)),
+            ("mechanism", self.mechanism.entry.name.into()),
             ("reading", json(&self.reading)),
             ("bays", json(&self.bays)),
             ("strut", json(&self.strut)),
             ("drive", json(&self.drive)),
-            ("slider_crank", json(&self.slider_crank)),
             ("run", json(&self.run)),
             ("solver", json(&self.solver)),
             ("study", json(&self.study)),
@@ -153,33 +153,20 @@ impl Config {
             ("regimes", json(&self.regimes)),
         ];
         all.extend(parts.map(|(name, part)| (name.to_owned(), part)));
+        all.extend(self.mechanism.tables.clone());
+        let used = |name: &str| {
+            keys()
+                .any(|key| key.table().unwrap_or(key.path) == name && self.mechanism.entry.has(key))
+        };
+        all.retain(|name, _| JOINTS.contains(&name.as_str()) || used(name));
         let mut all = Value::Object(all);
         all.sort_all_objects();
         all
     }
 
-    /// Number of joints: of struts joint 1 of each bay and joint 2 of the first.
-    pub fn n_joints(&self) -> usize {
-        match self.mechanism {
-            MechanismName::Strut => self.bays as usize + 1,
-            MechanismName::SliderCrank => 1,
-        }
-    }
-
     /// Why it has no blind runs, where it has none.
     pub fn no_blind_runs(&self) -> Option<String> {
-        let mut laws = self.joints.iter().map(|joint| joint.contact.law);
-        if let Some(law) = laws.find(|law| law.has_memory()) {
-            return Some(format!(
-                "contact.law = {law} depends on the speed of each impact, which is read off no state"
-            ));
-        }
-        if self.bays > 1 {
-            return Some("the blind baseline is built for one bay".to_owned());
-        }
-        let has_bristles = self.joints.iter().any(|joint| joint.friction.law == FrictionLaw::Lugre);
-        let reason = "the bristles of lugre bend from the event on at which a contact begins";
-        has_bristles.then(|| reason.to_owned())
+        self.mechanism.no_blind_runs(self)
     }
 
     /// Those of `events` that it has runs of.

@@ -2,7 +2,9 @@
 
 use strsim::normalized_damerau_levenshtein as similarity;
 
-use super::keys::{JOINT_TABLES, JOINTS, KEYS, one_joint, tables};
+use crate::mechanisms::MECHANISMS;
+
+use super::keys::{JOINT_TABLES, JOINTS, keys, one_joint, tables};
 
 /// Similarity below which a suggestion would only confuse.
 const SIMILAR: f64 = 0.5;
@@ -15,11 +17,16 @@ pub(super) fn nearest_key(path: &str, table: bool) -> Option<String> {
     let candidates: Vec<String> = match (one_joint(path), table) {
         (Some((joint, _)), true) => JOINT_TABLES.map(|name| format!("{joint}.{name}")).to_vec(),
         (Some((joint, _)), false) => {
-            let keys = KEYS.iter().filter(|key| key.per_joint());
-            keys.map(|key| format!("{joint}.{}", key.path)).collect()
+            let per_joint = keys().filter(|key| key.per_joint());
+            per_joint.map(|key| format!("{joint}.{}", key.path)).collect()
         }
         (None, true) => tables().into_iter().chain(JOINTS).map(str::to_owned).collect(),
-        (None, false) => KEYS.iter().map(|key| key.path.to_owned()).collect(),
+        (None, false) => {
+            // Of two that are as near, that which more mechanisms have.
+            let mut all: Vec<_> = keys().collect();
+            all.sort_by_key(|key| MECHANISMS.iter().filter(|entry| !entry.has(key)).count());
+            all.into_iter().map(|key| key.path.to_owned()).collect()
+        }
     };
     let given = path.to_lowercase();
     let score = |candidate: &String| {

@@ -43,26 +43,6 @@ pub struct Drive {
     pub m4: f64,
 }
 
-/// Crank, rod and slider.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SliderCrank {
-    /// Length r of the crank \[m\].
-    pub crank_length: f64,
-    /// Length l of the rod \[m\].
-    pub rod_length: f64,
-    /// Mass of the rod, its centroid in its middle \[kg\].
-    pub rod_mass: f64,
-    /// Inertia of the rod about its centroid \[kg m²\].
-    pub rod_inertia: f64,
-    /// Mass of the slider \[kg\].
-    pub slider_mass: f64,
-    /// Speed of the crank, held \[rad/s\].
-    pub crank_speed: f64,
-    /// Angle of the crank at the start, 0 where crank and rod are in line and the slider is farthest \[rad\].
-    pub start_angle: f64,
-}
-
 /// All that may differ between the two root joints.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -176,24 +156,14 @@ pub struct Solver {
 }
 
 /// Absolute tolerance.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Atol {
     /// The same number for every state, in that state's unit.
     Same(f64),
-    /// One for each state of a block: two pin displacements \[m\], angle \[rad\], and their rates
+    /// One for each state: of a joint two pin displacements \[m\], angle \[rad\], and their rates
     /// \[m/s, m/s, rad/s\].
-    Each([f64; 6]),
-}
-
-impl Atol {
-    /// One tolerance for each state of a block.
-    pub fn each(self) -> [f64; 6] {
-        match self {
-            Self::Same(atol) => [atol; 6],
-            Self::Each(atol) => atol,
-        }
-    }
+    Each(Vec<f64>),
 }
 
 impl From<Atol> for setting::Atol {

@@ -3,21 +3,13 @@
 use serde_json::{Map, Value};
 
 use super::error::Place;
-use super::keys::{DefaultValue, JOINT_TABLES, JOINTS, KEYS, Key, SLIDER_CRANK_DEFAULTS};
-use super::{Config, MechanismName, toml_source};
+use super::keys::{DefaultValue, JOINT_TABLES, JOINTS, Key, keys};
+use super::{Config, toml_source};
+use crate::mechanisms::{Entry, MECHANISMS};
 
 const HEAD: &str = "\
 # The default configuration of deltazero: Table 1 of \"Dynamic Analysis of Deployable
 # Strut-Mechanism with Clearance Root-Joints for Spacial Flexible Solar Array\".
-";
-
-const GIVEN_HEAD: &str = "\
-# A configuration of deltazero; what was not given is from Table 1 of \"Dynamic Analysis of Deployable
-# Strut-Mechanism with Clearance Root-Joints for Spacial Flexible Solar Array\".
-";
-
-const SLIDER_CRANK_HEAD: &str = "\
-# A configuration of deltazero, of the slider-crank; the tables of the struts are not used.
 ";
 
 const LEGEND: &str = "\
@@ -31,8 +23,8 @@ const ONE_JOINT: &str = "
 # stiffness = 2e7
 ";
 
-const SLIDER_CRANK: &str = "
-# With mechanism = \"slider-crank\" a key that is not given, in a file without it, has another default:
+const OTHERS: &str = "
+# Other mechanisms have keys and defaults of their own, which `deltazero config --set mechanism=NAME` prints:
 ";
 
 /// The default configuration as TOML, every key with its meaning, unit, range and source.
@@ -43,24 +35,23 @@ const SLIDER_CRANK: &str = "
 /// assert!(deltazero::config::default_toml().contains("stiffness = 1e7"));
 /// ```
 pub fn default_toml() -> String {
-    let mut out = commented(HEAD, None);
-    out += SLIDER_CRANK;
-    for (path, value) in SLIDER_CRANK_DEFAULTS {
-        out += &format!("# {path} = {value}\n");
+    let [default, others @ ..] = MECHANISMS else { return String::new() };
+    let mut out = commented(HEAD, default, None) + OTHERS;
+    for Entry { name, about, .. } in others {
+        out += &format!("# {name}: {about}\n");
     }
     out
 }
 
-/// Every key with its comment, and the values of `config`, or else the defaults.
-fn commented(head: &str, config: Option<&Config>) -> String {
+/// Every key of a mechanism with its comment, and the values of `config`, or else the defaults.
+fn commented(head: &str, mechanism: &Entry, config: Option<&Config>) -> String {
     let values = config.map(Config::to_json);
-    let is_crank = config.is_some_and(|config| config.mechanism == MechanismName::SliderCrank);
     let mut out = format!("{head}{LEGEND}");
     let mut table = None;
-    for key in KEYS {
+    for key in keys().filter(|key| mechanism.has(key)) {
         if key.table() != table {
             // Once the last of the tables that may differ is done, say how they do.
-            if table == JOINT_TABLES.last().copied() && !is_crank {
+            if table == JOINT_TABLES.last().copied() && mechanism.has_two_joints {
                 out += ONE_JOINT;
                 if let Some(Value::Object(own)) = values.as_ref().map(|all| &all[JOINTS[1]]) {
                     write_table(&mut out, JOINTS[1], own);
@@ -69,9 +60,8 @@ fn commented(head: &str, config: Option<&Config>) -> String {
             table = key.table();
             out += &format!("\n[{}]", table.unwrap_or_default());
         }
-        let own = SLIDER_CRANK_DEFAULTS.iter().find(|(path, _)| is_crank && *path == key.path);
         let given = values.as_ref().map(|all| value_at(all, key));
-        out += &entry(key, own.map(|(_, text)| *text), given);
+        out += &entry(key, mechanism, given);
     }
     out
 }
@@ -86,12 +76,13 @@ fn value_at<'a>(all: &'a Value, key: &Key) -> &'a Value {
 
 /// What it is; unit, range and source; the assignment. The default is the mechanism's `own`, where it has one; of
 /// a value that is `given` and is another one, the default and its source are told.
-fn entry(key: &Key, own: Option<&str>, given: Option<&Value>) -> String {
+fn entry(key: &Key, mechanism: &Entry, given: Option<&Value>) -> String {
+    let own = mechanism.default_of(key.path);
     let limits = match key.kind.limits(key.unit) {
         limits if limits.is_empty() => "true or false".to_owned(),
         limits => limits,
     };
-    let source = if own.is_some() { "default of the slider-crank" } else { key.source };
+    let source = if own.is_some() { mechanism.source } else { key.source };
     let (doc, name) = (key.doc, key.name());
     let assigned = |source: &str, mark: &str, value: &str| {
         format!("\n# {doc}.\n# {limits}; {source}.\n{mark}{name} = {value}\n")
@@ -123,11 +114,9 @@ impl Config {
     /// All of it as a TOML file like the [default one](default_toml), with comments; [`load`](Self::load) reads it
     /// back to the same bits.
     pub fn commented_toml(&self) -> String {
-        let head = match self.mechanism {
-            MechanismName::Strut => GIVEN_HEAD,
-            MechanismName::SliderCrank => SLIDER_CRANK_HEAD,
-        };
-        commented(head, Some(self))
+        let Entry { name, about, .. } = self.mechanism.entry;
+        let head = format!("# A configuration of deltazero, of the mechanism {name}: {about}.\n");
+        commented(&head, self.mechanism.entry, Some(self))
     }
 
     /// All of it as a TOML file, tables and keys in alphabetical order; [`load`](Self::load) reads it

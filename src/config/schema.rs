@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::error::Place;
-use super::keys::{DefaultValue, JOINT_TABLES, JOINTS, KEYS, Key, tables};
+use super::keys::{DefaultValue, JOINT_TABLES, JOINTS, Key, keys, tables};
 use super::kind::Kind;
 use super::range::End;
 use super::toml_source;
@@ -12,7 +12,7 @@ use super::toml_source;
 ///
 /// Every key with its type, range, default and description; no key is required, no other allowed.
 pub fn json_schema() -> Value {
-    let root = KEYS.iter().filter(|key| key.table().is_none());
+    let root = keys().filter(|key| key.table().is_none());
     let mut properties: Map<_, _> =
         root.map(|key| (key.name().to_owned(), key_schema(key, true))).collect();
     for table in tables() {
@@ -32,8 +32,8 @@ pub fn json_schema() -> Value {
 
 /// A table; without defaults where an absent key means the common value.
 fn table_schema(table: &str, defaults: bool) -> Value {
-    let keys = KEYS.iter().filter(|key| key.table() == Some(table));
-    object(keys.map(|key| (key.name().to_owned(), key_schema(key, defaults))).collect())
+    let own = keys().filter(|key| key.table() == Some(table));
+    object(own.map(|key| (key.name().to_owned(), key_schema(key, defaults))).collect())
 }
 
 fn object(properties: Map<String, Value>) -> Value {

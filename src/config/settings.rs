@@ -9,13 +9,11 @@ use serde_json::{Map, Value};
 
 use super::error::{ConfigError, Place};
 use super::given::{Datum, Given, excerpt};
-use super::keys::{
-    DefaultValue, JOINT_TABLES, JOINTS, KEYS, Key, SLIDER_CRANK_DEFAULTS, find, names_in, one_joint,
-};
+use super::keys::{DefaultValue, JOINT_TABLES, JOINTS, Key, find, keys, names_in, one_joint};
 use super::nearest::nearest_key;
 use super::toml_source;
-use super::words::{MechanismName, ReadingName};
-use super::{Config, FrictionLaw, JointConfig};
+use super::{Atol, Config, FrictionLaw, JointConfig};
+use crate::mechanisms::{Chosen, Entry, Misfit};
 
 /// Most rows of `trajectory.csv`, all joints together: 1 GB of it, and 0.9 GB of memory (measured on Table 1).
 pub const MOST_ROWS: f64 = 5e6;
@@ -38,7 +36,7 @@ impl Settings {
     /// A default that is not TOML or not of its key's kind; a test excludes it.
     pub(super) fn defaults() -> Result<Self, ConfigError> {
         let mut settings = Self { values: BTreeMap::new() };
-        for key in KEYS {
+        for key in keys() {
             if let DefaultValue::Toml(text) = key.default {
                 settings.apply(key.path, &toml_source::value(text, Place::Default)?)?;
             }
@@ -50,16 +48,23 @@ impl Settings {
     ///
     /// # Errors
     /// As [`defaults`](Self::defaults).
-    fn for_mechanism(&mut self) -> Result<(), ConfigError> {
-        let mechanism: MechanismName = self.part("mechanism")?;
-        if mechanism == MechanismName::SliderCrank {
-            for &(path, text) in SLIDER_CRANK_DEFAULTS {
-                if self.place(path) == Place::Default {
-                    self.apply(path, &toml_source::value(text, Place::Default)?)?;
-                }
+    fn for_mechanism(&mut self) -> Result<&'static Entry, ConfigError> {
+        let name: String = self.part("mechanism")?;
+        let entry = Entry::named(&name).ok_or_else(|| table("mechanism", &name))?;
+        for &(path, text) in entry.defaults {
+            if self.place(path) == Place::Default {
+                self.apply(path, &toml_source::value(text, Place::Default)?)?;
             }
         }
-        Ok(())
+        Ok(entry)
+    }
+
+    /// The mechanism with what is given in its own tables.
+    fn mechanism(&self, entry: &'static Entry) -> Result<Chosen, ConfigError> {
+        let mut own: Vec<&str> = entry.keys.iter().filter_map(Key::table).collect();
+        own.dedup();
+        let tables = own.into_iter().map(|name| (name.to_owned(), self.table(name, None)));
+        Chosen::new(entry, tables.collect()).map_err(|error| table(entry.name, &error))
     }
 
     /// Sets one key, or all keys of a table; the path of the whole is empty.
@@ -104,14 +109,13 @@ impl Settings {
     /// # Errors
     /// Values that do not go together.
     pub(super) fn config(&mut self) -> Result<Config, ConfigError> {
-        self.for_mechanism()?;
+        let entry = self.for_mechanism()?;
         let config = Config {
-            mechanism: self.part("mechanism")?,
+            mechanism: self.mechanism(entry)?,
             reading: self.part("reading")?,
             bays: self.part("bays")?,
             strut: self.part("strut")?,
             drive: self.part("drive")?,
-            slider_crank: self.part("slider_crank")?,
             joints: [self.joint(JOINTS[0])?, self.joint(JOINTS[1])?],
             run: self.part("run")?,
             solver: self.part("solver")?,
@@ -123,75 +127,71 @@ impl Settings {
         Ok(config)
     }
 
-    /// What a slider-crank cannot have.
-    fn check_slider_crank(&self, config: &Config) -> Result<(), ConfigError> {
-        if config.mechanism != MechanismName::SliderCrank {
-            return Ok(());
-        }
-        let refused = |key: &str, found: String, reason| {
-            let (place, found) = (self.place(key), format!("{key} = {found}").into());
-            Err(ConfigError::NotInASliderCrank { place, found, reason })
-        };
-        if config.bays != 1 {
-            let reason = "bays are of struts; use bays = 1";
-            return refused("bays", config.bays.to_string(), reason);
-        }
-        if config.reading != ReadingName::Full {
-            let reason = "readings are of the struts' paper, here force and torque of friction both act; \
-                          use reading = \"full\", and for a file with all of its keys \
-                          `deltazero config --set mechanism=slider-crank`";
-            return refused("reading", config.reading.to_string(), reason);
-        }
-        if let Some((key, (value, _))) =
-            self.values.iter().find(|(path, _)| one_joint(path).is_some())
-        {
-            let reason = "it has one joint; give the key in [joint], [contact] or [friction]";
-            return refused(key, value.to_string(), reason);
-        }
-        let (own, clearance) = (&config.slider_crank, config.joints[0].joint.clearance);
-        if own.rod_length <= own.crank_length + clearance {
-            let reason =
-                "the rod must be longer than crank_length + joint.clearance to turn around";
-            return refused("slider_crank.rod_length", own.rod_length.to_string(), reason);
-        }
-        Ok(())
-    }
-
-    /// What a chain of several bays cannot have.
-    fn check_chain(&self, config: &Config) -> Result<(), ConfigError> {
-        let bays = config.bays;
-        let refused = |key: &str, found: String, reason| {
+    /// What the mechanism cannot have: a key at the root that is another's, where it is not at its default, and values
+    /// that do not go together. A table of another mechanism is not used.
+    fn check_mechanism(&self, config: &Config) -> Result<(), ConfigError> {
+        let entry = config.mechanism.entry;
+        let refused = |key: &str, found: String, against: &str, reason: String| {
             let place = match self.place(key) {
-                Place::Default => self.place("bays"),
+                Place::Default => self.place(against),
                 place => place,
             };
-            let found = format!("{key} = {found}").into();
-            Err(ConfigError::NotInAChain { place, bays, found, reason })
+            let value = self.values.get(against).map_or(Value::Null, |(value, _)| value.clone());
+            let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+            let (found, with) = (format!("{key} = {found}"), format!("{against} = {value}"));
+            let (found, with) = (found.into(), with.into());
+            Err(ConfigError::NotInMechanism { place, found, with, reason: reason.into() })
         };
-        if bays == 1 {
-            return Ok(());
+        for (path, (value, place)) in &self.values {
+            let (is_given, value) = (*place != Place::Default, value.to_string());
+            if is_given && one_joint(path).is_some() && !entry.has_two_joints {
+                let reason =
+                    "it has not two joints; give the key in [joint], [contact] or [friction]";
+                return refused(path, value, "mechanism", reason.to_owned());
+            }
+            let is_foreign = find(path).is_some_and(|key| key.table().is_none() && !entry.has(key));
+            if is_given && is_foreign && !self.is_default(path) {
+                let reason = format!(
+                    "the mechanism has no such key; `deltazero config --set mechanism={}` lists those that it has",
+                    entry.name
+                );
+                return refused(path, value, "mechanism", reason);
+            }
         }
-        if config.reading != ReadingName::Pin {
-            let reason = "friction as a force couples the sticks of neighbours, and a force at the \
-                          centroid has no reaction at the bush; use reading = \"pin\"";
-            return refused("reading", config.reading.to_string(), reason);
+        if let Some(Atol::Each(each)) = &config.solver.atol
+            && each.len() != config.mechanism.n_tolerances()
+        {
+            return Err(ConfigError::WrongLength {
+                place: self.place("solver.atol"),
+                key: "solver.atol".into(),
+                value: format!("{each:?}").into(),
+                found: each.len(),
+                expected: format!(
+                    "one number for all states, or {}",
+                    config.mechanism.n_tolerances()
+                )
+                .into(),
+            });
         }
-        let others = |readings: &&Vec<ReadingName>| readings.iter().any(|r| *r != ReadingName::Pin);
-        if config.regimes.readings.as_ref().filter(others).is_some() {
-            let reason = "a chain is one of reading \"pin\"; use regimes.readings = [\"pin\"]";
-            return refused("regimes.readings", "others than pin".to_owned(), reason);
+        match config.mechanism.check(config) {
+            Ok(()) => Ok(()),
+            Err(Misfit { key, found, against, reason }) => {
+                refused(key, found, against, reason.to_owned())
+            }
         }
-        if config.joints[0].joint.clearance == 0.0 {
-            let reason = "pins that are held couple the accelerations of all bays; use a clearance \
-                          above zero";
-            return refused("joint.clearance", "0".to_owned(), reason);
-        }
-        if config.study.reference == Digits::Extended {
-            let reason =
-                "extended precision is built for one bay; use study.reference = \"double\"";
-            return refused("study.reference", config.study.reference.to_string(), reason);
-        }
-        Ok(())
+    }
+
+    /// Whether a key has its default.
+    fn is_default(&self, path: &str) -> bool {
+        let Some((value, _)) = self.values.get(path) else { return true };
+        let default = find(path).and_then(|key| match key.default {
+            DefaultValue::Toml(text) => {
+                let given = toml_source::value(text, Place::Default).ok()?;
+                key.kind.check(key.path, key.unit, &given).ok()
+            }
+            DefaultValue::Absent(_) => None,
+        });
+        default.as_ref() == Some(value)
     }
 
     /// What a joint whose friction has bristles cannot have.
@@ -234,12 +234,11 @@ impl Settings {
 
     /// What no key alone can tell.
     fn cross_check(&self, config: &Config) -> Result<(), ConfigError> {
-        self.check_slider_crank(config)?;
-        self.check_chain(config)?;
+        self.check_mechanism(config)?;
         self.check_bristles(config)?;
         self.check_events(config)?;
         let (t_end, sample) = (config.run.t_end, config.run.sample);
-        let joints = config.n_joints();
+        let joints = config.mechanism.n_sites(config);
         if sample > 0.0 && t_end / sample * joints as f64 > MOST_ROWS {
             let place = match self.place("run.sample") {
                 Place::Default => self.place("run.t_end"),
@@ -306,16 +305,18 @@ impl Settings {
             let (value, _) = own.or_else(|| self.values.get(key.path))?;
             Some((key.name().to_owned(), value.clone()))
         };
-        let keys = KEYS.iter().filter(|key| key.table() == Some(table));
-        Value::Object(keys.filter_map(value).collect())
+        let own = keys().filter(|key| key.table() == Some(table));
+        Value::Object(own.filter_map(value).collect())
     }
 }
 
 fn typed<T: DeserializeOwned>(part: &str, value: Value) -> Result<T, ConfigError> {
-    serde_json::from_value(value).map_err(|error| ConfigError::Table {
-        part: part.into(),
-        message: error.to_string().into(),
-    })
+    serde_json::from_value(value).map_err(|error| table(part, &error))
+}
+
+/// A mistake in the table of keys.
+fn table(part: &str, message: &dyn ToString) -> ConfigError {
+    ConfigError::Table { part: part.into(), message: message.to_string().into() }
 }
 
 /// The complaint about a path that is no key, or about a table that is none.

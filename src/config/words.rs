@@ -82,16 +82,6 @@ macro_rules! words {
 }
 
 words! {
-    /// What hangs on the joints.
-    MechanismName {
-        /// The paper's deployable struts, two joints.
-        Strut = "strut",
-        /// Crank, rod and slider, with clearance between the last two.
-        SliderCrank = "slider-crank",
-    }
-}
-
-words! {
     /// Reading of the paper: where the contact force enters and how friction acts.
     ReadingName {
         /// Contact force at the pin, friction as a torque only.

@@ -1,9 +1,10 @@
 //! Penetration and normal force over time, with a zoom on one impact.
 
 use deltazero_plots::{Axis, Band, Figure, Level, LineChart, Panel, Series, Size};
+use deltazero_study::motion::Motion;
+use deltazero_study::simulation::SiteMotion;
 
 use super::Drawing;
-use crate::study::motion::{Motion, MotionRow};
 
 /// A unit of penetration, and how many of it are a metre.
 type Unit = (&'static str, f64);
@@ -13,49 +14,66 @@ const DELTA: usize = 0;
 const FORCE: usize = 1;
 const CONTACT: usize = 2;
 
-/// δ and F_N of joint 1: the whole run on the left, one impact on the right.
-pub(super) fn drawing(motion: &Motion) -> Drawing {
-    let whole: Vec<&MotionRow> = motion.rows.iter().filter(|row| row.joint == 1).collect();
-    let zoom: Vec<&MotionRow> = motion.zoom.iter().collect();
+/// A site at one time: [s], [m], [N].
+type Point = (f64, f64, f64);
+
+/// δ and F_N of the first site: the whole run on the left, one impact on the right; none where its contact is not told.
+pub(super) fn drawing(motion: &Motion) -> Option<Drawing> {
+    let whole = points(motion.sites.first()?);
+    let zoom = points(&motion.zoom);
+    if whole.is_empty() || zoom.is_empty() {
+        return None;
+    }
     let (title, shown) = if motion.zooms_on_flight {
         ("one flight and impact", "one flight and the impact after it")
     } else {
         ("the start", "the start, for there is no flight")
     };
-    let unit = if motion.slider.is_empty() { ("nm", 1e9) } else { ("µm", 1e6) };
+    let most = |of: fn(&Point) -> f64| whole.iter().map(of).fold(0.0_f64, f64::max);
+    let (deepest, widest, hardest) = (most(|p| p.1), most(|p| -p.1), most(|p| p.2));
+    let unit = match deepest {
+        1e-3.. => ("mm", 1e3),
+        1e-6.. => ("µm", 1e6),
+        _ => ("nm", 1e9),
+    };
     let panels = vec![
         delta_panel("whole run", unit, &whole, Vec::new()),
-        delta_panel(title, unit, &zoom, contact_bands(motion)),
+        delta_panel(title, unit, &zoom, contact_bands(&motion.zoom)),
         force_panel(&whole, Vec::new()),
-        force_panel(&zoom, contact_bands(motion)),
+        force_panel(&zoom, contact_bands(&motion.zoom)),
     ];
-    let deepest = whole.iter().fold(0.0_f64, |most, row| most.max(row.delta_m));
-    let widest = whole.iter().fold(0.0_f64, |most, row| most.max(-row.delta_m));
-    let hardest = whole.iter().fold(0.0_f64, |most, row| most.max(row.f_n_n));
+    let name = &motion.zoom.name;
+    let (of_site, of) = match name.as_str() {
+        "" => (String::new(), String::new()),
+        name => (format!("{name}, "), format!(" of {name}")),
+    };
     let caption = format!(
-        "Joint 1, {}: penetration δ (below zero the gap) and normal force F_N. Deepest {:.2e} m, \
-         widest gap {:.2e} m, largest force {:.2} N among the points shown. Right: {shown}; \
-         shaded: contact.",
-        motion.method, deepest, widest, hardest
+        "{of_site}{}: penetration δ (below zero the gap) and normal force F_N. Deepest {deepest:.2e} m, widest gap \
+         {widest:.2e} m, largest force {hardest:.2} N among the points shown. Right: {shown}; shaded: contact.",
+        motion.method
     );
+    let caption = caption.chars().next().map_or(String::new(), |first| {
+        first.to_uppercase().chain(caption.chars().skip(1)).collect()
+    });
     let figure = Figure {
-        title: "Contact and separation of joint 1".into(),
+        title: format!("Contact and separation{of}"),
         rows: 2,
         cols: 2,
         panels,
         size: Size { width: 1100, height: 720 },
         ..Figure::default()
     };
-    Drawing { name: "gap_and_force", caption, figure }
+    Some(Drawing { name: "gap_and_force", caption, figure })
 }
 
-fn delta_panel(
-    title: &str,
-    (unit, per_metre): Unit,
-    rows: &[&MotionRow],
-    bands: Vec<Band>,
-) -> Panel {
-    let points = rows.iter().map(|row| (row.t_s, per_metre * row.delta_m)).collect();
+/// Time, penetration and force at each sample of a site.
+fn points(site: &SiteMotion) -> Vec<Point> {
+    let pairs = site.times.iter().zip(&site.touches);
+    pairs.map(|(t, (_, touch))| (*t, touch.depth, touch.force)).collect()
+}
+
+fn delta_panel(title: &str, (unit, per_metre): Unit, rows: &[Point], bands: Vec<Band>) -> Panel {
+    let points = rows.iter().map(|(t, depth, _)| (*t, per_metre * depth)).collect();
     LineChart {
         title: title.into(),
         x: Axis::linear("t [s]"),
@@ -68,8 +86,8 @@ fn delta_panel(
     .into()
 }
 
-fn force_panel(rows: &[&MotionRow], bands: Vec<Band>) -> Panel {
-    let points = rows.iter().map(|row| (row.t_s, row.f_n_n)).collect();
+fn force_panel(rows: &[Point], bands: Vec<Band>) -> Panel {
+    let points = rows.iter().map(|(t, _, force)| (*t, *force)).collect();
     LineChart {
         x: Axis::linear("t [s]"),
         y: Axis::linear("normal force F_N [N]"),
@@ -81,18 +99,18 @@ fn force_panel(rows: &[&MotionRow], bands: Vec<Band>) -> Panel {
 }
 
 /// The parts of the zoom in contact.
-fn contact_bands(motion: &Motion) -> Vec<Band> {
-    let (Some(first), Some(last)) = (motion.zoom.first(), motion.zoom.last()) else {
+fn contact_bands(zoom: &SiteMotion) -> Vec<Band> {
+    let (Some(first), Some(last)) = (zoom.times.first(), zoom.times.last()) else {
         return Vec::new();
     };
     let mut bands = Vec::new();
-    let (mut from, mut mode) = (first.t_s, first.mode);
-    let end = (last.t_s, 0);
-    for &(t, after) in motion.zoom_modes.iter().chain([&end]) {
-        if mode != 0 && t > from {
+    let (mut from, mut is_contact) = (*first, zoom.touches.first().is_some_and(|(own, _)| *own));
+    let changes = zoom.changes.iter().map(|change| (change.t, change.by_code.after != 0));
+    for (t, after) in changes.chain([(*last, false)]) {
+        if is_contact && t > from {
             bands.push(Band { x: (from, t), color: CONTACT, label: "contact".into() });
         }
-        (from, mode) = (t, after);
+        (from, is_contact) = (t, after);
     }
     bands
 }

@@ -1,13 +1,14 @@
 //! The figures, one a file: a caption, and a function from a table to a chart.
 
+mod against_ideal;
 pub mod audit;
 mod contact;
+pub mod map;
 mod orbit;
 mod proportionality;
 pub mod regimes;
 mod restarts;
 mod rk4_order;
-mod slider_crank;
 mod stability;
 mod stays;
 mod step_histogram;
@@ -19,14 +20,13 @@ pub use work_precision::chosen_axes;
 
 use deltazero_plots::{Axis, Error, Figure, Marker, Series};
 use deltazero_solvers::METHODS;
+use deltazero_study::motion::Motion;
 use deltazero_study::quantile::quantile;
 use deltazero_study::setting::Events;
 use deltazero_study::steps::StepTables;
 use deltazero_study::steps::step_size::{ModeKind, StepHistory};
 use deltazero_study::work_precision::{Row, WorkPrecision};
 
-use crate::config::Config;
-use crate::study::motion::Motion;
 use crate::study::stability::Stability;
 
 /// Room left at both ends of an axis of step sizes, as factors: above, for the ticks of events.
@@ -89,9 +89,9 @@ pub fn of_study(table: &WorkPrecision, steps: &StepTables) -> Vec<Drawing> {
     ]
 }
 
-/// The figures of a study of a mechanism.
+/// The figures of a study of a mechanism whose joints, if it has any, have these clearances.
 pub fn of_mechanism(
-    config: &Config,
+    clearances: &[f64],
     table: &WorkPrecision,
     steps: &StepTables,
     stability: Option<&Stability>,
@@ -101,17 +101,19 @@ pub fn of_mechanism(
     let order_of_rk4 = drawings.len() - 2;
     let behind = drawings.split_off(order_of_rk4);
     if let Some(motion) = motion {
-        drawings.push(contact::drawing(motion));
-        drawings.push(orbit::drawing(motion));
-        if !motion.slider.is_empty() {
-            drawings.push(slider_crank::drawing(config, motion));
-        }
+        drawings.extend(of_motion(motion));
+        drawings.extend(orbit::drawing(motion, clearances));
     }
     let mut behind = behind.into_iter();
     drawings.extend(behind.next());
     drawings.extend(stability.map(stability::drawing));
     drawings.extend(behind);
     drawings
+}
+
+/// The figures of a motion, of whatever subject.
+pub fn of_motion(motion: &Motion) -> impl Iterator<Item = Drawing> {
+    contact::drawing(motion).into_iter().chain(against_ideal::drawing(motion))
 }
 
 /// The number of a method, which is that of its colour and marker in every figure and map: its place in the list

@@ -3,12 +3,11 @@
 use deltazero_plots::{
     Axis, Cells, Figure, Heatmap, Legend, LineChart, Marker, Panel, Scale, Series, Size, Upright,
 };
-use deltazero_solvers::METHODS;
-use deltazero_study::setting::Events;
 
-use super::{Drawing, number};
+use super::Drawing;
+use super::map::{winner_colors, winner_word};
 use crate::config::ReadingName;
-use crate::study::regimes::{Cell, CellStatus, maps, of_map};
+use crate::study::regimes::{Cell, maps, of_map};
 
 /// The figures of a map.
 pub fn drawings(cells: &[Cell]) -> Vec<Drawing> {
@@ -84,32 +83,22 @@ fn of_maps(title: &str, cells: &[Cell], panel: impl Fn((ReadingName, f64)) -> Pa
 
 fn winners(cells: &[Cell]) -> Drawing {
     let mut names: Vec<String> = Vec::new();
-    for entry in cells.iter().filter_map(Cell::winner) {
+    for entry in cells.iter().filter_map(|cell| cell.winner()) {
         if !names.contains(&entry.method) {
             names.push(entry.method.clone());
         }
     }
     names.sort();
     let colors = |grid: Vec<Option<&Cell>>| {
-        let index = |cell: &Option<&Cell>| Some(number(&cell.and_then(Cell::winner)?.method));
-        let methods = METHODS.iter().map(|method| method.name.to_owned());
-        // That of a method which is no longer in the list.
-        let names = methods.chain(["another".to_owned()]).collect();
-        Cells::Categories { names, indices: grid.iter().map(index).collect() }
+        winner_colors(grid.into_iter().map(|cell| cell.map(|cell| &cell.contest)))
     };
-    let text = |cell: &Cell| match (cell.winner(), cell.status) {
-        (Some(entry), _) => match entry.events {
-            Events::Located => "located".to_owned(),
-            Events::Blind => "blind".to_owned(),
-        },
-        (None, CellStatus::NoReference) => "no ref.".to_owned(),
-        (None, status) => status.name().to_owned(),
-    };
+    let text = |cell: &Cell| winner_word(cell);
     let figure = of_maps("The fastest method", cells, |which| map(cells, which, colors, text));
     let counts: Vec<String> = names
         .iter()
         .map(|name| {
-            let own = cells.iter().filter_map(Cell::winner).filter(|entry| entry.method == *name);
+            let own =
+                cells.iter().filter_map(|cell| cell.winner()).filter(|entry| entry.method == *name);
             format!("{name} {}", own.count())
         })
         .collect();
@@ -124,9 +113,9 @@ fn winners(cells: &[Cell]) -> Drawing {
 }
 
 fn margin(cells: &[Cell]) -> Drawing {
-    let most = cells.iter().filter_map(Cell::margin).fold(1.1_f64, f64::max);
+    let most = cells.iter().filter_map(|cell| cell.margin()).fold(1.1_f64, f64::max);
     let colors = |grid: Vec<Option<&Cell>>| {
-        let value = |cell: &Option<&Cell>| cell.and_then(Cell::margin).unwrap_or(f64::NAN);
+        let value = |cell: &Option<&Cell>| cell.and_then(|cell| cell.margin()).unwrap_or(f64::NAN);
         let label = "time of the second over the first".to_owned();
         Cells::Values {
             bar: Axis { label, scale: Scale::Log, range: Some((1.0, most)) },
@@ -136,7 +125,7 @@ fn margin(cells: &[Cell]) -> Drawing {
     let text = |cell: &Cell| cell.margin().map_or_else(String::new, |m| format!("{m:.2}"));
     let figure =
         of_maps("How far ahead the fastest is", cells, |which| map(cells, which, colors, text));
-    let mut margins: Vec<f64> = cells.iter().filter_map(Cell::margin).collect();
+    let mut margins: Vec<f64> = cells.iter().filter_map(|cell| cell.margin()).collect();
     margins.sort_by(f64::total_cmp);
     let median = margins.get(margins.len() / 2).copied().unwrap_or(f64::NAN);
     let close = margins.iter().filter(|margin| **margin < 1.1).count();

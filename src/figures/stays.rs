@@ -36,7 +36,7 @@ pub(super) fn drawing(rows: &[StayRow]) -> Drawing {
     };
     let caption = format!(
         "Accepted steps in each whole contact (filled; slip reversals and sticks belong to it) and \
-         flight (hollow) of both joints over its duration, those at both ends of the run left out; \
+         flight (hollow) over its duration, those at both ends of the run left out; \
          dashed: a constant step. {medians}."
     );
     let guides = guide(&whole).into_iter().collect();

@@ -37,7 +37,7 @@ pub(super) fn drawing(histories: &[StepHistory], rows: &[BinRow]) -> Drawing {
     let panels: Vec<Panel> = methods.iter().map(panel).collect();
     let findings: Vec<String> = methods.iter().map(|own| finding(own)).collect();
     let caption = format!(
-        "Accepted steps of both joints by size, in tenths of a decade; the settings are those of the \
+        "Accepted steps by size, in tenths of a decade; the settings are those of the \
          step sizes over time. The smallest steps of each method, a thousandth of them, may lie left of \
          what is shown. {}.",
         findings.join("; ")

@@ -5,15 +5,14 @@ use deltazero_solvers::{Error, ModeOfState, Next, Outcome, Real, System};
 
 use super::contact::{NormalLaw, PinPose};
 use super::inertia::{Arrow, BlockInertia};
+use super::linkage::{AnyAt, AnyLinkage, Linkage as _};
 use super::mode::{END_BOUND, Mode, N_GUARDS, delta_bound, distance};
 use super::plain_slip::PlainSlip;
 use super::reading::Reading;
-use super::slider_crank::{Linkage, SliderCrank};
 use super::sliding::Shape;
 
 /// State of a block: X, Y [m], θ [rad] and their rates. Of struts X is the pin displacement whose arm goes
-/// with sin θ (x01, z02), Y the one with cos θ (y01, y02); of a slider-crank X is along the slider's way, and
-/// θ the angle of the crank.
+/// with sin θ (x01, z02), Y the one with cos θ (y01, y02); of a linkage θ is the angle of the crank.
 pub type State<S> = [S; 6];
 
 /// What hangs on a joint.
@@ -21,22 +20,22 @@ pub type State<S> = [S; 6];
 pub enum Body {
     /// Struts that turn with the pin, by θ.
     Struts(BlockInertia),
-    /// A rod that turns with the pin, the crank that pulls it by θ, and the slider that holds the bush.
-    SliderCrank(SliderCrank),
+    /// A linkage, θ the angle of the crank that drives it.
+    Linkage(AnyLinkage),
 }
 
 /// A body in the hands of a right-hand side: what it is stays known to the compiler.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Held<'a> {
     Struts(&'a BlockInertia),
-    SliderCrank(&'a SliderCrank),
+    Linkage(&'a AnyLinkage),
 }
 
 /// A body at one state: what of its accelerations does not wait for forces.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Posture<'a, S> {
+pub(super) enum Posture<'a, S: Real> {
     Struts(&'a BlockInertia, Arrow<S>),
-    SliderCrank(&'a SliderCrank, Linkage<S>),
+    Linkage(&'a AnyLinkage, AnyAt<S>),
 }
 
 impl Body {
@@ -44,7 +43,7 @@ impl Body {
     pub(super) fn held(&self) -> Held<'_> {
         match self {
             Self::Struts(inertia) => Held::Struts(inertia),
-            Self::SliderCrank(crank) => Held::SliderCrank(crank),
+            Self::Linkage(linkage) => Held::Linkage(linkage),
         }
     }
 }
@@ -55,7 +54,7 @@ impl<'a> Held<'a> {
     pub(super) fn at<S: Real>(self, y: &State<S>) -> Posture<'a, S> {
         match self {
             Self::Struts(inertia) => Posture::Struts(inertia, inertia.at(y[2])),
-            Self::SliderCrank(crank) => Posture::SliderCrank(crank, crank.at(y)),
+            Self::Linkage(linkage) => Posture::Linkage(linkage, linkage.at(y)),
         }
     }
 
@@ -64,7 +63,7 @@ impl<'a> Held<'a> {
     pub(super) fn spin<S: Real>(self, y: &State<S>) -> S {
         match self {
             Self::Struts(_) => y[5],
-            Self::SliderCrank(crank) => crank.at(y).phi_dot,
+            Self::Linkage(linkage) => linkage.spin(&linkage.at(y)),
         }
     }
 }
@@ -141,7 +140,9 @@ impl Block {
                 let loads = self.loads(inertia, y, arrow, pose, forces);
                 inertia.accelerations(arrow, y[5] * y[5], loads)
             }
-            Posture::SliderCrank(crank, at) => crank.accelerations(at, self.pin_load(pose, forces)),
+            Posture::Linkage(linkage, at) => {
+                linkage.accelerations(at, Some(self.pin_load(pose, forces)))
+            }
         }
     }
 
@@ -255,36 +256,36 @@ impl Block {
         };
     }
 
-    /// (Ẍ, Ÿ) where a rod hangs on the joint.
-    fn slider_crank_accelerations<S: Real>(
+    /// (Ẍ, Ÿ) where a linkage hangs on the joint.
+    fn linkage_accelerations<S: Real>(
         &self,
-        crank: &SliderCrank,
+        linkage: &AnyLinkage,
         mode: Mode,
         y: &State<S>,
     ) -> [S; 2] {
         let zero = S::cst(0.0);
         let [a_x, a_y, _] = match mode {
             Mode::Pinned => [zero; 3],
-            Mode::Apart | Mode::Relaxing(_) => crank.accelerations(&crank.at(y), [zero; 3]),
+            Mode::Apart | Mode::Relaxing(_) => linkage.accelerations(&linkage.at(y), None),
             Mode::SlipPlus(_) | Mode::SlipMinus(_) | Mode::Stick(_) => {
-                let (pose, held) = (self.pose(y), Held::SliderCrank(crank));
+                let (pose, held) = (self.pose(y), Held::Linkage(linkage));
                 let load = self.pin_load(&pose, self.forces_among(held, mode, y, &pose, None));
-                crank.accelerations(&crank.at(y), load)
+                linkage.accelerations(&linkage.at(y), Some(load))
             }
         };
         [a_x, a_y]
     }
 
-    /// The rates of `y` where a rod hangs on the joint: the crank keeps its speed.
+    /// The rates of `y` where a linkage hangs on the joint: the crank keeps its speed.
     #[inline(always)]
-    pub(super) fn slider_crank_rates<S: Real>(
+    pub(super) fn linkage_rates<S: Real>(
         &self,
-        crank: &SliderCrank,
+        linkage: &AnyLinkage,
         mode: Mode,
         y: &State<S>,
     ) -> State<S> {
         // Apart: beside the struts' it would slow their series.
-        let [a_x, a_y] = S::all_outlined(*y, &OfSliderCrank { block: self, crank, mode });
+        let [a_x, a_y] = S::all_outlined(*y, &OfLinkage { block: self, linkage, mode });
         [y[3], y[4], y[5], a_x, a_y, S::cst(0.0)]
     }
 
@@ -353,36 +354,36 @@ impl Block {
         matches!(self.body, Body::Struts(_)) && self.clearance > 0.0
     }
 
-    /// The start. Of struts that of the paper: X = 0, Y = −c, θ = 0, at rest. Of a slider-crank that of the
+    /// The start. Of struts that of the paper: X = 0, Y = −c, θ = 0, at rest. Of a linkage that of the
     /// mechanism without clearance: the pin in the middle of the bush, moving with it.
     pub fn initial_state(&self) -> State<f64> {
         match &self.body {
             Body::Struts(_) => [0.0, -self.clearance, 0.0, 0.0, 0.0, 0.0],
-            Body::SliderCrank(crank) => [0.0, 0.0, crank.start, 0.0, 0.0, crank.speed],
+            Body::Linkage(linkage) => [0.0, 0.0, linkage.start(), 0.0, 0.0, linkage.speed()],
         }
     }
 }
 
-/// Functions of a state where a rod hangs on the joint; not inlined, for the sake of the struts'.
-struct OfSliderCrank<'a> {
+/// Functions of a state where a linkage hangs on the joint; not inlined, for the sake of the struts'.
+struct OfLinkage<'a> {
     block: &'a Block,
-    crank: &'a SliderCrank,
+    linkage: &'a AnyLinkage,
     mode: Mode,
 }
 
 /// (Ẍ, Ÿ).
-impl Functions<6, 2> for OfSliderCrank<'_> {
+impl Functions<6, 2> for OfLinkage<'_> {
     #[inline(never)]
     fn of<S: Real>(&self, y: State<S>) -> [S; 2] {
-        self.block.slider_crank_accelerations(self.crank, self.mode, &y)
+        self.block.linkage_accelerations(self.linkage, self.mode, &y)
     }
 }
 
 /// The guards.
-impl Functions<6, N_GUARDS> for OfSliderCrank<'_> {
+impl Functions<6, N_GUARDS> for OfLinkage<'_> {
     #[inline(never)]
     fn of<S: Real>(&self, y: State<S>) -> [S; N_GUARDS] {
-        self.block.guards_among(Held::SliderCrank(self.crank), self.mode, &y, None)
+        self.block.guards_among(Held::Linkage(self.linkage), self.mode, &y, None)
     }
 }
 
@@ -422,14 +423,6 @@ impl System for Block {
 
     const IN_LANES: bool = true;
 
-    fn dim(&self) -> usize {
-        6
-    }
-
-    fn n_guards(&self) -> usize {
-        N_GUARDS
-    }
-
     /// As [`mode_of_state`](ModeOfState::mode_of_state); a start on the surface, to rounding, is free.
     fn initial_mode(&self, t: f64, y: &State<f64>) -> Mode {
         let on_surface = self.pose(y).delta.abs() <= delta_bound(self.clearance);
@@ -440,7 +433,7 @@ impl System for Block {
     fn rhs<S: Real>(&self, mode: Mode, _t: S, y: &State<S>, dydt: &mut State<S>) {
         match &self.body {
             Body::Struts(inertia) => self.strut_rates(inertia, mode, y, dydt),
-            Body::SliderCrank(crank) => *dydt = self.slider_crank_rates(crank, mode, y),
+            Body::Linkage(linkage) => *dydt = self.linkage_rates(linkage, mode, y),
         }
     }
 
@@ -448,8 +441,8 @@ impl System for Block {
     fn guards<S: Real>(&self, mode: Mode, _t: S, y: &State<S>, g: &mut [S; N_GUARDS]) {
         match &self.body {
             Body::Struts(inertia) => *g = self.guards_among(Held::Struts(inertia), mode, y, None),
-            Body::SliderCrank(crank) => {
-                *g = S::all_outlined(*y, &OfSliderCrank { block: self, crank, mode });
+            Body::Linkage(linkage) => {
+                *g = S::all_outlined(*y, &OfLinkage { block: self, linkage, mode });
             }
         }
     }
@@ -502,7 +495,7 @@ impl System for Block {
 mod tests {
     use super::*;
     use crate::config::Config;
-    use crate::model::Mechanism;
+    use crate::model::Joints;
     use crate::model::contact::Touch;
 
     #[test]
@@ -516,7 +509,7 @@ mod tests {
                     joint.contact.damping = 0.0;
                 }
                 config.drive.m1 = 0.0;
-                for block in Mechanism::new(&config).blocks() {
+                for block in Joints::new(&config).blocks() {
                     use Mode::{Apart, Relaxing, SlipMinus, SlipPlus, Stick};
                     let in_contact = [Relaxing, SlipPlus, SlipMinus, Stick];
                     let in_contact = in_contact.map(|mode| mode(Touch::PLAIN));

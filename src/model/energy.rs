@@ -3,11 +3,11 @@
 use deltazero_study::problem::{Energy, Power};
 
 use super::block::{Block, Body, ContactForces, State};
+use super::linkage::Linkage as _;
 use super::mode::Mode;
-use super::slider_crank::Slider;
 
 impl Block {
-    /// Energies of `y` in `mode`; the kinetic one of a slider-crank is at [`SliderCrank::kinetic`], of struts
+    /// Energies of `y` in `mode`; that of a linkage is its own, of struts
     ///
     /// ```text
     /// T = ½ M_x (Ẋ + p̄ cos θ θ̇)² + ½ M_y (Ẏ − q̄ sin θ θ̇)² + ½ (j_0 + j_c cos²θ) θ̇²
@@ -23,7 +23,7 @@ impl Block {
                     + inertia.m_y * u_y * u_y
                     + inertia.schur(cos) * omega * omega)
             }
-            Body::SliderCrank(crank) => crank.kinetic(y),
+            Body::Linkage(linkage) => linkage.kinetic(y),
         };
         let elastic =
             if mode.is_contact() { self.normal.elastic.energy(self.pose(y).delta) } else { 0.0 };
@@ -36,15 +36,18 @@ impl Block {
         self.power_under(mode, y, self.forces(mode, y, &self.pose(y)))
     }
 
-    /// The slider at `y` in `mode` under the forces of its contact, where there is one.
-    pub fn slider(&self, mode: Mode, y: &State<f64>, forces: ContactForces<f64>) -> Option<Slider> {
-        let Body::SliderCrank(crank) = &self.body else { return None };
-        let load = match mode {
-            Mode::Pinned => crank.ideal_load(y),
-            Mode::Apart | Mode::Relaxing(_) => [0.0; 3],
+    /// The load on the pin of a linkage at `y` in `mode` under the forces of its contact.
+    pub fn load_on_linkage(
+        &self,
+        mode: Mode,
+        y: &State<f64>,
+        forces: ContactForces<f64>,
+    ) -> [f64; 3] {
+        match (&self.body, mode) {
+            (Body::Linkage(linkage), Mode::Pinned) => linkage.ideal_load(y),
+            (_, Mode::Pinned | Mode::Apart | Mode::Relaxing(_)) => [0.0; 3],
             _ => self.pin_load(&self.pose(y), forces),
-        };
-        Some(crank.slider(y, load))
+        }
     }
 
     /// [`power`](Self::power) where these are the forces of the contact.
@@ -54,7 +57,10 @@ impl Block {
         y: &State<f64>,
         forces: ContactForces<f64>,
     ) -> Power {
-        let torque = self.slider(mode, y, forces).map_or(self.torque, |slider| slider.torque);
+        let torque = match &self.body {
+            Body::Struts(_) => self.torque,
+            Body::Linkage(linkage) => linkage.torque(y, self.load_on_linkage(mode, y, forces)),
+        };
         let drive = torque * y[5];
         let (Some(touch), true) = (mode.touch(), mode.is_contact()) else {
             return Power { drive, damping: 0.0, friction: 0.0 };

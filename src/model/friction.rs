@@ -4,6 +4,7 @@ use deltazero_solvers::Real;
 
 use super::block::{Block, Body, ContactForces, Held, Posture, State};
 use super::contact::{PinPose, Touch};
+use super::linkage::Linkage as _;
 use super::mode::Mode;
 use super::sliding::Shape;
 
@@ -19,8 +20,8 @@ fn with<S: Real>(extra: Extra<S>, [x, y, theta]: [S; 3]) -> [S; 3] {
 }
 
 impl Block {
-    /// `v_T = t·v + θ̇ r` [m/s], where a rod turns with the pin φ̇ for θ̇: tangential velocity of the pin's
-    /// surface at the contact point.
+    /// `v_T = t·v + θ̇ r` [m/s], of a linkage its [spin](super::linkage::Linkage::spin) for θ̇: tangential velocity of the
+    /// pin's surface against that of the bush at the contact point.
     #[inline(always)]
     pub fn v_t<S: Real>(&self, pose: &PinPose<S>, y: &State<S>) -> S {
         self.v_t_of(self.body.held(), pose, y)
@@ -104,7 +105,7 @@ impl Block {
         let load = [pose.n[1] * on_pin, -(pose.n[0] * on_pin), S::cst(self.pin_radius)];
         let a = match posture {
             Posture::Struts(inertia, arrow) => inertia.accelerations(arrow, S::cst(0.0), load),
-            Posture::SliderCrank(crank, at) => crank.response(at, load),
+            Posture::Linkage(linkage, at) => linkage.response(at, load),
         };
         (pose.n[1] * a[0] - pose.n[0] * a[1] + a[2] * self.pin_radius, a)
     }
@@ -129,10 +130,10 @@ impl Block {
         let v_t = self.v_t(&pose, y);
         let along_t = match &self.body {
             Body::Struts(_) => v_t,
-            // A rod turns with Ẏ: v_T goes with the change as 1 + (∂φ̇/∂Ẏ) r t_Y.
-            Body::SliderCrank(crank) => {
-                let turned = crank.turned_by_y(&crank.at(y), self.pin_radius);
-                v_t / (-(turned * pose.n[0]) + 1.0)
+            // What hangs on the pin turns with its velocity.
+            Body::Linkage(linkage) => {
+                let t = [pose.n[1], -pose.n[0]];
+                v_t / (linkage.turned_along(&linkage.at(y), t, self.pin_radius) + 1.0)
             }
         };
         y[3] = y[3] - pose.n[1] * along_t;

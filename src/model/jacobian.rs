@@ -1,12 +1,12 @@
-//! The Jacobian of a block: of struts in closed form, of a slider-crank by dual numbers.
+//! The Jacobian of a block: of struts in closed form, of a linkage by dual numbers.
 
 use num_dual::Dual64;
 
 use super::block::{Block, Body, ContactForces, Posture, State};
 use super::contact::{PinPose, Touch};
 use super::inertia::BlockInertia;
+use super::linkage::AnyLinkage;
 use super::mode::Mode;
-use super::slider_crank::SliderCrank;
 
 /// A gradient with respect to the six states.
 pub(super) type Gradient = [f64; 6];
@@ -60,21 +60,16 @@ impl Block {
     pub(super) fn jacobian_rows(&self, mode: Mode, y: &State<f64>) -> [[f64; 6]; 6] {
         match &self.body {
             Body::Struts(inertia) => self.strut_jacobian(inertia, mode, y),
-            Body::SliderCrank(crank) => self.slider_crank_jacobian(crank, mode, y),
+            Body::Linkage(linkage) => self.linkage_jacobian(linkage, mode, y),
         }
     }
 
     /// Six evaluations of the rates, exact to rounding.
-    fn slider_crank_jacobian(
-        &self,
-        crank: &SliderCrank,
-        mode: Mode,
-        y: &State<f64>,
-    ) -> [[f64; 6]; 6] {
+    fn linkage_jacobian(&self, linkage: &AnyLinkage, mode: Mode, y: &State<f64>) -> [[f64; 6]; 6] {
         let mut rows = [[0.0; 6]; 6];
         for j in 0..6 {
             let seeded = std::array::from_fn(|i| Dual64::new(y[i], if i == j { 1.0 } else { 0.0 }));
-            let rates = self.slider_crank_rates(crank, mode, &seeded);
+            let rates = self.linkage_rates(linkage, mode, &seeded);
             for (row, rate) in rows.iter_mut().zip(rates) {
                 row[j] = rate.eps;
             }
@@ -263,7 +258,7 @@ mod tests {
 
     use super::*;
     use crate::config::{Config, ContactLaw, FrictionLaw, ReadingName};
-    use crate::model::Mechanism;
+    use crate::model::Joints;
 
     fn modes(touch: Touch) -> [Mode; 5] {
         use Mode::{Apart, Pinned, SlipMinus, SlipPlus, Stick};
@@ -286,7 +281,7 @@ mod tests {
             [6e-5, 8.1e-5, 1.5, 1e-3, -2e-3, -0.4],
         ];
         let (reading, law) = (config.reading, config.joints[0].contact.law);
-        for block in Mechanism::new(config).blocks() {
+        for block in Joints::new(config).blocks() {
             let touch = block.normal.touch(2e-3);
             let pieces = (0..2).map(|piece| Touch { piece, ..touch });
             let modes: Vec<Mode> = pieces.flat_map(modes).collect();

@@ -2,11 +2,14 @@
 
 use deltazero_solvers::{Error, ModeOfState, Outcome, Real, Record};
 use deltazero_study::Problem;
-use deltazero_study::problem::{Energy, Group, GroupScale, Laws, Power, Quantity, Role, Touch};
+use deltazero_study::problem::{
+    EndName, Energy, Group, GroupScale, Laws, Power, Quantity, Role, Touch,
+};
 use deltazero_study::run::{OwnRun, Setting, blind, extended};
 
 use super::block::{Block, Body, ContactForces, State};
 use super::chain::{Chain, Modes};
+use super::linkage::{Linkage as _, Outputs};
 use super::mode::Mode;
 
 /// A problem of one joint or more, each with six states and a mode of its own.
@@ -32,29 +35,11 @@ pub trait Jointed: Problem {
     }
 
     /// The joint nearest to where it ends, at 90° or at the range of its contact law; the first of several.
-    fn nearest_end(&self, mode: &Self::Mode, y: &Self::State<f64>) -> usize {
+    fn joint_nearest_end(&self, mode: &Self::Mode, y: &[f64]) -> usize {
         let left = |k: &usize| {
-            self.block().before_end(Self::joint_mode(mode, *k), &self.joint_state(y.as_ref(), *k))
+            self.block().before_end(Self::joint_mode(mode, *k), &self.joint_state(y, *k))
         };
         (0..self.n_sites()).min_by(|a, b| left(a).total_cmp(&left(b))).unwrap_or(0)
-    }
-
-    /// The joint, from zero, that an error of a run that ended at `y` in `mode` is about, where it is about one.
-    fn failed_joint(
-        &self,
-        error: &Error,
-        mode: &Self::Mode,
-        y: &Self::State<f64>,
-    ) -> Option<usize> {
-        match error {
-            _ if self.n_sites() == 1 => Some(0),
-            Error::NonFinite { component, .. } => Some(component * self.n_sites() / self.dim()),
-            Error::NonFiniteGuard { guard, .. } | Error::Chatter { guard, .. } => {
-                Some(self.site_of_guard(mode, *guard))
-            }
-            Error::OutsideModel { .. } => Some(self.nearest_end(mode, y)),
-            _ => None,
-        }
     }
 }
 
@@ -122,6 +107,54 @@ fn laws(block: &Block) -> Laws {
     }
 }
 
+/// What a joint has done that a terminal event ended.
+const REACHED_90: EndName = EndName { key: "reached_90", words: "reached 90 degrees" };
+
+/// Another way out, of a law with hysteresis.
+fn out_of_stiffness(block: &Block) -> &'static str {
+    match block.normal.hysteresis {
+        0.0 => "",
+        _ => ", or, where a contact begins slowly, a larger contact.impact_speed_floor",
+    }
+}
+
+impl Block {
+    /// The columns of its motion: pin, angle, their rates, what moves with them, and the forces of the contact.
+    fn motion_columns(&self) -> Vec<Quantity> {
+        let column = |(name, unit): (&'static str, &'static str)| Quantity::new(name, unit, 1.0);
+        const ANGLE: [(&str, &str); 2] = [("theta", "rad"), ("omega", "rad/s")];
+        const CRANK: [(&str, &str); 2] = [("crank", "rad"), ("crank", "rad/s")];
+        let (angle, outputs, drive) = match &self.body {
+            Body::Struts(_) => (ANGLE, None, None),
+            Body::Linkage(linkage) => (CRANK, Some(linkage.outputs()), Some(("torque", "N m"))),
+        };
+        let of = |part: fn(&Outputs) -> &'static [_]| outputs.as_ref().map_or(&[][..], part);
+        let pin = [("d1", "m"), ("d2", "m"), angle[0]];
+        let rates = [("v1", "m/s"), ("v2", "m/s"), angle[1]];
+        let forces = [("f_n", "N"), ("f_t", "N")];
+        let all = pin.iter().chain(of(|outputs| outputs.places));
+        let all = all.chain(&rates).chain(of(|outputs| outputs.rates));
+        let all = all.chain(of(|outputs| outputs.accelerations)).chain(&forces).chain(&drive);
+        all.copied().map(column).collect()
+    }
+
+    /// Its motion in these columns.
+    fn motion_row(&self, mode: Mode, y: &State<f64>, forces: ContactForces<f64>) -> Vec<f64> {
+        let in_order = self.in_paper_order(y);
+        let (pin, rates) = in_order.split_at(3);
+        let forces_on_pin = [forces.normal, forces.tangential];
+        let Body::Linkage(linkage) = &self.body else {
+            return [pin, rates, &forces_on_pin].concat();
+        };
+        let load = self.load_on_linkage(mode, y, forces);
+        let (outputs, values) = (linkage.outputs(), linkage.output(y, load));
+        let (places, values) = values.split_at(outputs.places.len());
+        let torque = [linkage.torque(y, load)];
+        let (own_rates, accelerations) = values.split_at(outputs.rates.len());
+        [pin, places, rates, own_rates, accelerations, &forces_on_pin, &torque].concat()
+    }
+}
+
 /// Whether a dent in a bush is left, or taken up again, between these modes.
 fn relaxes(before: Mode, after: Mode) -> bool {
     [before, after].iter().any(|mode| matches!(mode, Mode::Relaxing(_)))
@@ -135,7 +168,7 @@ impl Problem for Block {
     fn check(&self) -> Result<(), Error> {
         if self.sliding.bristles().is_some() {
             let reason = "the bristles of lugre are a state that a block does not have; integrate the part \
-                          that `Mechanism::new` makes of it";
+                          that `Joints::new` makes of it";
             let mode = Mode::Apart.to_string();
             return Err(Error::OutsideModel { t: 0.0, mode, reason: reason.to_owned() });
         }
@@ -175,15 +208,15 @@ impl Problem for Block {
         self.body_time()
     }
 
-    fn touch<S: Real>(&self, mode: &Mode, y: &State<S>, _site: usize) -> Option<Touch<S>> {
+    fn touch<S: Real>(&self, mode: &Mode, _t: S, y: &State<S>, _site: usize) -> Option<Touch<S>> {
         touch(self, *mode, y)
     }
 
-    fn energies(&self, mode: &Mode, y: &State<f64>) -> Option<Energy> {
+    fn energies(&self, mode: &Mode, _t: f64, y: &State<f64>) -> Option<Energy> {
         Some(self.energy(*mode, y))
     }
 
-    fn powers(&self, mode: &Mode, y: &State<f64>) -> Option<Power> {
+    fn powers(&self, mode: &Mode, _t: f64, y: &State<f64>) -> Option<Power> {
         Some(self.power(*mode, y))
     }
 
@@ -191,13 +224,46 @@ impl Problem for Block {
         match &self.body {
             Body::Struts(_) => Some(self.torque * (y1[2] - y0[2])),
             // A pin that is held follows the crank through steps that no quadrature resolves.
-            Body::SliderCrank(crank) => {
-                (self.clearance == 0.0).then(|| crank.kinetic(y1) - crank.kinetic(y0))
+            Body::Linkage(linkage) => {
+                (self.clearance == 0.0).then(|| linkage.kinetic(y1) - linkage.kinetic(y0))
             }
         }
     }
 
-    fn relaxes(&self, before: &Mode, after: &Mode) -> bool {
+    /// Contact modes by their codes, as the files have them.
+    fn mode_name(&self, mode: &Mode, _site: usize) -> String {
+        mode.code().to_string()
+    }
+
+    fn labels(&self, _site: usize) -> Vec<(&'static str, usize)> {
+        vec![("bay", 1), ("joint", self.joint)]
+    }
+
+    fn columns(&self, _site: usize) -> Vec<Quantity> {
+        self.motion_columns()
+    }
+
+    fn rows(&self, mode: &Mode, _t: f64, y: &State<f64>, row: &mut dyn FnMut(usize, &[f64])) {
+        row(0, &self.motion_row(*mode, y, self.forces(*mode, y, &self.pose(y))));
+    }
+
+    fn in_brief(&self, y: &State<f64>) -> String {
+        format!("theta = {:.6e} rad", y[2])
+    }
+
+    fn end_name(&self) -> EndName {
+        REACHED_90
+    }
+
+    fn begins_at_speed_floor(&self, before: &Mode, after: &Mode) -> bool {
+        self.begins_at_floor(*before, *after)
+    }
+
+    fn out_of_stiffness(&self) -> &'static str {
+        out_of_stiffness(self)
+    }
+
+    fn takes_energy(&self, before: &Mode, after: &Mode) -> bool {
         relaxes(*before, *after)
     }
 
@@ -326,15 +392,15 @@ impl Problem for Chain {
         self.bay.body_time()
     }
 
-    fn touch<S: Real>(&self, modes: &Modes, y: &Vec<S>, site: usize) -> Option<Touch<S>> {
+    fn touch<S: Real>(&self, modes: &Modes, _t: S, y: &Vec<S>, site: usize) -> Option<Touch<S>> {
         touch(&self.bay, modes[site], &self.state_of(y, site))
     }
 
-    fn energies(&self, modes: &Modes, y: &Vec<f64>) -> Option<Energy> {
+    fn energies(&self, modes: &Modes, _t: f64, y: &Vec<f64>) -> Option<Energy> {
         Some(self.energy(modes, y))
     }
 
-    fn powers(&self, modes: &Modes, y: &Vec<f64>) -> Option<Power> {
+    fn powers(&self, modes: &Modes, _t: f64, y: &Vec<f64>) -> Option<Power> {
         Some(self.power(modes, y))
     }
 
@@ -343,7 +409,49 @@ impl Problem for Chain {
         (0..self.bays).map(of_bay).sum()
     }
 
-    fn relaxes(&self, before: &Modes, after: &Modes) -> bool {
+    fn mode_name(&self, modes: &Modes, site: usize) -> String {
+        modes[site].code().to_string()
+    }
+
+    fn labels(&self, site: usize) -> Vec<(&'static str, usize)> {
+        vec![("bay", site + 1), ("joint", self.bay.joint)]
+    }
+
+    fn columns(&self, _site: usize) -> Vec<Quantity> {
+        self.bay.motion_columns()
+    }
+
+    fn rows(&self, modes: &Modes, _t: f64, y: &Vec<f64>, row: &mut dyn FnMut(usize, &[f64])) {
+        for (k, forces) in self.forces(modes, y).into_iter().enumerate() {
+            row(k, &self.bay.motion_row(modes[k], &self.joint_state(y, k), forces));
+        }
+    }
+
+    fn in_brief(&self, y: &Vec<f64>) -> String {
+        let angle = |k: usize| format!("{:.6e}", self.joint_state(y, k)[2]);
+        match self.bays {
+            1 => format!("theta = {} rad", angle(0)),
+            bays => format!("theta = {} to {} rad", angle(0), angle(bays - 1)),
+        }
+    }
+
+    fn end_name(&self) -> EndName {
+        REACHED_90
+    }
+
+    fn begins_at_speed_floor(&self, before: &Modes, after: &Modes) -> bool {
+        (0..self.bays).any(|k| self.bay.begins_at_floor(before[k], after[k]))
+    }
+
+    fn out_of_stiffness(&self) -> &'static str {
+        out_of_stiffness(&self.bay)
+    }
+
+    fn nearest_end(&self, modes: &Modes, y: &Vec<f64>) -> Option<usize> {
+        Some(self.joint_nearest_end(modes, y))
+    }
+
+    fn takes_energy(&self, before: &Modes, after: &Modes) -> bool {
         before.iter().zip(after.iter()).any(|(a, b)| a != b && relaxes(*a, *b))
     }
 
@@ -368,7 +476,7 @@ impl Problem for Chain {
         modes: &Modes,
         y: &Vec<f64>,
     ) -> Result<Outcome, Error> {
-        let k = self.nearest_end(modes, y);
+        let k = self.joint_nearest_end(modes, y);
         self.bay.range_judged(outcome, t, modes[k], &self.joint_state(y, k))
     }
 }

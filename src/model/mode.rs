@@ -9,6 +9,7 @@ use deltazero_solvers::{Next, Real};
 use super::block::{Block, Body, Held, State};
 use super::contact::Touch;
 use super::friction::Extra;
+use super::linkage::Linkage as _;
 use super::sliding::Shape;
 
 /// Guard: θ below 90°, where the struts line up.
@@ -225,7 +226,7 @@ impl Block {
     fn spin_bound(&self, y: &State<f64>) -> f64 {
         match &self.body {
             Body::Struts(_) => y[5].abs(),
-            Body::SliderCrank(crank) => crank.spin_bound(y),
+            Body::Linkage(linkage) => linkage.spin_bound(y),
         }
     }
 

@@ -65,7 +65,7 @@ mod tests {
     use crate::config::{Config, Strut};
     use crate::model::contact::Touch;
     use crate::model::inertia::{strut_inertia, strut_mass};
-    use crate::model::{Mechanism, Mode};
+    use crate::model::{Joints, Mode};
 
     /// x01, y01, θ1, y02, z02, θ2, or what belongs to them.
     type Coordinates<S = f64> = [S; 6];
@@ -129,7 +129,7 @@ mod tests {
         let q = [8e-5, -7e-5, 0.7, -6e-5, 9e-5, 0.9];
         let u = [2e-3, -1e-3, 0.4, 1e-3, 3e-3, 0.6];
         let (mut a, mut forces) = ([0.0; 6], [0.0; 2]);
-        for (i, block) in Mechanism::new(&config).blocks().into_iter().enumerate() {
+        for (i, block) in Joints::new(&config).blocks().into_iter().enumerate() {
             let at = 3 * i;
             let y =
                 block.in_paper_order(&[q[at], q[at + 1], q[at + 2], u[at], u[at + 1], u[at + 2]]);

@@ -6,14 +6,15 @@ use deltazero_study::Problem as _;
 use deltazero_study::errors::{ErrorScale, Largest};
 
 use super::block::{Block, Body, State};
+use super::linkage::Linkage as _;
 
 impl Block {
     /// The scale of each state [m, m, rad, m/s, m/s, rad/s].
     ///
     /// Displacements go with the clearance c (0.1 mm where there is none), their rates with the
     /// speed `√(2 a c)` that the drive's acceleration `a = M p̄/I` gives the pin across it. The
-    /// angle and its rate are those displacements and rates over a strut length. A slider-crank has `a = r ω²`,
-    /// its rod's length, and where that is less than c a lower bound of the penetration, `c F/F(c)`, F = (m_r + m_s) a: beside
+    /// angle and its rate are those displacements and rates over a strut length. A linkage has `a = r ω²`,
+    /// a length of its own, and where that is less than c a lower bound of the penetration, `c F/F(c)`, F = Σm a: beside
     /// such loads an error of δ that is small against c is a large one in force and energy.
     pub fn scale(&self) -> State<f64> {
         let c = if self.clearance > 0.0 { self.clearance } else { 1e-4 };
@@ -21,11 +22,11 @@ impl Block {
             Body::Struts(inertia) => {
                 (self.torque.abs().max(1e-3) * inertia.p / inertia.about_pin(0.0, 1.0), c)
             }
-            Body::SliderCrank(crank) => {
+            Body::Linkage(linkage) => {
                 // A pin that is held penetrates nothing, and its law may have no force at that depth.
                 let is_held = self.clearance == 0.0;
-                let part = crank.force_scale() / self.normal.elastic.force(c);
-                (crank.acceleration_scale(), if is_held { c } else { c * part.min(1.0) })
+                let part = linkage.force_scale() / self.normal.elastic.force(c);
+                (linkage.acceleration_scale(), if is_held { c } else { c * part.min(1.0) })
             }
         };
         let v = (2.0 * pull * d).sqrt();
@@ -43,7 +44,7 @@ impl Block {
     pub(super) fn body_time(&self) -> f64 {
         match &self.body {
             Body::Struts(_) => 1.0,
-            Body::SliderCrank(crank) => TAU / crank.speed,
+            Body::Linkage(linkage) => TAU / linkage.speed(),
         }
     }
 
@@ -51,7 +52,7 @@ impl Block {
     pub(super) fn rounding_floor(&self) -> RoundingFloor {
         let force = match &self.body {
             Body::Struts(_) => self.torque.abs().max(1e-3) / self.strut_length,
-            Body::SliderCrank(crank) => crank.force_scale(),
+            Body::Linkage(linkage) => linkage.force_scale(),
         };
         RoundingFloor { speed: 1e-6 * self.scale()[3], force: 1e-6 * force }
     }
@@ -60,7 +61,7 @@ impl Block {
     pub(super) fn drive_force(&self) -> f64 {
         match &self.body {
             Body::Struts(_) => self.torque.abs() / self.pin_radius,
-            Body::SliderCrank(crank) => crank.force_scale(),
+            Body::Linkage(linkage) => linkage.force_scale(),
         }
     }
 }

@@ -38,6 +38,7 @@
 use deltazero_solvers::Real;
 
 use super::block::State;
+use super::linkage::{Linkage, Outputs};
 
 /// Crank, rod and slider.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +61,7 @@ pub struct SliderCrank {
 
 /// Where crank and rod are.
 #[derive(Clone, Copy, Debug)]
-pub struct Linkage<S> {
+pub struct Rods<S> {
     /// `sin θ`, `cos θ`.
     theta: [S; 2],
     /// `sin φ`, `cos φ`.
@@ -91,72 +92,9 @@ pub struct Slider {
 }
 
 impl SliderCrank {
-    /// Crank and rod at `y`.
-    pub fn at<S: Real>(&self, y: &State<S>) -> Linkage<S> {
-        let (sin_theta, cos_theta) = y[2].sin_cos();
-        let sin_phi = (sin_theta * self.crank - y[1]) / self.rod;
-        let cos_phi = (-(sin_phi * sin_phi) + 1.0).sqrt();
-        Linkage {
-            theta: [sin_theta, cos_theta],
-            phi: [sin_phi, cos_phi],
-            phi_dot: (cos_theta * y[5] * self.crank - y[4]) / (cos_phi * self.rod),
-            omega_sq: y[5] * y[5],
-        }
-    }
-
     /// `J + m_r l²/4` [kg m²].
     fn about_crank_pin(&self) -> f64 {
         self.rod_inertia + 0.25 * self.rod_mass * self.rod * self.rod
-    }
-
-    /// (Ẍ, Ÿ, φ̈) under the force P on the pin and the torque `F_T r_p` on the rod.
-    pub fn accelerations<S: Real>(&self, at: &Linkage<S>, load: [S; 3]) -> [S; 3] {
-        let Linkage { theta: [sin_theta, cos_theta], phi: [sin_phi, cos_phi], .. } = *at;
-        let pull = at.omega_sq * self.crank;
-        let swing = (sin_theta * cos_phi + cos_theta * sin_phi) * pull;
-        let along = at.phi_dot * at.phi_dot * self.rod;
-        let [x, y, phi] = self
-            .response(at, [load[0], load[1], load[2] - swing * (0.5 * self.rod_mass * self.rod)]);
-        [x - cos_theta * pull - cos_phi * along, y - sin_theta * pull + sin_phi * along, phi]
-    }
-
-    /// What a load adds to them.
-    pub fn response<S: Real>(&self, at: &Linkage<S>, load: [S; 3]) -> [S; 3] {
-        let [sin_phi, cos_phi] = at.phi;
-        let moment = load[2] - (sin_phi * load[0] + cos_phi * load[1]) * self.rod;
-        let phi = moment / self.about_crank_pin();
-        [load[0] / self.slider_mass - sin_phi * phi * self.rod, -(cos_phi * phi * self.rod), phi]
-    }
-
-    /// What a change of Ẏ adds to the sliding of the pin's surface by turning the rod, `∂φ̇/∂Ẏ r_p`.
-    pub(super) fn turned_by_y<S: Real>(&self, at: &Linkage<S>, pin_radius: f64) -> S {
-        S::cst(-pin_radius) / (at.phi[1] * self.rod)
-    }
-
-    /// `r ω²`, the acceleration that the crank imposes [m/s²].
-    pub fn acceleration_scale(&self) -> f64 {
-        self.crank * self.speed * self.speed
-    }
-
-    /// What rod and slider ask of the pin at that acceleration [N].
-    pub(super) fn force_scale(&self) -> f64 {
-        (self.rod_mass + self.slider_mass) * self.acceleration_scale()
-    }
-
-    /// The sizes of the terms of φ̇, added [rad/s].
-    pub(super) fn spin_bound(&self, y: &State<f64>) -> f64 {
-        let [_, cos_phi] = self.at(y).phi;
-        (self.crank * y[5].abs() + y[4].abs()) / (self.rod * cos_phi)
-    }
-
-    /// The load on the pin of an ideal joint: that which keeps `Ẍ = Ÿ = 0`.
-    pub fn ideal_load(&self, y: &State<f64>) -> [f64; 3] {
-        let at = self.at(y);
-        let [a_x, a_y, _] = self.accelerations(&at, [0.0; 3]);
-        let [x_x, y_x, _] = self.response(&at, [1.0, 0.0, 0.0]);
-        let [x_y, y_y, _] = self.response(&at, [0.0, 1.0, 0.0]);
-        let determinant = x_x * y_y - x_y * y_x;
-        [(x_y * a_y - y_y * a_x) / determinant, (y_x * a_x - x_x * a_y) / determinant, 0.0]
     }
 
     /// `s̈` without clearance [m/s²].
@@ -185,15 +123,15 @@ impl SliderCrank {
             velocity: self.velocity(&at, y),
             acceleration: -load[0] / self.slider_mass,
             ideal_acceleration: self.ideal_acceleration(y[2]),
-            torque: self.torque(&at, load),
+            torque: self.torque_at(&at, load),
         }
     }
 
     /// `τ = ∂A/∂θ·(m_r G̈ − P)` [N m].
-    fn torque(&self, at: &Linkage<f64>, load: [f64; 3]) -> f64 {
-        let Linkage { theta: [sin_theta, cos_theta], phi: [sin_phi, cos_phi], phi_dot, omega_sq } =
+    fn torque_at(&self, at: &Rods<f64>, load: [f64; 3]) -> f64 {
+        let Rods { theta: [sin_theta, cos_theta], phi: [sin_phi, cos_phi], phi_dot, omega_sq } =
             *at;
-        let [_, _, phi_ddot] = self.accelerations(at, load);
+        let [_, _, phi_ddot] = self.accelerations(at, Some(load));
         let (pull, half, phi_dot_sq) = (self.crank * omega_sq, 0.5 * self.rod, phi_dot * phi_dot);
         let g_x = -pull * cos_theta - half * (sin_phi * phi_ddot + cos_phi * phi_dot_sq);
         let g_y = -pull * sin_theta - half * (cos_phi * phi_ddot - sin_phi * phi_dot_sq);
@@ -202,16 +140,78 @@ impl SliderCrank {
     }
 
     /// `ṡ` [m/s].
-    fn velocity(&self, at: &Linkage<f64>, y: &State<f64>) -> f64 {
+    fn velocity(&self, at: &Rods<f64>, y: &State<f64>) -> f64 {
         -self.crank * at.theta[0] * y[5] - self.rod * at.phi[0] * at.phi_dot - y[3]
     }
+}
 
-    /// Kinetic energy of rod and slider [J]; that of the crank is constant.
-    ///
+impl Linkage for SliderCrank {
+    type At<S: Real> = Rods<S>;
+
+    fn at<S: Real>(&self, y: &State<S>) -> Rods<S> {
+        let (sin_theta, cos_theta) = y[2].sin_cos();
+        let sin_phi = (sin_theta * self.crank - y[1]) / self.rod;
+        let cos_phi = (-(sin_phi * sin_phi) + 1.0).sqrt();
+        Rods {
+            theta: [sin_theta, cos_theta],
+            phi: [sin_phi, cos_phi],
+            phi_dot: (cos_theta * y[5] * self.crank - y[4]) / (cos_phi * self.rod),
+            omega_sq: y[5] * y[5],
+        }
+    }
+
+    fn spin<S: Real>(&self, at: &Rods<S>) -> S {
+        at.phi_dot
+    }
+
+    /// (Ẍ, Ÿ, φ̈).
+    fn accelerations<S: Real>(&self, at: &Rods<S>, load: Option<[S; 3]>) -> [S; 3] {
+        let load = load.unwrap_or([S::cst(0.0); 3]);
+        let Rods { theta: [sin_theta, cos_theta], phi: [sin_phi, cos_phi], .. } = *at;
+        let pull = at.omega_sq * self.crank;
+        let swing = (sin_theta * cos_phi + cos_theta * sin_phi) * pull;
+        let along = at.phi_dot * at.phi_dot * self.rod;
+        let [x, y, phi] = self
+            .response(at, [load[0], load[1], load[2] - swing * (0.5 * self.rod_mass * self.rod)]);
+        [x - cos_theta * pull - cos_phi * along, y - sin_theta * pull + sin_phi * along, phi]
+    }
+
+    fn response<S: Real>(&self, at: &Rods<S>, load: [S; 3]) -> [S; 3] {
+        let [sin_phi, cos_phi] = at.phi;
+        let moment = load[2] - (sin_phi * load[0] + cos_phi * load[1]) * self.rod;
+        let phi = moment / self.about_crank_pin();
+        [load[0] / self.slider_mass - sin_phi * phi * self.rod, -(cos_phi * phi * self.rod), phi]
+    }
+
+    fn turned_along<S: Real>(&self, at: &Rods<S>, t: [S; 2], pin_radius: f64) -> S {
+        S::cst(-pin_radius) / (at.phi[1] * self.rod) * t[1]
+    }
+
+    fn speed(&self) -> f64 {
+        self.speed
+    }
+
+    fn start(&self) -> f64 {
+        self.start
+    }
+
+    fn acceleration_scale(&self) -> f64 {
+        self.crank * self.speed * self.speed
+    }
+
+    fn force_scale(&self) -> f64 {
+        (self.rod_mass + self.slider_mass) * self.acceleration_scale()
+    }
+
+    fn spin_bound(&self, y: &State<f64>) -> f64 {
+        let [_, cos_phi] = self.at(y).phi;
+        (self.crank * y[5].abs() + y[4].abs()) / (self.rod * cos_phi)
+    }
+
     /// ```text
     /// T = ½ m_r |Ġ|² + ½ J φ̇² + ½ m_s ṡ²,   Ġ = r θ̇ (−sin θ, cos θ) − ½ l φ̇ (sin φ, cos φ)
     /// ```
-    pub fn kinetic(&self, y: &State<f64>) -> f64 {
+    fn kinetic(&self, y: &State<f64>) -> f64 {
         let at = self.at(y);
         let (turning, half) = (self.crank * y[5], 0.5 * self.rod * at.phi_dot);
         let g_x = -turning * at.theta[0] - half * at.phi[0];
@@ -220,6 +220,24 @@ impl SliderCrank {
         0.5 * (self.rod_mass * (g_x * g_x + g_y * g_y)
             + self.rod_inertia * at.phi_dot * at.phi_dot
             + self.slider_mass * s_dot * s_dot)
+    }
+
+    fn torque(&self, y: &State<f64>, load: [f64; 3]) -> f64 {
+        self.torque_at(&self.at(y), load)
+    }
+
+    fn outputs(&self) -> Outputs {
+        Outputs {
+            places: &[("rod", "rad"), ("slider", "m")],
+            rates: &[("rod", "rad/s"), ("slider", "m/s")],
+            accelerations: &[("slider", "m/s2"), ("ideal_slider", "m/s2")],
+        }
+    }
+
+    fn output(&self, y: &State<f64>, load: [f64; 3]) -> Vec<f64> {
+        let Slider { phi, phi_dot, place, velocity, acceleration, ideal_acceleration, .. } =
+            self.slider(y, load);
+        vec![phi, place, phi_dot, velocity, acceleration, ideal_acceleration]
     }
 }
 
@@ -258,7 +276,7 @@ mod tests {
 
     /// What the virtual work of masses, load and drive leaves along X, Y and θ [N, N, N m].
     fn left(y: &State<f64>, load: [f64; 3]) -> [f64; 3] {
-        let [a_x, a_y, _] = CRANK.accelerations(&CRANK.at(y), load);
+        let [a_x, a_y, _] = CRANK.accelerations(&CRANK.at(y), Some(load));
         let accelerations = [a_x, a_y, 0.0];
         let moving =
             places(std::array::from_fn(|i| Dual2_64::new(y[i], y[3 + i], accelerations[i])));
@@ -325,7 +343,7 @@ mod tests {
             let off = slider.acceleration / slider.ideal_acceleration - 1.0;
             // Measured: 2.2e-16.
             assert!(off.abs() < 2e-15, "{off:e} at {theta}");
-            let [a_x, a_y, _] = CRANK.accelerations(&CRANK.at(&y), load);
+            let [a_x, a_y, _] = CRANK.accelerations(&CRANK.at(&y), Some(load));
             // Against 1.4e4 m/s²; measured 3.5e-12.
             assert!(a_x.abs().max(a_y.abs()) < 3e-11, "{a_x:e}, {a_y:e}");
         }

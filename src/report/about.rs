@@ -1,5 +1,7 @@
 //! What the files of a study say of its subject, beside what was measured.
 
+use super::html::Part;
+use crate::config::Config;
 use crate::study::machine::Machine;
 
 /// A study's subject, in words.
@@ -16,17 +18,52 @@ pub struct About {
     /// Columns of `study.csv` before all others, the same in every row: name, meaning and value.
     pub leading: Vec<(&'static str, &'static str, String)>,
     /// How to do it again.
-    pub redo: Vec<super::html::Part>,
+    pub redo: Vec<Part>,
 }
 
+/// What every study asks, after what its subject is.
+const QUESTION: &str = "Every method runs over its tolerances or steps, every run is measured against an event-exact \
+                        reference: which one reaches an error at the least cost?";
+
 impl About {
+    /// What a configuration chooses.
+    pub fn of(config: &Config) -> Self {
+        let mechanism = &config.mechanism;
+        Self {
+            subject: mechanism.title(config),
+            lead: format!("{} {QUESTION}", mechanism.lead()),
+            facts: mechanism.facts(config),
+            warnings: mechanism
+                .warnings(config)
+                .into_iter()
+                .map(|warning| warning.message)
+                .collect(),
+            leading: mechanism.leading(config),
+            redo: redo(config),
+        }
+    }
+
     /// A subject of this name.
     pub fn new(subject: impl Into<String>) -> Self {
-        let lead = "Free motion and contact follow each other; each change is an event, the zero crossing of a guard. \
-                    Every method runs over its tolerances or steps, every run is measured against an event-exact \
-                    reference: which one reaches an error at the least cost?";
-        Self { subject: subject.into(), lead: lead.into(), ..Self::default() }
+        let lead = format!(
+            "Free motion and contact follow each other; each change is an event, the zero crossing of a guard. {QUESTION}"
+        );
+        Self { subject: subject.into(), lead, ..Self::default() }
     }
+}
+
+fn redo(config: &Config) -> Vec<Part> {
+    vec![
+        Part::Text("With the configuration below as study.toml:".into()),
+        Part::Code("deltazero study study.toml --out redone".into()),
+        Part::Text(
+            "Errors, events and counts of work come out the same, times do not. The tables, the figures \
+             and this page alone, from the directory that holds study.json:"
+                .into(),
+        ),
+        Part::Code("deltazero report DIR".into()),
+        Part::Folded("The configuration".into(), vec![Part::Code(config.to_toml())]),
+    ]
 }
 
 /// Where and when a study was measured.

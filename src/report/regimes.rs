@@ -2,13 +2,14 @@
 
 use std::fmt::Write as _;
 
+use deltazero_study::map::CellStatus;
 use deltazero_study::selection::{CUT, EVENTS_FROM, Entry, Standings};
 use deltazero_study::setting::Events;
 
 use super::{exact, field};
 use crate::config::Config;
 use crate::figures::Drawing;
-use crate::study::regimes::{Cell, CellStatus, maps, of_map};
+use crate::study::regimes::{Cell, maps, of_map};
 
 /// A time within this factor of the winner's is near it.
 const NEAR: f64 = 1.3;

@@ -9,7 +9,7 @@ use deltazero_study::run::{
 };
 
 use crate::config::Config;
-use crate::model::{Block, Jointed, Mechanism, Mode, Part, State};
+use crate::model::{Block, Jointed, Joints, Mode, Part, State};
 
 pub use at_once::{integrate_many, integrate_pair};
 pub use joints::{JointHistory, JointSample, histories, switches, trajectories};
@@ -23,7 +23,7 @@ pub fn setting(config: &Config) -> Option<Setting> {
     let accuracy = if method.is_fixed_step() {
         Accuracy::Step(solver.step)
     } else {
-        Accuracy::Rtol(solver.rtol, solver.atol.map(Into::into))
+        Accuracy::Rtol(solver.rtol, solver.atol.clone().map(Into::into))
     };
     Some(Setting { method, events: solver.events, accuracy })
 }
@@ -46,7 +46,7 @@ impl Run {
     /// Runs the parts of `mechanism` from the paper's start to `t_end`, keeping samples on
     /// `grid`, within `limits`.
     pub fn new(
-        mechanism: &Mechanism,
+        mechanism: &Joints,
         setting: &Setting,
         t_end: f64,
         grid: &Grid,

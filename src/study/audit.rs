@@ -21,7 +21,8 @@ use super::course::{Bin, Binning, Quantity};
 use super::ideal::{IdealRow, RIGHT_ANGLE, ideal, time_to, without_clearance};
 use super::torque_ratio::{TorqueRatio, torque_ratio};
 use crate::config::{Config, ReadingName};
-use crate::model::{Block, Mechanism, State};
+use crate::mechanisms::strut::struts;
+use crate::model::{Block, State};
 use crate::run::{BlockTrajectory, mode_changes};
 
 /// Method and relative tolerance of the runs.
@@ -189,7 +190,7 @@ pub(super) fn under(config: &Config, reading: ReadingName) -> [Block; 2] {
     let mut config = config.clone();
     (config.reading, config.bays) = (reading, 1);
     config.run.stop_at_90 = true;
-    Mechanism::struts(&config)
+    struts(&config)
 }
 
 /// How long `block` is given to reach 90° [s].
@@ -240,7 +241,7 @@ fn followed(
     let ((binning, balance), (trajectory, _)) = record;
 
     let bins = binning.bins;
-    let balance = balance.at(&run.mode, &run.y).unwrap_or_default();
+    let balance = balance.at(&run.mode, run.t, &run.y).unwrap_or_default();
     let furthest = bins
         .iter()
         .max_by(|a, b| a.of(Quantity::Theta).most.total_cmp(&b.of(Quantity::Theta).most));

@@ -187,12 +187,12 @@ mod tests {
 
     use super::*;
     use crate::config::Config;
-    use crate::model::Mechanism;
+    use crate::model::Joints;
 
     #[test]
     fn bins_cover_the_run_without_a_gap_and_hold_its_integrals() {
         let config = Config::table1().unwrap();
-        let block = &Mechanism::new(&config).blocks()[0].clone();
+        let block = &Joints::new(&config).blocks()[0].clone();
         let (method, accuracy) = (Method::named("vern98").unwrap(), Accuracy::Rtol(1e-10, None));
         let setting = Setting { method, events: Events::Located, accuracy };
         let mut record = Binning::new(block, 0.01);

@@ -16,7 +16,6 @@ use deltazero_study::trace::Trace;
 use serde::Serialize;
 
 use crate::config::{Config, ConfigError, FrictionLaw};
-use crate::model::Mechanism;
 
 /// Tolerance of the runs that are compared, and of Coulomb's that they are compared with.
 pub const RTOL: f64 = 1e-6;
@@ -119,7 +118,7 @@ fn run(law: FrictionLaw, softness: Softness, method: &str, rtol: f64) -> Result<
     let mut sets = vec!["reading=full".to_owned(), format!("friction.law={law}")];
     sets.extend(softness.sets());
     let config = Config::load(None, &sets)?;
-    let subject = Mechanism::new(&config).subject();
+    let subject = config.mechanism.subject(&config);
     let method = Method::named(method)
         .ok_or(ConfigError::Table { part: "solver.method".into(), message: method.into() })?;
     let setting = Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(rtol, None) };

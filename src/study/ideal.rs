@@ -18,7 +18,8 @@ use deltazero_study::setting::Events;
 use serde::{Deserialize, Serialize};
 
 use crate::config::{Config, Inertia};
-use crate::model::{Block, Body, Mechanism};
+use crate::mechanisms::strut::struts;
+use crate::model::{Block, Body};
 
 /// 90° [rad].
 pub const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
@@ -97,7 +98,7 @@ pub(super) fn without_clearance(config: &Config, inertia: Inertia) -> [Block; 2]
     for joint in &mut config.joints {
         joint.joint.clearance = 0.0;
     }
-    Mechanism::struts(&config)
+    struts(&config)
 }
 
 fn integrated(block: &Block, t_end: f64) -> Option<f64> {

@@ -6,7 +6,6 @@ pub mod course;
 pub mod friction;
 pub mod ideal;
 pub mod machine;
-pub mod motion;
 pub mod plan;
 pub mod record;
 pub mod regimes;

@@ -10,14 +10,12 @@ use deltazero_study::run::Limits;
 use deltazero_study::selection::{Benchmark, Candidate, Rules};
 use deltazero_study::work_precision::{Progress, Row, WorkPrecision};
 
-use super::restitution;
 use crate::config::Config;
-use crate::model::Mechanism;
 
 /// The runs that a configuration's `[study]` asks for and its laws permit.
 pub fn plan(config: &Config) -> Plan {
     let (study, permitted) = (&config.study, config.permitted(&config.study.events));
-    let atol = config.solver.atol.map(Into::into);
+    let atol = config.solver.atol.clone().map(Into::into);
     Plan {
         t_end: config.run.t_end,
         times: sample_times(config),
@@ -46,7 +44,7 @@ pub fn rules(config: &Config) -> Rules {
     let contest = &config.contest;
     Rules {
         candidates: Candidate::all(&contest.methods, &config.permitted(&contest.events)),
-        atol: config.solver.atol.map(Into::into),
+        atol: config.solver.atol.clone().map(Into::into),
         repeats: contest.repeats,
         max_work: contest.max_work,
     }
@@ -57,7 +55,7 @@ pub fn rules(config: &Config) -> Rules {
 /// # Errors
 /// [`ReferenceError`] where there is no reference.
 pub fn benchmark(config: &Config, stop: &AtomicBool) -> Result<Benchmark, ReferenceError> {
-    let subject = Mechanism::new(config).subject();
+    let subject = config.mechanism.subject(config);
     Benchmark::new(subject, config.run.t_end, sample_times(config), limits(config, stop))
 }
 
@@ -69,12 +67,12 @@ pub fn recommend(
     progress: &dyn Fn(Progress),
 ) -> Recommendation {
     recommend::recommend(
-        Mechanism::new(config).subject(),
+        config.mechanism.subject(config),
         (config.run.t_end, sample_times(config)),
         accuracy,
         &rules(config),
         limits(config, stop),
-        restitution::warnings(config),
+        config.mechanism.warnings(config),
         progress,
     )
 }
@@ -89,7 +87,7 @@ pub fn work_precision(
     stop: &AtomicBool,
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<WorkPrecision, ReferenceError> {
-    let subject = Mechanism::new(config).subject();
+    let subject = config.mechanism.subject(config);
     deltazero_study::work_precision(&subject, &plan(config), known, stop, progress)
 }
 
@@ -98,6 +96,6 @@ pub fn work_precision(
 /// # Errors
 /// [`ReferenceError`].
 pub fn reference(config: &Config, stop: &AtomicBool) -> Result<Reference, ReferenceError> {
-    let subject = Mechanism::new(config).subject();
+    let subject = config.mechanism.subject(config);
     deltazero_study::work_precision::reference(&subject, &plan(config), stop)
 }

@@ -1,15 +1,15 @@
 //! Where does which method win? The contest over a grid of contact stiffness × damping × accuracy.
 
+use std::ops::Deref;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use deltazero_study::forecast::Forecast;
-use deltazero_study::selection::{Contest, Entry, Standings};
-use deltazero_study::setting::Events;
+use deltazero_study::map::{Contested, MapPlan, contested};
 use serde::{Deserialize, Serialize};
 
-use super::plan::{benchmark, rules};
+use super::plan::{rules, sample_times};
 use crate::config::{Config, ReadingName};
 use crate::model::inertia::BlockInertia;
 
@@ -20,35 +20,6 @@ const TRIAL_LEAST_S: f64 = 0.02;
 /// A preview runs no longer than this [s].
 const QUICK_T_END: f64 = 0.25;
 
-/// What became of a cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CellStatus {
-    /// A method reaches the accuracy.
-    Ok,
-    /// None does.
-    None,
-    /// The motion is predictable for less than 0.2 s.
-    IllPosed,
-    /// The reference is not good enough for this accuracy.
-    Undecidable,
-    /// There is no reference.
-    NoReference,
-}
-
-impl CellStatus {
-    /// As the files write it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ok => "ok",
-            Self::None => "none",
-            Self::IllPosed => "ill-posed",
-            Self::Undecidable => "undecidable",
-            Self::NoReference => "no-reference",
-        }
-    }
-}
-
 /// One cell of the map.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
@@ -58,72 +29,16 @@ pub struct Cell {
     pub stiffness: f64,
     /// Damping ratio ζ.
     pub damping_ratio: f64,
-    /// The error asked for.
-    pub accuracy: f64,
-    /// What became of it.
-    pub status: CellStatus,
-    /// Why there is no winner.
-    pub error: Option<String>,
-    /// The end of the runs [s].
-    pub t_end_s: Option<f64>,
-    /// Where a change of the start's last bit is seen [s]; none: not within the run.
-    pub horizon_s: Option<f64>,
-    /// Events of the reference.
-    pub n_events: Option<usize>,
-    /// Who reaches the accuracy, and who does not.
-    pub standings: Standings,
+    /// The contest there.
+    #[serde(flatten)]
+    pub contest: Contested,
 }
 
-impl Cell {
-    /// Those that reach the accuracy by a method that is the same throughout, the fastest first; `auto`, which
-    /// is made of them, is measured against them.
-    pub fn fixed(&self) -> impl Iterator<Item = &Entry> {
-        self.standings.entries.iter().filter(|entry| !entry.is_auto())
-    }
+impl Deref for Cell {
+    type Target = Contested;
 
-    /// The fastest of them; `auto` where it alone arrives.
-    pub fn winner(&self) -> Option<&Entry> {
-        self.fixed().next().or_else(|| self.standings.entries.first())
-    }
-
-    /// The second, where it came near enough to be timed with the fastest.
-    pub fn second(&self) -> Option<&Entry> {
-        self.fixed().nth(1).filter(|entry| entry.timed)
-    }
-
-    /// Those that the noise of the times does not tell from the winner.
-    pub fn within_noise(&self) -> Vec<&Entry> {
-        let Some(first) = self.winner() else { return Vec::new() };
-        self.fixed().skip(1).filter(|entry| entry.is_within_noise_of(first)).collect()
-    }
-
-    /// Time of `auto` over that of the winner, each by whichever of located and blind is faster for it.
-    pub fn auto_over_winner(&self) -> Option<f64> {
-        let own = self.standings.entries.iter().find(|entry| entry.is_auto())?;
-        Some(own.time_s() / self.winner()?.time_s())
-    }
-
-    /// The fastest of those that `of` is true for.
-    pub fn best(&self, of: impl Fn(&Entry) -> bool) -> Option<&Entry> {
-        let own = self.fixed().filter(|entry| of(entry));
-        own.min_by(|a, b| a.time_s().total_cmp(&b.time_s()))
-    }
-
-    /// Time of the second over that of the winner.
-    pub fn margin(&self) -> Option<f64> {
-        Some(self.second()?.time_s() / self.winner()?.time_s())
-    }
-
-    /// Time of the best explicit method over that of the best implicit one.
-    pub fn explicit_over_implicit(&self) -> Option<f64> {
-        let time = |implicit| self.best(|entry| entry.implicit == implicit).map(Entry::time_s);
-        Some(time(false)? / time(true)?)
-    }
-
-    /// Time of the best blind run over that of the best located one.
-    pub fn blind_over_located(&self) -> Option<f64> {
-        let time = |events| self.best(|entry| entry.events == events).map(Entry::time_s);
-        Some(time(Events::Blind)? / time(Events::Located)?)
+    fn deref(&self) -> &Contested {
+        &self.contest
     }
 }
 
@@ -324,46 +239,16 @@ pub fn of_map(cells: &[Cell], reading: ReadingName, accuracy: f64) -> Vec<&Cell>
 /// The cells of one site, one an accuracy.
 fn cells(config: &Config, site: &Site, stop: &AtomicBool) -> Vec<Cell> {
     let own = site.config(config);
-    let accuracies = &config.regimes.accuracy;
-    let empty = |accuracy: f64| Cell {
-        reading: site.reading,
-        stiffness: site.stiffness,
-        damping_ratio: site.damping_ratio,
-        accuracy,
-        status: CellStatus::NoReference,
-        error: None,
-        t_end_s: None,
-        horizon_s: None,
-        n_events: None,
-        standings: Standings::default(),
+    let plan = MapPlan {
+        t_end: own.run.t_end,
+        times: sample_times(&own),
+        accuracies: config.regimes.accuracy.clone(),
+        rules: rules(config),
+        max_events: config.regimes.max_events,
+        max_rhs: own.study.max_rhs,
+        max_seconds: own.study.max_seconds,
     };
-    let benchmark = match benchmark(&own, stop) {
-        Ok(benchmark) => benchmark.with_at_most(config.regimes.max_events),
-        Err(error) => {
-            let error = Some(error.to_string());
-            let without = |&accuracy: &f64| Cell { error: error.clone(), ..empty(accuracy) };
-            return accuracies.iter().map(without).collect();
-        }
-    };
-    let rules = rules(config);
-    let cell = |&accuracy: &f64| {
-        let cell = Cell {
-            t_end_s: Some(benchmark.t_end),
-            horizon_s: benchmark.horizon,
-            n_events: Some(benchmark.n_events),
-            ..empty(accuracy)
-        };
-        let contest = Contest::new(&benchmark, accuracy, &rules, stop);
-        if let Some(reason) = benchmark.ill_posed() {
-            return Cell { status: CellStatus::IllPosed, error: Some(reason), ..cell };
-        }
-        if !contest.is_decidable() {
-            let error = Some(benchmark.reference.summary.undecided());
-            return Cell { status: CellStatus::Undecidable, error, ..cell };
-        }
-        let standings = contest.run(&rules.candidates, &|_| {});
-        let status = if standings.entries.is_empty() { CellStatus::None } else { CellStatus::Ok };
-        Cell { status, standings, ..cell }
-    };
-    accuracies.iter().map(cell).collect()
+    let Site { reading, stiffness, damping_ratio } = *site;
+    let cell = |contest| Cell { reading, stiffness, damping_ratio, contest };
+    contested(own.mechanism.subject(&own), &plan, stop).into_iter().map(cell).collect()
 }

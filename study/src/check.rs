@@ -121,7 +121,7 @@ fn start<P: Problem>(problem: &P, y: &P::State<f64>) -> Result<(), ProblemError>
         }
     }
     for site in 0..n_sites {
-        match problem.touch(&mode, y, site) {
+        match problem.touch(&mode, 0.0, y, site) {
             Some(touch) => {
                 finite("the penetration", touch.depth)?;
                 finite("the contact force", touch.force)?;
@@ -132,7 +132,7 @@ fn start<P: Problem>(problem: &P, y: &P::State<f64>) -> Result<(), ProblemError>
             None => {}
         }
     }
-    if let Some(energy) = problem.energies(&mode, y) {
+    if let Some(energy) = problem.energies(&mode, 0.0, y) {
         finite("the energy", energy.kinetic + energy.elastic)?;
     }
     Ok(())
@@ -165,14 +165,6 @@ mod tests {
         type Mode = ();
         type State<S: Real> = [S; 1];
         type Guards<S: Real> = [S; 0];
-
-        fn dim(&self) -> usize {
-            1
-        }
-
-        fn n_guards(&self) -> usize {
-            0
-        }
 
         fn initial_mode(&self, _: f64, _: &[f64; 1]) {}
 

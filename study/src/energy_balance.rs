@@ -52,6 +52,8 @@ pub struct EnergyBalance<'a, P> {
     start: f64,
     work: f64,
     dissipated: f64,
+    /// Kinetic energy now, before an event.
+    kinetic: f64,
     /// What it says of the run.
     pub check: SelfCheck,
 }
@@ -59,16 +61,17 @@ pub struct EnergyBalance<'a, P> {
 impl<'a, P: Problem> EnergyBalance<'a, P> {
     /// The balance of a run of `problem` from `y0` that treats events in this way.
     pub fn new(problem: &'a P, events: Events, y0: &P::State<f64>) -> Self {
-        let energy = problem.energies(&problem.initial_mode(0.0, y0), y0);
-        let start = energy.map_or(0.0, |energy| energy.kinetic + energy.elastic);
+        let energy = problem.energies(&problem.initial_mode(0.0, y0), 0.0, y0);
+        let (is_given, Energy { kinetic, elastic }) =
+            (energy.is_some(), energy.unwrap_or_default());
+        let start = kinetic + elastic;
         let check = SelfCheck::of(problem.laws(), start);
-        let is_given = energy.is_some();
-        Self { problem, events, is_given, start, work: 0.0, dissipated: 0.0, check }
+        Self { problem, events, is_given, start, work: 0.0, dissipated: 0.0, kinetic, check }
     }
 
-    /// The balance at the end of the run, at `y` in `mode`; none where no energies are given.
-    pub fn at(&self, mode: &P::Mode, y: &P::State<f64>) -> Option<Balance> {
-        let Energy { kinetic, elastic } = self.problem.energies(mode, y)?;
+    /// The balance at the end of the run, at `(t, y)` in `mode`; none where no energies are given.
+    pub fn at(&self, mode: &P::Mode, t: f64, y: &P::State<f64>) -> Option<Balance> {
+        let Energy { kinetic, elastic } = self.problem.energies(mode, t, y)?;
         let Self { work, dissipated, .. } = *self;
         let residual = work + self.start - kinetic - elastic - dissipated;
         Some(Balance { work, kinetic, elastic, dissipated, residual })
@@ -95,20 +98,21 @@ impl<P: Problem> Record<P> for EnergyBalance<'_, P> {
                 let t = step.t0() + node * h;
                 step.interpolate(t, &mut y);
                 let mode = self.mode_inside(&accepted.mode, t, &y);
-                let power: Power = self.problem.powers(&mode, &y).unwrap_or_default();
+                let power: Power = self.problem.powers(&mode, t, &y).unwrap_or_default();
                 self.dissipated += weight * h * power.dissipated();
                 self.check.dissipated(weight * h * power.damping, weight * h * power.friction);
                 if drive_work.is_none() {
                     self.work += weight * h * power.drive;
                 }
             }
-            if let Some(balance) = self.at(&mode, step.y1()) {
+            if let Some(balance) = self.at(&mode, step.t1(), step.y1()) {
+                self.kinetic = balance.kinetic;
                 self.check.reached(step.t1(), &balance);
             }
         }
         for site in 0..self.problem.n_sites() {
             if self.problem.role(&mode, site).is_contact()
-                && let Some(touch) = self.problem.touch(&mode, step.y1(), site)
+                && let Some(touch) = self.problem.touch(&mode, step.t1(), step.y1(), site)
             {
                 self.check.penetrated(step.t1(), touch.depth);
             }
@@ -117,13 +121,15 @@ impl<P: Problem> Record<P> for EnergyBalance<'_, P> {
     }
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
-        // A contact that ends or begins at δ = 0 holds no energy there; a blind run sees it later.
-        if let Next::Mode(after) = &event.after
-            && self.problem.relaxes(&event.before, after)
-        {
-            let elastic =
-                |mode| self.problem.energies(mode, event.y).map_or(0.0, |own| own.elastic);
-            self.dissipated += elastic(&event.before) - elastic(after);
+        let Next::Mode(after) = &event.after else { return ControlFlow::Continue(()) };
+        let energy = |mode| self.problem.energies(mode, event.t, event.y);
+        if let Some((dented, energy)) = energy(&event.before).zip(energy(after)) {
+            // A contact that ends or begins at δ = 0 holds no energy there; a blind run sees it later.
+            if self.problem.takes_energy(&event.before, after) {
+                let impact = self.kinetic - energy.kinetic;
+                self.dissipated += impact + (dented.elastic - energy.elastic);
+            }
+            self.kinetic = energy.kinetic;
         }
         ControlFlow::Continue(())
     }

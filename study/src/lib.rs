@@ -13,11 +13,12 @@
 //! | [`part`] | a subject: one problem or several, whatever their types |
 //! | [`setting`], [`plan`] | a method with its tolerance or step; the runs of a study |
 //! | [`run`] | one run, timed, within limits |
+//! | [`simulation`], [`motion`] | one run, and all that it tells; what a figure shows of it |
 //! | [`mod@reference`] | the run that errors are measured against, and its own error and horizon |
 //! | [`errors`] | errors of states, events and contacts; where the work went |
 //! | [`energy_balance`], [`self_check`], [`horizon`] | what a run tells of itself |
 //! | [`mod@work_precision`], [`steps`] | the tables of a study |
-//! | [`selection`] | which method reaches an accuracy at the least cost |
+//! | [`selection`], [`map`] | which method reaches an accuracy at the least cost; over two parameters of a model |
 
 pub mod check;
 pub mod columns;
@@ -26,7 +27,9 @@ pub mod errors;
 pub mod forecast;
 pub mod horizon;
 pub mod json_number;
+pub mod map;
 pub mod measured;
+pub mod motion;
 pub mod parallel;
 pub mod part;
 pub mod plan;
@@ -40,6 +43,7 @@ pub mod run;
 pub mod selection;
 pub mod self_check;
 pub mod setting;
+pub mod simulation;
 pub mod steps;
 pub mod stiffness;
 pub mod trace;

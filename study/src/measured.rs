@@ -127,7 +127,7 @@ pub(crate) fn measure<P: Problem>(
         dense: dense.map(|(site, l2)| (site.largest, l2)).collect(),
         contacts: contacts.lists(),
         warnings: balance.check.warnings(setting.rtol()),
-        balance: balance.at(&run.mode, &run.y),
+        balance: balance.at(&run.mode, run.t, &run.y),
         kinds: kinds.kinds,
         run: run.plain(),
     }

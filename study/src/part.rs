@@ -8,9 +8,10 @@ use deltazero_solvers::{Grid, Trajectory};
 use crate::check::{ProblemError, check};
 use crate::errors::{ErrorScale, Largest};
 use crate::measured::{MeasuredPart, measure};
-use crate::problem::{Group, Problem, Quantity, nudged};
+use crate::problem::{EndName, Group, Problem, Quantity, nudged};
 use crate::reference::{Maker, PartReference, Path, ReferenceError, path};
 use crate::run::{Brake, Braked, Limits, ModeChange, PartRun, Setting, integrate};
+use crate::simulation::{Asked, Simulation, SiteMotion, motions_with_touches, simulate};
 use crate::steps::step_size::{Steps, steps};
 use crate::trace::Trace;
 
@@ -71,6 +72,18 @@ pub(crate) trait Runs: Send + Sync {
     /// Whether what the problem says of itself fits together.
     fn check(&self) -> Result<(), ProblemError>;
 
+    /// The motion of each site at `times`, with its contacts.
+    fn motion(
+        &self,
+        setting: &Setting,
+        times: &[f64],
+        t_end: f64,
+        brake: &mut dyn Brake,
+    ) -> Vec<SiteMotion>;
+
+    /// All that a user may ask of one run.
+    fn simulate(&self, asked: &Asked<'_>, brake: &mut dyn Brake) -> Simulation;
+
     /// Every step.
     fn steps(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> (PartRun, Steps);
 }
@@ -115,6 +128,22 @@ impl<P: Problem> Runs for P {
         check(self)
     }
 
+    fn motion(
+        &self,
+        setting: &Setting,
+        times: &[f64],
+        t_end: f64,
+        brake: &mut dyn Brake,
+    ) -> Vec<SiteMotion> {
+        let mut record = (Trajectory::on(Grid::Times(times.to_vec())), Braked(brake));
+        integrate(self, setting, self.start(), t_end, &mut record);
+        motions_with_touches(self, &record.0)
+    }
+
+    fn simulate(&self, asked: &Asked<'_>, brake: &mut dyn Brake) -> Simulation {
+        simulate(self, asked, brake)
+    }
+
     fn steps(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> (PartRun, Steps) {
         steps(self, setting, t_end, brake)
     }
@@ -127,6 +156,10 @@ pub struct Part {
     pub name: String,
     /// Names of its sites.
     pub sites: Vec<String>,
+    /// What tells each of its sites apart from the others.
+    pub labels: Vec<Vec<(&'static str, usize)>>,
+    /// What a terminal event does that ends a run of it.
+    pub end_name: EndName,
     /// Its states.
     pub states: Vec<Quantity>,
     /// How its errors are measured.
@@ -135,7 +168,8 @@ pub struct Part {
     pub unit_of_time: f64,
     /// Whether it has runs that read their mode off the state.
     pub has_blind_runs: bool,
-    pub(crate) starts_on_surface: bool,
+    /// Whether it starts on the surface of a guard.
+    pub starts_on_surface: bool,
     pub(crate) runs: Arc<dyn Runs>,
 }
 
@@ -151,6 +185,8 @@ impl Part {
         Self {
             name: problem.name(),
             sites: (0..problem.n_sites()).map(|site| problem.site_name(site)).collect(),
+            labels: (0..problem.n_sites()).map(|site| problem.labels(site)).collect(),
+            end_name: problem.end_name(),
             states: problem.states(),
             groups: problem.groups(),
             unit_of_time: problem.unit_of_time(),
@@ -178,6 +214,22 @@ impl Part {
         brake: &mut dyn Brake,
     ) -> (PartRun, Trace) {
         self.runs.run(setting, start, t_end, grid, brake)
+    }
+
+    /// The motion of each site at `times`, with its contacts, of a run at `setting` to `t_end`.
+    pub fn motion(
+        &self,
+        setting: &Setting,
+        times: &[f64],
+        t_end: f64,
+        brake: &mut dyn Brake,
+    ) -> Vec<SiteMotion> {
+        self.runs.motion(setting, times, t_end, brake)
+    }
+
+    /// Runs it once, and tells all of the run.
+    pub fn simulate(&self, asked: &Asked<'_>, brake: &mut dyn Brake) -> Simulation {
+        self.runs.simulate(asked, brake)
     }
 
     /// The scales of its errors, by these largest lengths.

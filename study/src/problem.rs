@@ -105,6 +105,15 @@ pub struct Touch<S> {
     pub force: S,
 }
 
+/// What a terminal event did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct EndName {
+    /// As an outcome in a file.
+    pub key: &'static str,
+    /// As a summary says it.
+    pub words: &'static str,
+}
+
 /// Energies of a state [J].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
@@ -229,19 +238,20 @@ pub trait Problem: System<Mode: Send + Sync> + Send + Sync {
     fn touch<S: Real>(
         &self,
         _mode: &Self::Mode,
+        _t: S,
         _y: &Self::State<S>,
         _site: usize,
     ) -> Option<Touch<S>> {
         None
     }
 
-    /// Energies at `y` in `mode`, if they are given; then [`powers`](Self::powers) are, too.
-    fn energies(&self, _mode: &Self::Mode, _y: &Self::State<f64>) -> Option<Energy> {
+    /// Energies at `(t, y)` in `mode`, if they are given; then [`powers`](Self::powers) are, too.
+    fn energies(&self, _mode: &Self::Mode, _t: f64, _y: &Self::State<f64>) -> Option<Energy> {
         None
     }
 
     /// Powers there.
-    fn powers(&self, _mode: &Self::Mode, _y: &Self::State<f64>) -> Option<Power> {
+    fn powers(&self, _mode: &Self::Mode, _t: f64, _y: &Self::State<f64>) -> Option<Power> {
         None
     }
 
@@ -250,9 +260,69 @@ pub trait Problem: System<Mode: Send + Sync> + Send + Sync {
         None
     }
 
-    /// Whether an event between these modes leaves elastic energy in a contact, or takes it up again.
-    fn relaxes(&self, _before: &Self::Mode, _after: &Self::Mode) -> bool {
+    /// Whether an event between these modes takes energy, or gives back what one took: an impact, or a contact that
+    /// ends with its surfaces still dented. The energy that the event changes then counts as dissipated.
+    fn takes_energy(&self, _before: &Self::Mode, _after: &Self::Mode) -> bool {
         false
+    }
+
+    /// A mode of a site as a table of events and a trajectory name it.
+    fn mode_name(&self, mode: &Self::Mode, _site: usize) -> String {
+        format!("{mode:?}")
+    }
+
+    /// What tells a site apart from the others of its subject, as leading columns of tables: by default its number,
+    /// from 1, where there are several.
+    fn labels(&self, site: usize) -> Vec<(&'static str, usize)> {
+        if self.n_sites() > 1 { vec![("site", site + 1)] } else { Vec::new() }
+    }
+
+    /// The columns of a site's motion: by default all states.
+    fn columns(&self, _site: usize) -> Vec<Quantity> {
+        self.states()
+    }
+
+    /// Gives `row` what each site has in its [columns](Self::columns) at `(t, y)` in `mode`.
+    fn rows(
+        &self,
+        _mode: &Self::Mode,
+        _t: f64,
+        y: &Self::State<f64>,
+        row: &mut dyn FnMut(usize, &[f64]),
+    ) {
+        (0..self.n_sites()).for_each(|site| row(site, y.as_ref()));
+    }
+
+    /// A state in some words, for a summary: by default each number with its unit.
+    fn in_brief(&self, y: &Self::State<f64>) -> String {
+        let states = self.states();
+        let words = states.iter().zip(y.as_ref()).map(|(state, y)| {
+            let unit =
+                if state.unit.is_empty() { String::new() } else { format!(" {}", state.unit) };
+            format!("{} = {y:.6e}{unit}", state.name)
+        });
+        words.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Whether the contact that begins between these modes is slower than the least speed of impact that its law
+    /// reckons with.
+    fn begins_at_speed_floor(&self, _before: &Self::Mode, _after: &Self::Mode) -> bool {
+        false
+    }
+
+    /// A way out of stiffness beside an implicit method, as the end of a sentence.
+    fn out_of_stiffness(&self) -> &'static str {
+        ""
+    }
+
+    /// The site nearest to where the model ends, where that can be told.
+    fn nearest_end(&self, _mode: &Self::Mode, _y: &Self::State<f64>) -> Option<usize> {
+        None
+    }
+
+    /// What a run is said to have done that a terminal event ended.
+    fn end_name(&self) -> EndName {
+        EndName { key: "stopped", words: "stopped" }
     }
 
     /// What a run is judged by without a reference.

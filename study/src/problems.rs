@@ -51,7 +51,13 @@ impl Problem for CompliantBall {
         usize::from(*wall == Wall::Right)
     }
 
-    fn touch<S: Real>(&self, mode: &BallMode, &[x, v]: &[S; 2], site: usize) -> Option<Touch<S>> {
+    fn touch<S: Real>(
+        &self,
+        mode: &BallMode,
+        _t: S,
+        &[x, v]: &[S; 2],
+        site: usize,
+    ) -> Option<Touch<S>> {
         let [depth, rate] = if site == 0 { [-x, -v] } else { [x - self.gap, v] };
         let force = if self.role(mode, site).is_contact() {
             depth * self.stiffness + rate * self.damping
@@ -61,15 +67,15 @@ impl Problem for CompliantBall {
         Some(Touch { depth, rate, force })
     }
 
-    fn energies(&self, mode: &BallMode, y: &[f64; 2]) -> Option<Energy> {
-        let depth = |site| self.touch(mode, y, site).map_or(0.0, |touch| touch.depth);
+    fn energies(&self, mode: &BallMode, t: f64, y: &[f64; 2]) -> Option<Energy> {
+        let depth = |site| self.touch(mode, t, y, site).map_or(0.0, |touch| touch.depth);
         let is_in_contact = |site: &usize| self.role(mode, *site).is_contact();
         let elastic = |site: usize| 0.5 * self.stiffness * depth(site) * depth(site);
         let elastic = (0..2).filter(is_in_contact).map(elastic).sum();
         Some(Energy { kinetic: 0.5 * self.mass * y[1] * y[1], elastic })
     }
 
-    fn powers(&self, mode: &BallMode, y: &[f64; 2]) -> Option<Power> {
+    fn powers(&self, mode: &BallMode, _t: f64, y: &[f64; 2]) -> Option<Power> {
         let is_damped = matches!(mode, BallMode::Contact(_));
         let damping = if is_damped { self.damping * y[1] * y[1] } else { 0.0 };
         Some(Power { drive: 0.0, damping, friction: 0.0 })
@@ -120,7 +126,13 @@ impl Problem for SpringStop {
         }
     }
 
-    fn touch<S: Real>(&self, mode: &StopMode, &[x, v]: &[S; 2], _site: usize) -> Option<Touch<S>> {
+    fn touch<S: Real>(
+        &self,
+        mode: &StopMode,
+        _t: S,
+        &[x, v]: &[S; 2],
+        _site: usize,
+    ) -> Option<Touch<S>> {
         let depth = x - self.gap;
         let force = match mode {
             StopMode::Free => S::cst(0.0),

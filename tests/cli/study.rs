@@ -293,11 +293,11 @@ fn a_slider_crank_is_studied_with_figures_of_its_own() {
     let (page, text) = (scratch.text("out/report.html"), scratch.text("out/study.md"));
     assert!(page.contains("slider-crank: crank 0.05 m at 523.5987755982989 rad/s"));
     assert!(text.contains("Mechanism `slider-crank`."));
-    for name in ["slider_acceleration", "orbit"] {
+    for name in ["against_ideal", "orbit"] {
         assert!(text.contains(&format!("figures/{name}.png")), "{name}");
     }
-    let motion = scratch.table("out/slider.csv");
-    assert_eq!(motion.rows.len(), 4000);
+    let motion = scratch.table("out/motion.csv");
+    assert_eq!(motion.rows.len(), 4000 + 1001);
 }
 
 #[test]

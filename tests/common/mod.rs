@@ -5,7 +5,8 @@
 use std::sync::atomic::AtomicBool;
 
 use deltazero::config::Config;
-use deltazero::model::{Chain, Jointed, Mechanism, Part, State};
+use deltazero::mechanisms::strut::chain_of;
+use deltazero::model::{Chain, Jointed, Joints, Part, State};
 use deltazero::run::{Run, mode_changes, trajectories};
 use deltazero_solvers::{Grid, Method, Trajectory};
 use deltazero_study::Problem as _;
@@ -37,7 +38,7 @@ impl Golden {
     }
 
     /// `e` of a run on the golden grid, and its events against the golden ones, joint by joint.
-    pub fn compare(&self, mechanism: &Mechanism, run: &Run) -> (f64, [EventMatch; 2]) {
+    pub fn compare(&self, mechanism: &Joints, run: &Run) -> (f64, [EventMatch; 2]) {
         let states = || self.states.iter().flatten();
         let theta = states().fold(0.0_f64, |most, (_, _, y)| most.max(y[2].abs()));
         let mut e = 0.0_f64;
@@ -137,8 +138,8 @@ pub fn located(method: &str, rtol: f64) -> Setting {
 }
 
 /// The blocks of a configuration, sampled as it asks.
-pub fn run(config: &Config, setting: &Setting) -> (Mechanism, Run) {
-    let mechanism = Mechanism::new(config);
+pub fn run(config: &Config, setting: &Setting) -> (Joints, Run) {
+    let mechanism = Joints::new(config);
     let t_end = config.run.t_end;
     let limits =
         Limits { max_rhs: u64::MAX, max_seconds: f64::INFINITY, stop: &AtomicBool::new(false) };
@@ -159,10 +160,10 @@ pub fn audited(config: &Config, setting: &Setting) -> (Balance, Vec<Warning>) {
         let mut record = EnergyBalance::new(part, setting.events, &y0);
         let run = integrate(part, setting, y0, config.run.t_end, &mut record);
         assert!(run.outcome.is_ok(), "{:?}", run.outcome);
-        (record.at(&run.mode, &run.y).unwrap(), record.check.warnings(setting.rtol()))
+        (record.at(&run.mode, run.t, &run.y).unwrap(), record.check.warnings(setting.rtol()))
     }
     let (mut sum, mut warnings) = (Balance::default(), Vec::new());
-    for part in &Mechanism::new(config).parts {
+    for part in &Joints::new(config).parts {
         let (balance, own) = match part {
             Part::Block(block) => of(block, config, setting),
             Part::Chain(chain) => of(chain, config, setting),
@@ -182,7 +183,7 @@ pub fn distance(one: &Run, other: &Run, scale: &ErrorScale) -> f64 {
 
 /// The chain of a configuration, sampled every 0.01 s.
 pub fn run_chain(config: &Config, method: &str, rtol: f64) -> (Chain, OwnTrajectory<Chain>) {
-    let chain = Chain::new(config);
+    let chain = chain_of(config);
     let t_end = config.run.t_end;
     let mut trajectory = Trajectory::on(Grid::uniform(0.01, t_end));
     let run = integrate(&chain, &located(method, rtol), chain.start(), t_end, &mut trajectory);

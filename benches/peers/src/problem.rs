@@ -4,7 +4,7 @@ use std::error::Error;
 
 use deltazero::config::{Config};
 use deltazero_study::errors::{ErrorScale, EventMatch, match_events, worse};
-use deltazero::model::{Block, Mechanism, Mode, State};
+use deltazero::model::{Block, Joints, Mode, State};
 use deltazero_study::part::counted;
 use deltazero_study::run::{ModeChange};
 use deltazero_solvers::ModeOfState;
@@ -16,7 +16,7 @@ const EVENTS: &str = include_str!("../../../tests/golden/pin_table1.events.csv")
 /// Reading `pin` of Table 1, 0–2 s: two joints of six states, 200 samples of each to deliver.
 pub(crate) struct Problem {
     /// Both joints.
-    pub(crate) mechanism: Mechanism,
+    pub(crate) mechanism: Joints,
     /// Times of the samples [s].
     pub(crate) times: Vec<f64>,
     /// End of the run [s].
@@ -53,7 +53,7 @@ impl Problem {
     /// # Errors
     /// Where a golden file is not what it should be.
     pub(crate) fn new() -> Result<Self, Box<dyn Error>> {
-        let mechanism = Mechanism::new(&Config::table1()?);
+        let mechanism = Joints::new(&Config::table1()?);
         let mut golden = [Track::default(), Track::default()];
         let mut times = Vec::new();
         for [joint, t, _mode, y @ ..] in rows::<9>(STATES)? {

@@ -22,7 +22,7 @@ fn a_value_for_one_joint_stands_before_the_common_one() {
 
 #[test]
 fn every_key_of_a_joint_may_differ() {
-    for key in KEYS.iter().filter(|key| key.per_joint()) {
+    for key in keys().filter(|key| key.per_joint()) {
         let DefaultValue::Toml(default) = key.default else { panic!("{}", key.path) };
         for joint in JOINTS {
             let text = format!("{joint}.{} = {default}", key.path);
@@ -36,7 +36,7 @@ fn only_keys_of_a_joint_may_differ() {
     let message = "bad.toml:1: joint1.strut cannot differ for one joint; \
                    only the keys of [joint], [contact] and [friction] can";
     assert_eq!(refusal("joint1.strut.length = 3"), message);
-    for key in KEYS.iter().filter(|key| !key.per_joint()) {
+    for key in keys().filter(|key| !key.per_joint()) {
         let message = refusal(&format!("[joint2]\n{} = 1", key.path));
         assert!(message.contains("cannot differ for one joint"), "{message}");
     }
@@ -86,9 +86,14 @@ fn a_set_takes_toml_values_and_bare_words() {
 fn atol_is_absent_or_one_number_or_six() {
     let atol = |text| load(text, &[]).unwrap().solver.atol;
     assert_eq!(atol(""), None);
-    assert_eq!(atol("solver.atol = 1e-12").map(Atol::each), Some([1e-12; 6]));
-    let six = atol("solver.atol = [1, 2, 3, 4, 5, 6]").map(Atol::each);
-    assert_eq!(six, Some([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+    assert_eq!(atol("solver.atol = 1e-12"), Some(Atol::Same(1e-12)));
+    let six = Atol::Each(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    assert_eq!(atol("solver.atol = [1, 2, 3, 4, 5, 6]"), Some(six));
+    let message = refusal("solver.atol = [1, 2]");
+    assert!(
+        message.contains("has 2 entries: expected one number for all states, or 6"),
+        "{message}"
+    );
 }
 
 #[test]

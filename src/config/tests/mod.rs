@@ -9,7 +9,8 @@ mod messages;
 mod numbers;
 
 use super::settings::Settings;
-use super::{Config, ConfigError, toml_source};
+use super::{Config, ConfigError, Key, toml_source};
+use crate::mechanisms::MECHANISMS;
 
 /// The configuration of a TOML text, called `bad.toml`, and `--set` arguments.
 fn load(text: &str, sets: &[&str]) -> Result<Config, ConfigError> {
@@ -20,6 +21,12 @@ fn load(text: &str, sets: &[&str]) -> Result<Config, ConfigError> {
         settings.apply(&key, &given)?;
     }
     settings.config()
+}
+
+/// The assignment that chooses a mechanism with this key.
+fn mechanism_of(key: &Key) -> String {
+    let entry = MECHANISMS.iter().find(|entry| entry.has(key)).unwrap();
+    format!("mechanism={}", entry.name)
 }
 
 /// The message with which a TOML text is refused.

@@ -219,6 +219,7 @@ impl Chain {
 mod tests {
     use super::*;
     use crate::config::{Config, FrictionLaw};
+    use crate::mechanisms::strut::chain_of;
     use crate::model::contact::Touch;
 
     const BAYS: usize = 5;
@@ -227,7 +228,7 @@ mod tests {
         let mut config = Config::table1().unwrap();
         config.bays = BAYS as u32;
         config.joints[0].contact.exponent = exponent;
-        Chain::new(&config)
+        chain_of(&config)
     }
 
     /// Relaxing, slip+, slip− and stick of a contact without memory.
@@ -304,8 +305,7 @@ mod tests {
         let [_, plus, minus, _] = in_contact();
         let mut config = Config::table1().unwrap();
         (config.bays, config.joints[0].friction.law) = (BAYS as u32, FrictionLaw::Lugre);
-        let (chain, modes) =
-            (Chain::new(&config), Modes::from(vec![plus, minus, Apart, plus, plus]));
+        let (chain, modes) = (chain_of(&config), Modes::from(vec![plus, minus, Apart, plus, plus]));
         let bent = |(k, bay): (usize, &[f64])| [bay, &[1e-7 * k as f64]].concat();
         let y: Vec<f64> = state().chunks(STATES).enumerate().flat_map(bent).collect();
         let (rows, _) = analytic(&chain, &modes, &y);

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! so a right-hand side is one pass from the root. Friction is a torque on the bay's own angle (reading
-//! `pin`); as a force it would couple the sticks of neighbours. A slider-crank whose joint has bristles is a
+//! `pin`); as a force it would couple the sticks of neighbours. A linkage whose joint has bristles is a
 //! chain of one bay, with another [`Body`]. Relative displacements keep their digits: an
 //! absolute position of some metres would leave a gap of 0.1 mm ten.
 
@@ -22,14 +22,12 @@ use std::ops::Range;
 
 use deltazero_solvers::{Next, Real, System};
 
-use super::Mechanism;
 use super::block::{Block, Body, ContactForces, Held, Posture, State};
 use super::contact::{PinPose, Touch};
 use super::inertia::{Arrow, BlockInertia};
+use super::linkage::{AnyLinkage, Linkage as _};
 use super::mode::{Mode, N_GUARDS};
-use super::slider_crank::SliderCrank;
 use super::sliding::Bristles;
-use crate::config::Config;
 
 pub use mode::Modes;
 
@@ -67,7 +65,7 @@ struct Motion<S> {
     relative: [S; 3],
     /// What the neighbours add to them.
     extra: [S; 3],
-    /// `C̈` of its end; zero of a slider-crank, which has no bush there.
+    /// `C̈` of its end; zero of a linkage, which has no bush there.
     end: [S; 2],
 }
 
@@ -85,14 +83,8 @@ impl Chain {
         2.0 * self.bay.strut_length
     }
 
-    /// The chain of struts of a configuration: joint 1 in each of its bays.
-    pub fn new(config: &Config) -> Self {
-        let [bay, _] = Mechanism::struts(config);
-        Self::of(bay, config.bays as usize)
-    }
-
     /// A chain of `bays`.
-    pub(super) fn of(bay: Block, bays: usize) -> Self {
+    pub fn of(bay: Block, bays: usize) -> Self {
         let bristles = bay.sliding.bristles();
         Self { bay, bays, bristles }
     }
@@ -172,7 +164,7 @@ impl Chain {
                 Body::Struts(inertia) => {
                     self.strut_motion(inertia, modes[k], state, own, next, bush)
                 }
-                Body::SliderCrank(crank) => self.crank_motion(crank, modes[k], state, own),
+                Body::Linkage(linkage) => self.linkage_motion(linkage, modes[k], state, own),
             };
             see(k, &motion);
             (own, bush) = (next, motion.end);
@@ -211,24 +203,24 @@ impl Chain {
         Motion { y: *y, contact, bristles, relative, extra, end: [a_x + swing, a_y] }
     }
 
-    /// A slider-crank at `y`, its bristles at `z`, in `mode` with its `own` contact.
+    /// A linkage at `y`, its bristles at `z`, in `mode` with its `own` contact.
     #[inline(never)]
-    fn crank_motion<S: Real>(
+    fn linkage_motion<S: Real>(
         &self,
-        crank: &SliderCrank,
+        linkage: &AnyLinkage,
         mode: Mode,
         (y, z): (&State<S>, S),
         own: Option<(PinPose<S>, Touch)>,
     ) -> Motion<S> {
         let none = [S::cst(0.0); 3];
-        let held = Held::SliderCrank(crank);
+        let held = Held::Linkage(linkage);
         let (contact, bristles) = self.touching(held, mode, (y, z), own, none);
-        let at = crank.at(y);
+        let at = linkage.at(y);
         let [a_x, a_y, _] = match &contact {
             Some((pose, forces, _)) => {
-                self.bay.accelerations(y, &Posture::SliderCrank(crank, at), pose, *forces)
+                self.bay.accelerations(y, &Posture::Linkage(linkage, at), pose, *forces)
             }
-            None => crank.accelerations(&at, none),
+            None => linkage.accelerations(&at, None),
         };
         let (relative, end) = ([a_x, a_y, none[2]], [none[0], none[1]]);
         Motion { y: *y, contact, bristles, relative, extra: none, end }

@@ -94,7 +94,7 @@ impl<'a, P: Problem> Contacts<'a, P> {
     pub fn new(problem: &'a P, events: Events) -> Self {
         let y0 = problem.start();
         let mode = problem.initial_mode(0.0, &y0);
-        let has_contacts = |site| problem.touch(&mode, &y0, site).is_some();
+        let has_contacts = |site| problem.touch(&mode, 0.0, &y0, site).is_some();
         let n_sites = problem.n_sites();
         let is_any = (0..n_sites).any(has_contacts);
         let sites = vec![SiteContacts::default(); if is_any { n_sites } else { 0 }];
@@ -107,10 +107,10 @@ impl<'a, P: Problem> Contacts<'a, P> {
         (!lists.is_empty()).then_some(lists)
     }
 
-    /// The contact of site `k` at `y` in `mode`.
-    fn touch(&self, mode: &P::Mode, y: &P::State<f64>, k: usize) -> Touch<f64> {
+    /// The contact of site `k` at `(t, y)` in `mode`.
+    fn touch(&self, mode: &P::Mode, t: f64, y: &P::State<f64>, k: usize) -> Touch<f64> {
         let none = Touch { depth: 0.0, rate: 0.0, force: 0.0 };
-        self.problem.touch(mode, y, k).unwrap_or(none)
+        self.problem.touch(mode, t, y, k).unwrap_or(none)
     }
 
     fn is_contact(&self, mode: &P::Mode, k: usize) -> bool {
@@ -141,10 +141,19 @@ impl<'a, P: Problem> Contacts<'a, P> {
     }
 
     /// `dF_N/dt` of site `k` [N/s].
-    fn rate(&self, mode: &P::Mode, y: &P::State<f64>, slope: &P::State<f64>, k: usize) -> f64 {
+    fn rate(
+        &self,
+        mode: &P::Mode,
+        t: f64,
+        y: &P::State<f64>,
+        slope: &P::State<f64>,
+        k: usize,
+    ) -> f64 {
         let (y, slope) = (y.as_ref(), slope.as_ref());
         let along = P::State::from_fn(y.len(), |i| Dual64::new(y[i], slope[i]));
-        self.problem.touch(mode, &along, k).map_or(0.0, |touch| touch.force.eps)
+        self.problem
+            .touch(mode, Dual64::new(t, 1.0), &along, k)
+            .map_or(0.0, |touch| touch.force.eps)
     }
 
     /// What site `k` feels over a step begun in `mode`; its extremes are looked for between the points where they
@@ -158,14 +167,14 @@ impl<'a, P: Problem> Contacts<'a, P> {
     ) -> Felt {
         let h = step.t1() - step.t0();
         let touches: [Touch<f64>; N_POINTS] =
-            std::array::from_fn(|i| self.touch(&points[i].mode, &points[i].y, k));
+            std::array::from_fn(|i| self.touch(&points[i].mode, points[i].t, &points[i].y, k));
         let forces: Values = std::array::from_fn(|i| (points[i].t, touches[i].force));
         let nodes = forces[1..].iter().zip(GAUSS);
         let impulse = h * nodes.map(|((_, force), (_, weight))| weight * force).sum::<f64>();
         let depths: Values = std::array::from_fn(|i| (points[i].t, touches[i].depth));
         let depth_at = |t: f64| {
             let (mode, y) = self.inside(mode, step, t);
-            let touch = self.touch(&mode, &y, k);
+            let touch = self.touch(&mode, t, &y, k);
             (touch.depth, touch.rate)
         };
         let (_, depth) =
@@ -174,12 +183,12 @@ impl<'a, P: Problem> Contacts<'a, P> {
         let rate = |i: usize| {
             let Point { t, mode, y, slope } = &mut points[i];
             let slope = slope.get_or_insert_with(|| self.slope(mode, *t, y));
-            self.rate(mode, y, slope, k)
+            self.rate(mode, *t, y, slope, k)
         };
         let force_at = |t: f64| {
             let (mode, y) = self.inside(mode, step, t);
             let slope = self.slope(&mode, t, &y);
-            (self.touch(&mode, &y, k).force, self.rate(&mode, &y, &slope, k))
+            (self.touch(&mode, t, &y, k).force, self.rate(&mode, t, &y, &slope, k))
         };
         let peak = largest(&forces, before.peak.1, PRECISION * h, rate, force_at);
         Felt { impulse, peak, depth: depth.max(0.0) }
@@ -281,7 +290,7 @@ impl<P: Problem> Record<P> for Contacts<'_, P> {
             let is_in_contact = self.is_contact(after, k);
             let was_in_contact = std::mem::replace(&mut self.sites[k].is_in_contact, is_in_contact);
             if is_in_contact && !was_in_contact {
-                let rate = self.touch(after, event.y, k).rate;
+                let rate = self.touch(after, event.t, event.y, k).rate;
                 let is_start = self.sites[k].list.is_empty() && self.problem.starts_on_surface();
                 let before = std::mem::take(&mut self.sites[k].outside);
                 let contact = Contact::begun(event.t, (!is_start).then_some(rate), before);

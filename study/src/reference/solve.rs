@@ -319,7 +319,7 @@ pub(crate) fn path<P: Problem>(
             nodes: nodes.list,
             contacts: contacts.lists(),
             warnings: balance.check.warnings(Some(maker.rtol())),
-            balance: balance.at(&run.mode, &run.y),
+            balance: balance.at(&run.mode, run.t, &run.y),
             run: run.plain(),
         }),
     }

@@ -141,6 +141,16 @@ pub trait Brake {
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()>;
 }
 
+impl<B: Brake + ?Sized> Brake for &mut B {
+    fn step(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {
+        (**self).step(t, stats)
+    }
+
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        (**self).rejected(stats)
+    }
+}
+
 /// A [`Brake`] as a recorder of whatever problem.
 pub struct Braked<'a>(pub &'a mut dyn Brake);
 

@@ -1,105 +1,36 @@
-//! The contact that a report is about, in words: of each law what it uses, and nothing that it does not.
+//! A joint in words: of each law what it uses and nothing that it does not, and what to know of it before a run.
 
-use super::About;
-use super::html::Part;
-use crate::config::{
-    Config, Contact, ContactLaw, Curvature, Friction, FrictionLaw, Joint, JointConfig,
-    MechanismName, SliderCrank,
-};
+use deltazero_study::warning::{Code, Warning};
+
+use crate::config::{Contact, ContactLaw, Curvature, Friction, FrictionLaw, Joint, JointConfig};
 use crate::model::restitution::{delivered, hysteresis_factor};
-use crate::study::restitution;
 
-/// What a study of `config` says of its subject.
-pub fn about(config: &Config) -> About {
-    let subject = match config.mechanism {
-        MechanismName::Strut if config.bays > 1 => {
-            format!("Reading `{}`, {} bays", config.reading, config.bays)
-        }
-        MechanismName::Strut => format!("Reading `{}`", config.reading),
-        MechanismName::SliderCrank => "Mechanism `slider-crank`".to_owned(),
-    };
-    About {
-        subject,
-        lead: "A pin rattles in a bush with clearance: free flight, then contact through a stiff spring, \
-               with friction; each change is an event, the zero crossing of the penetration δ. Every \
-               method runs over its tolerances or steps, every run is measured against an event-exact \
-               reference: which one reaches an error at the least cost?"
-            .into(),
-        facts: facts(config),
-        warnings: restitution::warnings(config).into_iter().map(|warning| warning.message).collect(),
-        leading: vec![("reading", "reading of the paper", config.reading.to_string())],
-        redo: redo(config),
-    }
-}
+/// A restitution that is further off than this from the one asked for is warned of.
+const TOLD: f64 = 0.01;
 
-fn redo(config: &Config) -> Vec<Part> {
-    vec![
-        Part::Text("With the configuration below as study.toml:".into()),
-        Part::Code("deltazero study study.toml --out redone".into()),
-        Part::Text(
-            "Errors, events and counts of work come out the same, times do not. The tables, the figures \
-             and this page alone, from the directory that holds study.json:"
-                .into(),
-        ),
-        Part::Code("deltazero report DIR".into()),
-        Part::Folded("The configuration".into(), vec![Part::Code(config.to_toml())]),
-    ]
-}
-
-/// Names and what they are: mechanism, time, drive, joints.
-fn facts(config: &Config) -> Vec<(String, String)> {
-    let [one, two] = &config.joints;
-    let time = fact("Time", format!("0 to {} s", config.run.t_end));
-    if config.mechanism == MechanismName::SliderCrank {
-        let mechanism = fact("Mechanism", slider_crank(&config.slider_crank));
-        return vec![mechanism, time, fact("Joint of rod and slider", joint(one))];
-    }
-    let mut facts = vec![fact("Reading", config.reading.name())];
-    if config.bays > 1 {
-        facts.push(fact("Bays", config.bays.to_string()));
-    }
-    facts.extend([
-        time,
-        fact("Torques", format!("M1 = {} N m, M4 = {} N m", config.drive.m1, config.drive.m4)),
-    ]);
-    if one == two {
-        facts.push(fact("Both joints", joint(one)));
-    } else {
-        facts.extend([fact("Joint 1", joint(one)), fact("Joint 2", joint(two))]);
-    }
-    facts
-}
-
-fn fact(name: &str, what: impl Into<String>) -> (String, String) {
+/// A name and what it is.
+pub(super) fn fact(name: &str, what: impl Into<String>) -> (String, String) {
     (name.into(), what.into())
 }
 
-fn slider_crank(own: &SliderCrank) -> String {
-    format!(
-        "slider-crank: crank {} m at {} rad/s, rod {} m, {} kg, {} kg m², slider {} kg",
-        own.crank_length,
-        own.crank_speed,
-        own.rod_length,
-        own.rod_mass,
-        own.rod_inertia,
-        own.slider_mass
-    )
-}
-
-fn joint(JointConfig { joint, contact, friction }: &JointConfig) -> String {
+/// A joint with its laws.
+pub(super) fn joint(JointConfig { joint, contact, friction }: &JointConfig) -> String {
     let Joint { clearance, pin_radius } = joint;
     if *clearance == 0.0 {
         return "without clearance: the pin is held, no contact law acts".to_owned();
     }
     let parts = [
         format!("clearance c = {clearance:e} m, pin radius {pin_radius:e} m"),
-        format!("contact law {}", contact.law),
-        elastic(contact),
-        loss(contact),
-        pull(contact).to_owned(),
+        normal_contact(contact),
         format!("friction law {}, {}", friction.law, sliding(friction)),
     ];
     parts.join(", ")
+}
+
+/// A contact without friction.
+pub(super) fn normal_contact(contact: &Contact) -> String {
+    let law = format!("contact law {}", contact.law);
+    [law, elastic(contact), loss(contact), pull(contact).to_owned()].join(", ")
 }
 
 /// What the elastic part of a law is made of.
@@ -164,14 +95,64 @@ fn sliding(friction: &Friction) -> String {
     format!("coefficient μ = {coefficient}{more}")
 }
 
+/// Warnings of a contact law that delivers another restitution than it is asked for, in the joint or the joints called
+/// `name`.
+pub(super) fn joint_warnings(name: &str, joint: &JointConfig) -> Vec<Warning> {
+    let has_contact = joint.joint.clearance > 0.0;
+    if has_contact { normal_warnings(name, &joint.contact) } else { Vec::new() }
+}
+
+/// The same of the contact called `name`.
+pub(super) fn normal_warnings(name: &str, contact: &Contact) -> Vec<Warning> {
+    let warning = |off| Warning { code: Code::Restitution, message: format!("{name}: {off}") };
+    off(contact).map(warning).into_iter().collect()
+}
+
+/// What a contact is asked for and what its law delivers, where these differ by more than [`TOLD`].
+fn off(contact: &Contact) -> Option<String> {
+    let (law, asked) = (contact.law, contact.restitution);
+    let delivered = delivered(hysteresis_factor(law, asked)?);
+    let elastic = match law {
+        ContactLaw::LankaraniNikraveshCylinder => ", on K δⁿ in the place of its cylinders,",
+        _ => "",
+    };
+    ((delivered - asked).abs() > TOLD).then(|| {
+        format!(
+            "contact.law = {law} is asked for a restitution of {asked} and delivers {delivered:.3}; \
+             exact_restitution{elastic} delivers what is asked"
+        )
+    })
+}
+
+/// Why these joints have no blind runs, where they have none; `or` may know another reason.
+pub(super) fn no_blind_joints(
+    joints: &[JointConfig],
+    or: impl FnOnce() -> Option<String>,
+) -> Option<String> {
+    let mut laws = joints.iter().map(|joint| joint.contact.law);
+    if let Some(law) = laws.find(|law| law.has_memory()) {
+        return Some(format!(
+            "contact.law = {law} depends on the speed of each impact, which is read off no state"
+        ));
+    }
+    let bristles = || {
+        let has_bristles = joints.iter().any(|joint| joint.friction.law == FrictionLaw::Lugre);
+        let reason = "the bristles of lugre bend from the event on at which a contact begins";
+        has_bristles.then(|| reason.to_owned())
+    };
+    or().or_else(bristles)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Config;
 
     /// What is said of both joints with `sets`.
     fn said(sets: &[&str]) -> String {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-        let facts = facts(&Config::load(None, &sets).unwrap());
+        let config = Config::load(None, &sets).unwrap();
+        let facts = config.mechanism.facts(&config);
         let joints = facts.into_iter().filter(|(name, _)| name.contains("oint"));
         joints.map(|(_, what)| what).collect::<Vec<_>>().join("; ")
     }
@@ -237,5 +218,47 @@ mod tests {
         assert!(text.contains("K = 1e7") && text.contains("K = 2e7"), "{text}");
         let text = said(&["joint.clearance=0"]);
         assert!(text.contains("the pin is held") && !text.contains("K = "), "{text}");
+    }
+
+    fn messages(sets: &[&str]) -> Vec<String> {
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        let config = Config::load(None, &sets).unwrap();
+        let warnings = config.mechanism.warnings(&config);
+        assert!(warnings.iter().all(|warning| warning.code == Code::Restitution));
+        warnings.into_iter().map(|warning| warning.message).collect()
+    }
+
+    #[test]
+    fn a_law_that_delivers_another_restitution_is_told_with_both_numbers() {
+        let lankarani = "contact.law=lankarani_nikravesh";
+        assert_eq!(
+            messages(&[lankarani, "contact.restitution=0.6"]),
+            [
+                "both joints: contact.law = lankarani_nikravesh is asked for a restitution of 0.6 and \
+              delivers 0.756; exact_restitution delivers what is asked"
+            ]
+        );
+        let one = messages(&["joint2.contact.law=flores", "contact.restitution=0.3"]);
+        assert!(one.len() == 1 && one[0].starts_with("joint 2: contact.law = flores"), "{one:?}");
+        let both = messages(&[lankarani, "joint2.contact.law=lee_wang"]);
+        assert_eq!(both.len(), 2);
+        let crank = messages(&["mechanism=slider-crank", "contact.restitution=0.6"]);
+        assert!(crank.len() == 1 && crank[0].starts_with("the joint: "), "{crank:?}");
+        let cylinder =
+            messages(&["contact.law=lankarani_nikravesh_cylinder", "contact.restitution=0.5"]);
+        assert!(cylinder[0].contains("exact_restitution, on K δⁿ"), "{cylinder:?}");
+    }
+
+    #[test]
+    fn a_law_without_restitution_or_with_the_right_one_is_not_told() {
+        for law in ["power", "johnson", "exact_restitution"] {
+            let law = format!("contact.law={law}");
+            assert_eq!(messages(&[&law, "contact.restitution=0.3"]), Vec::<String>::new());
+        }
+        // χ of Hunt and Crossley delivers 0.952 for 0.95; a joint without clearance has no impact.
+        for other in ["contact.restitution=0.95", "joint.clearance=0"] {
+            let sets = ["contact.law=hunt_crossley", "contact.restitution=0.6", other];
+            assert_eq!(messages(&sets), Vec::<String>::new());
+        }
     }
 }

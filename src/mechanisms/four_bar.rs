@@ -1,0 +1,212 @@
+//! A four-bar linkage with clearance between coupler and rocker.
+
+use std::sync::Arc;
+
+use deltazero_study::warning::Warning;
+use serde::Deserialize;
+
+use super::in_words::{fact, joint, joint_warnings, no_blind_joints};
+use super::{Entry, Mechanism, Misfit};
+use crate::config::{Config, DefaultValue, FINITE, Key, POSITIVE, ReadingName};
+use crate::model::{self, AnyLinkage, Body, Part, block};
+
+use DefaultValue::Toml;
+
+/// Where lengths and masses are from; the same numbers are in the examples of the program Siconos.
+const SOURCE: &str = "four-bar with joint clearances of Akhadkar, Acary and Brogliato, Multibody Syst. Dyn. 38 (2016)";
+
+/// Its line in the list.
+pub(super) const FOUR_BAR: Entry = Entry {
+    name: "four-bar",
+    about: "crank, coupler and rocker, with clearance between the last two",
+    keys: KEYS,
+    uses: &["joint", "contact", "friction"],
+    defaults: &[
+        ("joint.clearance", "1e-3"),
+        ("joint.pin_radius", "0.059"),
+        ("contact.law", "\"lankarani_nikravesh\""),
+        ("contact.stiffness", "1e9"),
+        ("contact.exponent", "1.5"),
+        ("contact.restitution", "0.8"),
+        ("friction.coefficient", "0.1"),
+        ("run.t_end", "1.0"),
+        ("run.sample", "5e-3"),
+        ("solver.step", "2e-5"),
+        ("study.steps", "[2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6]"),
+    ],
+    source: "choice of this study",
+    has_two_joints: false,
+    read: |tables| {
+        let Tables { four_bar } = serde_json::from_value(tables)?;
+        Ok(Arc::new(four_bar))
+    },
+};
+
+#[derive(Deserialize)]
+struct Tables {
+    four_bar: FourBar,
+}
+
+/// A key of the linkage.
+const fn key(
+    path: &'static str,
+    default: &'static str,
+    unit: &'static str,
+    doc: &'static str,
+    source: &'static str,
+) -> Key {
+    Key { path, kind: POSITIVE, default: Toml(default), unit, doc, source }
+}
+
+const KEYS: &[Key] = &[
+    key("four_bar.crank_length", "1.0", "m", "Length r of the crank", SOURCE),
+    key("four_bar.coupler_length", "4.0", "m", "Length l of the coupler", SOURCE),
+    key("four_bar.rocker_length", "2.5", "m", "Length b of the rocker", SOURCE),
+    key(
+        "four_bar.ground_length",
+        "3.0",
+        "m",
+        "Distance g of the pivots of crank and rocker",
+        SOURCE,
+    ),
+    key(
+        "four_bar.coupler_mass",
+        "1.0",
+        "kg",
+        "Mass of the coupler, its centroid in its middle",
+        SOURCE,
+    ),
+    key(
+        "four_bar.rocker_mass",
+        "1.0",
+        "kg",
+        "Mass of the rocker, its centroid in its middle",
+        SOURCE,
+    ),
+    key(
+        "four_bar.coupler_inertia",
+        "1.3333333333333333",
+        "kg m²",
+        "Inertia of the coupler about its centroid, of a slender rod m l²/12",
+        SOURCE,
+    ),
+    key(
+        "four_bar.rocker_inertia",
+        "0.5208333333333334",
+        "kg m²",
+        "Inertia of the rocker about its centroid, of a slender rod m b²/12",
+        SOURCE,
+    ),
+    key(
+        "four_bar.crank_speed",
+        "6.283185307179586",
+        "rad/s",
+        "Speed of the crank, which is held",
+        "choice of this study: a turn a second; the source controls a torque",
+    ),
+    Key {
+        path: "four_bar.start_angle",
+        kind: FINITE,
+        default: Toml("1.5707963267948966"),
+        unit: "rad",
+        doc: "Angle of the crank at the start, from the line of the pivots",
+        source: "choice of this study",
+    },
+];
+
+/// Crank, coupler and rocker.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FourBar {
+    /// Lengths of crank, coupler and rocker, and distance of the pivots [m].
+    crank_length: f64,
+    coupler_length: f64,
+    rocker_length: f64,
+    ground_length: f64,
+    /// Masses [kg] and inertias about the centroids [kg m²].
+    coupler_mass: f64,
+    rocker_mass: f64,
+    coupler_inertia: f64,
+    rocker_inertia: f64,
+    /// Speed of the crank, held [rad/s].
+    crank_speed: f64,
+    /// Angle of the crank at the start [rad].
+    start_angle: f64,
+}
+
+impl Mechanism for FourBar {
+    fn joints(&self, config: &Config) -> Vec<Part> {
+        let body = model::FourBar {
+            crank: self.crank_length,
+            coupler: self.coupler_length,
+            rocker: self.rocker_length,
+            ground: self.ground_length,
+            coupler_mass: self.coupler_mass,
+            coupler_inertia: self.coupler_inertia,
+            rocker_mass: self.rocker_mass,
+            rocker_inertia: self.rocker_inertia,
+            speed: self.crank_speed,
+            start: self.start_angle,
+            pin_radius: config.joints[0].joint.pin_radius,
+        };
+        let body = Body::Linkage(AnyLinkage::FourBar(body));
+        let of_rocker = (self.rocker_length, ReadingName::Full);
+        vec![Part::of(block(config, 1, body, of_rocker), 1)]
+    }
+
+    fn n_tolerances(&self) -> usize {
+        6
+    }
+
+    /// The crank must turn around whatever the pin does in its bush.
+    fn check(&self, config: &Config) -> Result<(), Misfit> {
+        let c = 2.0 * config.joints[0].joint.clearance;
+        let [r, l, b, g] =
+            [self.crank_length, self.coupler_length, self.rocker_length, self.ground_length];
+        if (l - b).abs() < g - r - c && g + r + c < l + b {
+            return Ok(());
+        }
+        let reason = "the crank cannot turn around: |coupler_length − rocker_length| must be below ground_length − \
+                      crank_length, and ground_length + crank_length below coupler_length + rocker_length, by more than \
+                      twice the clearance";
+        let (key, found) = ("four_bar.crank_length", r.to_string());
+        Err(Misfit { key, found, against: "mechanism", reason })
+    }
+
+    fn title(&self, _config: &Config) -> String {
+        "Mechanism `four-bar`".to_owned()
+    }
+
+    fn lead(&self) -> &'static str {
+        "The pin of a coupler rattles in the bush of a rocker: free flight, then contact through a stiff spring, with \
+         friction; each change is an event, the zero crossing of the penetration δ."
+    }
+
+    fn facts(&self, config: &Config) -> Vec<(String, String)> {
+        let mechanism = format!(
+            "four-bar: crank {} m at {} rad/s, coupler {} m, {} kg, {} kg m², rocker {} m, {} kg, {} kg m², pivots {} m apart",
+            self.crank_length,
+            self.crank_speed,
+            self.coupler_length,
+            self.coupler_mass,
+            self.coupler_inertia,
+            self.rocker_length,
+            self.rocker_mass,
+            self.rocker_inertia,
+            self.ground_length
+        );
+        vec![
+            fact("Mechanism", mechanism),
+            fact("Time", format!("0 to {} s", config.run.t_end)),
+            fact("Joint of coupler and rocker", joint(&config.joints[0])),
+        ]
+    }
+
+    fn warnings(&self, config: &Config) -> Vec<Warning> {
+        joint_warnings("the joint", &config.joints[0])
+    }
+
+    fn no_blind_runs(&self, config: &Config) -> Option<String> {
+        no_blind_joints(&config.joints[..1], || None)
+    }
+}

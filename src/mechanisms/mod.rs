@@ -1,0 +1,193 @@
+//! The mechanisms: the list of them, and what each is to the program.
+//!
+//! A mechanism is a file here and a line in [`MECHANISMS`]: its keys with their defaults, the problem that a configuration
+//! makes of it, and what a report says of it. Nothing else in the program asks which mechanism it has.
+
+mod four_bar;
+mod in_words;
+mod slider_crank;
+pub mod strut;
+
+use std::fmt;
+use std::ops::Deref;
+use std::sync::Arc;
+
+use deltazero_study::warning::Warning;
+use deltazero_study::Subject;
+use serde_json::{Map, Value};
+
+use crate::config::{Config, Key};
+use crate::model::Part;
+
+/// All mechanisms; the first is the default.
+pub const MECHANISMS: &[&Entry] = &[
+    &strut::STRUT,
+    &slider_crank::SLIDER_CRANK,
+    &four_bar::FOUR_BAR,
+];
+
+/// Their names, as the key `mechanism` takes them.
+pub const NAMES: [&str; MECHANISMS.len()] = {
+    let mut names = [""; MECHANISMS.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = MECHANISMS[i].name;
+        i += 1;
+    }
+    names
+};
+
+/// A mechanism in the list.
+#[derive(Debug)]
+pub struct Entry {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is, in some words.
+    pub about: &'static str,
+    /// Its own keys: at the root, or in a table of its own.
+    pub keys: &'static [Key],
+    /// The tables, or keys at the root, that it shares with others and uses.
+    pub uses: &'static [&'static str],
+    /// Defaults of its own for keys that it shares: path, value as TOML.
+    pub defaults: &'static [(&'static str, &'static str)],
+    /// Where its numbers are from.
+    pub source: &'static str,
+    /// Whether keys of the joint tables may differ for one joint.
+    pub has_two_joints: bool,
+    /// Reads what a configuration has in its own tables.
+    pub read: fn(Value) -> serde_json::Result<Arc<dyn Mechanism>>,
+}
+
+/// Tables that every mechanism uses.
+const OF_ALL: [&str; 6] = ["mechanism", "run", "solver", "study", "contest", "regimes"];
+
+impl Entry {
+    /// The mechanism of this name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        MECHANISMS.iter().find(|entry| entry.name == name).copied()
+    }
+
+    /// Whether it uses a key.
+    pub fn has(&self, key: &Key) -> bool {
+        let table = key.table().unwrap_or(key.path);
+        OF_ALL.contains(&table)
+            || self.uses.contains(&table)
+            || self.keys.iter().any(|own| own.path == key.path)
+    }
+
+    /// Its own default of a key, as TOML, if it has one.
+    pub fn default_of(&self, path: &str) -> Option<&'static str> {
+        self.defaults.iter().find(|(own, _)| *own == path).map(|(_, text)| *text)
+    }
+}
+
+/// Why values do not go together.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Misfit {
+    /// The key.
+    pub key: &'static str,
+    /// Its value.
+    pub found: String,
+    /// The key that it does not go with.
+    pub against: &'static str,
+    /// Why not, and the way out.
+    pub reason: &'static str,
+}
+
+/// What is integrated: a value with its own parameters, to which the configuration adds those that all share.
+pub trait Mechanism: Send + Sync {
+    /// Whether the values go together.
+    ///
+    /// # Errors
+    /// The first that does not.
+    fn check(&self, _config: &Config) -> Result<(), Misfit> {
+        Ok(())
+    }
+
+    /// What a study integrates.
+    fn subject(&self, config: &Config) -> Subject {
+        let part = |part: Part| match part {
+            Part::Block(block) => deltazero_study::Part::new(block),
+            Part::Chain(chain) => deltazero_study::Part::new(chain),
+        };
+        Subject { parts: self.joints(config).into_iter().map(part).collect() }
+    }
+
+    /// Its joints with what hangs on them; empty of a mechanism that is not made of joints.
+    fn joints(&self, _config: &Config) -> Vec<Part> {
+        Vec::new()
+    }
+
+    /// Number of its sites, all parts together.
+    fn n_sites(&self, _config: &Config) -> usize {
+        1
+    }
+
+    /// Number of states that absolute tolerances are given for.
+    fn n_tolerances(&self) -> usize;
+
+    /// What is studied, in some words.
+    fn title(&self, config: &Config) -> String;
+
+    /// What moves, in a sentence or two, for the head of a report.
+    fn lead(&self) -> &'static str;
+
+    /// Names and what they are, for a report.
+    fn facts(&self, config: &Config) -> Vec<(String, String)>;
+
+    /// Columns of `study.csv` before all others, the same in every row: name, meaning and value.
+    fn leading(&self, _config: &Config) -> Vec<(&'static str, &'static str, String)> {
+        Vec::new()
+    }
+
+    /// What to know before anything is run.
+    fn warnings(&self, _config: &Config) -> Vec<Warning> {
+        Vec::new()
+    }
+
+    /// Why it has no blind runs, where it has none.
+    fn no_blind_runs(&self, _config: &Config) -> Option<String> {
+        Some("the blind baseline is built for pins in bushes".to_owned())
+    }
+}
+
+/// The mechanism of a configuration.
+#[derive(Clone)]
+pub struct Chosen {
+    /// Its line in the list.
+    pub entry: &'static Entry,
+    /// Its own tables.
+    pub tables: Map<String, Value>,
+    value: Arc<dyn Mechanism>,
+}
+
+impl Chosen {
+    /// The mechanism `entry` with these values of its own tables.
+    ///
+    /// # Errors
+    /// Values that its type does not take: a mistake in its keys.
+    pub fn new(entry: &'static Entry, tables: Map<String, Value>) -> serde_json::Result<Self> {
+        let value = (entry.read)(Value::Object(tables.clone()))?;
+        Ok(Self { entry, tables, value })
+    }
+}
+
+impl Deref for Chosen {
+    type Target = dyn Mechanism;
+
+    fn deref(&self) -> &Self::Target {
+        &*self.value
+    }
+}
+
+impl PartialEq for Chosen {
+    fn eq(&self, other: &Self) -> bool {
+        self.entry.name == other.entry.name && self.tables == other.tables
+    }
+}
+
+impl fmt::Debug for Chosen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple(self.entry.name).field(&self.tables).finish()
+    }
+}

@@ -1,0 +1,203 @@
+//! A slider-crank with clearance between rod and slider.
+
+use std::sync::Arc;
+
+use deltazero_study::warning::Warning;
+use serde::Deserialize;
+
+use super::in_words::{fact, joint, joint_warnings, no_blind_joints};
+use super::{Entry, Mechanism, Misfit};
+use crate::config::{Config, DefaultValue, FINITE, Key, POSITIVE, ReadingName};
+use crate::model::{self, AnyLinkage, Body, Part, block};
+
+use DefaultValue::Toml;
+
+/// Where it is from.
+const SOURCE: &str = "slider-crank benchmark of Flores, Ambrósio, Claro and Lankarani";
+
+/// Its line in the list.
+pub(super) const SLIDER_CRANK: Entry = Entry {
+    name: "slider-crank",
+    about: "crank, rod and slider, with clearance between the last two",
+    keys: KEYS,
+    uses: &["reading", "joint", "contact", "friction"],
+    defaults: &[
+        ("reading", "\"full\""),
+        ("joint.clearance", "5e-4"),
+        ("joint.pin_radius", "9.5e-3"),
+        ("contact.law", "\"lankarani_nikravesh\""),
+        ("contact.stiffness", "6.61e10"),
+        ("contact.exponent", "1.5"),
+        ("friction.coefficient", "0.03"),
+        ("friction.static_coefficient", "0.045"),
+        ("run.t_end", "0.024"),
+        ("run.sample", "1e-4"),
+        ("solver.step", "1e-6"),
+        ("study.steps", "[2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7]"),
+    ],
+    source: SOURCE,
+    has_two_joints: false,
+    read: |tables| {
+        let Tables { slider_crank } = serde_json::from_value(tables)?;
+        Ok(Arc::new(slider_crank))
+    },
+};
+
+#[derive(Deserialize)]
+struct Tables {
+    slider_crank: SliderCrank,
+}
+
+const KEYS: &[Key] = &[
+    Key {
+        path: "slider_crank.crank_length",
+        kind: POSITIVE,
+        default: Toml("0.05"),
+        unit: "m",
+        doc: "Length r of the crank",
+        source: SOURCE,
+    },
+    Key {
+        path: "slider_crank.rod_length",
+        kind: POSITIVE,
+        default: Toml("0.12"),
+        unit: "m",
+        doc: "Length l of the rod, above crank_length + clearance",
+        source: SOURCE,
+    },
+    Key {
+        path: "slider_crank.rod_mass",
+        kind: POSITIVE,
+        default: Toml("0.21"),
+        unit: "kg",
+        doc: "Mass of the rod, its centroid in its middle",
+        source: SOURCE,
+    },
+    Key {
+        path: "slider_crank.rod_inertia",
+        kind: POSITIVE,
+        default: Toml("2.5e-4"),
+        unit: "kg m²",
+        doc: "Inertia of the rod about its centroid",
+        source: SOURCE,
+    },
+    Key {
+        path: "slider_crank.slider_mass",
+        kind: POSITIVE,
+        default: Toml("0.14"),
+        unit: "kg",
+        doc: "Mass of the slider, with the bush",
+        source: SOURCE,
+    },
+    Key {
+        path: "slider_crank.crank_speed",
+        kind: POSITIVE,
+        default: Toml("523.5987755982989"),
+        unit: "rad/s",
+        doc: "Speed of the crank, which is held",
+        source: "5000 rpm, as in the same benchmark",
+    },
+    Key {
+        path: "slider_crank.start_angle",
+        kind: FINITE,
+        default: Toml("0.0"),
+        unit: "rad",
+        doc: "Angle of the crank at the start; 0: crank and rod in line, the slider farthest",
+        source: "the same benchmark",
+    },
+];
+
+/// Crank, rod and slider.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SliderCrank {
+    /// Length r of the crank [m].
+    crank_length: f64,
+    /// Length l of the rod [m].
+    rod_length: f64,
+    /// Mass of the rod, its centroid in its middle [kg].
+    rod_mass: f64,
+    /// Inertia of the rod about its centroid [kg m²].
+    rod_inertia: f64,
+    /// Mass of the slider [kg].
+    slider_mass: f64,
+    /// Speed of the crank, held [rad/s].
+    crank_speed: f64,
+    /// Angle of the crank at the start, 0 where crank and rod are in line and the slider is farthest [rad].
+    start_angle: f64,
+}
+
+impl Mechanism for SliderCrank {
+    fn joints(&self, config: &Config) -> Vec<Part> {
+        let body = model::SliderCrank {
+            crank: self.crank_length,
+            rod: self.rod_length,
+            rod_mass: self.rod_mass,
+            rod_inertia: self.rod_inertia,
+            slider_mass: self.slider_mass,
+            speed: self.crank_speed,
+            start: self.start_angle,
+        };
+        let of_rod = (self.rod_length, ReadingName::Full);
+        vec![Part::of(block(config, 1, Body::Linkage(AnyLinkage::SliderCrank(body)), of_rod), 1)]
+    }
+
+    fn n_tolerances(&self) -> usize {
+        6
+    }
+
+    fn check(&self, config: &Config) -> Result<(), Misfit> {
+        if config.reading != ReadingName::Full {
+            let reason = "readings are of the struts' paper, here force and torque of friction both act; use reading = \
+                          \"full\", and for a file with all of its keys `deltazero config --set \
+                          mechanism=slider-crank`";
+            let (key, found) = ("reading", config.reading.to_string());
+            return Err(Misfit { key, found, against: "mechanism", reason });
+        }
+        if self.rod_length <= self.crank_length + config.joints[0].joint.clearance {
+            let reason =
+                "the rod must be longer than crank_length + joint.clearance to turn around";
+            let (key, found) = ("slider_crank.rod_length", self.rod_length.to_string());
+            return Err(Misfit { key, found, against: "mechanism", reason });
+        }
+        Ok(())
+    }
+
+    fn title(&self, _config: &Config) -> String {
+        "Mechanism `slider-crank`".to_owned()
+    }
+
+    fn lead(&self) -> &'static str {
+        "The pin of a rod rattles in the bush of its slider: free flight, then contact through a stiff spring, with \
+         friction; each change is an event, the zero crossing of the penetration δ."
+    }
+
+    fn facts(&self, config: &Config) -> Vec<(String, String)> {
+        let mechanism = format!(
+            "slider-crank: crank {} m at {} rad/s, rod {} m, {} kg, {} kg m², slider {} kg",
+            self.crank_length,
+            self.crank_speed,
+            self.rod_length,
+            self.rod_mass,
+            self.rod_inertia,
+            self.slider_mass
+        );
+        vec![
+            fact("Mechanism", mechanism),
+            fact("Time", format!("0 to {} s", config.run.t_end)),
+            fact("Joint of rod and slider", joint(&config.joints[0])),
+        ]
+    }
+
+    fn leading(&self, config: &Config) -> Vec<(&'static str, &'static str, String)> {
+        vec![("reading", "reading of the paper", config.reading.to_string())]
+    }
+
+    fn warnings(&self, config: &Config) -> Vec<Warning> {
+        joint_warnings("the joint", &config.joints[0])
+    }
+
+    fn no_blind_runs(&self, config: &Config) -> Option<String> {
+        no_blind_joints(&config.joints[..1], || None)
+    }
+}

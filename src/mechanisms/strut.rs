@@ -1,0 +1,211 @@
+//! The paper's deployable struts: a side frame with clearance in two root joints, or a chain of bays.
+
+use std::sync::Arc;
+
+use deltazero_study::setting::Digits;
+use deltazero_study::warning::Warning;
+
+use super::in_words::{fact, joint, joint_warnings, no_blind_joints};
+use super::{Entry, Mechanism, Misfit};
+use crate::config::{Config, DefaultValue, FINITE, Key, Kind, POSITIVE, ReadingName};
+use crate::model::inertia::BlockInertia;
+use crate::model::{Block, Body, Chain, Part, block};
+
+use DefaultValue::Toml;
+
+/// Its line in the list.
+pub(super) const STRUT: Entry = Entry {
+    name: "strut",
+    about: "the paper's deployable struts: two root joints with clearance, or a chain of bays",
+    keys: KEYS,
+    uses: &["joint", "contact", "friction"],
+    defaults: &[],
+    source: "Table 1 of the paper",
+    has_two_joints: true,
+    read: |_| Ok(Arc::new(Struts)),
+};
+
+const KEYS: &[Key] = &[
+    Key {
+        path: "reading",
+        kind: Kind::Word(ReadingName::WORDS),
+        default: Toml("\"pin\""),
+        unit: "",
+        doc: "Reading of the paper: where the contact force enters and how friction acts",
+        source: "the consistent one with friction as in Eq. (9)",
+    },
+    Key {
+        path: "bays",
+        // Work grows with their square: 1000 leave the start after 5 s of computing, 2000 after 19 s, 10 000 after minutes.
+        kind: Kind::Integer(1, 2_000),
+        default: Toml("1"),
+        unit: "",
+        doc: "Side frames in the chain, work growing with their square; more than one: reading \"pin\" and located events only, and not `audit`",
+        source: "the paper's case",
+    },
+    Key {
+        path: "strut.length",
+        kind: POSITIVE,
+        default: Toml("2.5"),
+        unit: "m",
+        doc: "Length l of each of the six equal struts",
+        source: "Table 1, l_i",
+    },
+    Key {
+        path: "strut.density",
+        kind: POSITIVE,
+        default: Toml("7800.0"),
+        unit: "kg/m³",
+        doc: "Density ρ of the struts",
+        source: "Table 1, ρ_i (printed in kg/m²)",
+    },
+    Key {
+        path: "strut.radius",
+        kind: POSITIVE,
+        default: Toml("0.005"),
+        unit: "m",
+        doc: "Radius r' of the solid round struts: mass m = ρ π r'² l",
+        source: "Table 1, r'_i",
+    },
+    Key {
+        path: "strut.inertia",
+        kind: Kind::OneOf(&[Kind::Word(&["axial", "transverse"]), POSITIVE]),
+        default: Toml("\"axial\""),
+        unit: "kg m²",
+        doc: "Inertia J about the centroid: axial m r'²/2, transverse m l²/12, or a number",
+        source: "Table 1, J_i, which is the axial one rounded",
+    },
+    Key {
+        path: "drive.m1",
+        kind: FINITE,
+        default: Toml("1.0"),
+        unit: "N m",
+        doc: "Torque M1 on θ1 of every bay",
+        source: "Table 1, M_1",
+    },
+    Key {
+        path: "drive.m4",
+        kind: FINITE,
+        default: Toml("0.3"),
+        unit: "N m",
+        doc: "Torque M4 on θ2",
+        source: "Table 1, M_4",
+    },
+];
+
+/// The struts; their parameters are tables of [`Config`].
+struct Struts;
+
+impl Mechanism for Struts {
+    fn joints(&self, config: &Config) -> Vec<Part> {
+        let [one, two] = struts(config);
+        vec![Part::of(one, config.bays as usize), Part::of(two, 1)]
+    }
+
+    fn n_sites(&self, config: &Config) -> usize {
+        config.bays as usize + 1
+    }
+
+    fn n_tolerances(&self) -> usize {
+        6
+    }
+
+    fn check(&self, config: &Config) -> Result<(), Misfit> {
+        check_chain(config)
+    }
+
+    fn title(&self, config: &Config) -> String {
+        match config.bays {
+            1 => format!("Reading `{}`", config.reading),
+            bays => format!("Reading `{}`, {bays} bays", config.reading),
+        }
+    }
+
+    fn lead(&self) -> &'static str {
+        "A pin rattles in a bush with clearance: free flight, then contact through a stiff spring, with friction; each \
+         change is an event, the zero crossing of the penetration δ."
+    }
+
+    fn facts(&self, config: &Config) -> Vec<(String, String)> {
+        let [one, two] = &config.joints;
+        let mut facts = vec![fact("Reading", config.reading.name())];
+        if config.bays > 1 {
+            facts.push(fact("Bays", config.bays.to_string()));
+        }
+        facts.extend([
+            fact("Time", format!("0 to {} s", config.run.t_end)),
+            fact("Torques", format!("M1 = {} N m, M4 = {} N m", config.drive.m1, config.drive.m4)),
+        ]);
+        if one == two {
+            facts.push(fact("Both joints", joint(one)));
+        } else {
+            facts.extend([fact("Joint 1", joint(one)), fact("Joint 2", joint(two))]);
+        }
+        facts
+    }
+
+    fn leading(&self, config: &Config) -> Vec<(&'static str, &'static str, String)> {
+        vec![("reading", "reading of the paper", config.reading.to_string())]
+    }
+
+    fn warnings(&self, config: &Config) -> Vec<Warning> {
+        let [one, two] = &config.joints;
+        if one == two {
+            return joint_warnings("both joints", one);
+        }
+        let mut warnings = joint_warnings("joint 1", one);
+        warnings.extend(joint_warnings("joint 2", two));
+        warnings
+    }
+
+    fn no_blind_runs(&self, config: &Config) -> Option<String> {
+        let chain = || (config.bays > 1).then(|| "the blind baseline is built for one bay".into());
+        no_blind_joints(&config.joints, chain)
+    }
+}
+
+/// Joint 1 in each of the bays of a configuration, as one system.
+pub fn chain_of(config: &Config) -> Chain {
+    let [bay, _] = struts(config);
+    Chain::of(bay, config.bays as usize)
+}
+
+/// The two joints of one bay.
+pub(crate) fn struts(config: &Config) -> [Block; 2] {
+    let (strut, drive) = (&config.strut, &config.drive);
+    let of = |joint, inertia, torque| {
+        let body = Body::Struts(inertia);
+        let mut own = block(config, joint, body, (strut.length, config.reading));
+        (own.torque, own.stop_at_90) = (torque, config.run.stop_at_90);
+        own
+    };
+    [of(1, BlockInertia::joint_1(strut), drive.m1), of(2, BlockInertia::joint_2(strut), drive.m4)]
+}
+
+/// What a chain of several bays cannot have.
+fn check_chain(config: &Config) -> Result<(), Misfit> {
+    let refused = |key, found: String, reason| Err(Misfit { key, found, against: "bays", reason });
+    if config.bays == 1 {
+        return Ok(());
+    }
+    if config.reading != ReadingName::Pin {
+        let reason = "friction as a force couples the sticks of neighbours, and a force at the centroid has no \
+                      reaction at the bush; use reading = \"pin\"";
+        return refused("reading", config.reading.to_string(), reason);
+    }
+    let others = |readings: &&Vec<ReadingName>| readings.iter().any(|r| *r != ReadingName::Pin);
+    if config.regimes.readings.as_ref().filter(others).is_some() {
+        let reason = "a chain is one of reading \"pin\"; use regimes.readings = [\"pin\"]";
+        return refused("regimes.readings", "others than pin".to_owned(), reason);
+    }
+    if config.joints[0].joint.clearance == 0.0 {
+        let reason =
+            "pins that are held couple the accelerations of all bays; use a clearance above zero";
+        return refused("joint.clearance", "0".to_owned(), reason);
+    }
+    if config.study.reference == Digits::Extended {
+        let reason = "extended precision is built for one bay; use study.reference = \"double\"";
+        return refused("study.reference", config.study.reference.to_string(), reason);
+    }
+    Ok(())
+}

@@ -1,0 +1,91 @@
+//! The motion of a run as CSV.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use deltazero_study::motion::Motion;
+use deltazero_study::problem::Quantity;
+use deltazero_study::simulation::{NamedChange, SiteMotion};
+
+use super::exact;
+
+/// `trajectory.csv`: what tells the sites apart, time, mode and the columns of each; sites in their order.
+///
+/// # Errors
+/// Those of `out`.
+pub fn trajectory_csv(out: &mut dyn Write, sites: &[&SiteMotion]) -> io::Result<()> {
+    let Some(first) = sites.first() else { return Ok(()) };
+    let mut header = label_names(first);
+    header.extend(["t_s".to_owned(), "mode".to_owned()]);
+    header.extend(first.columns.iter().map(header_of));
+    writeln!(out, "{}", header.join(","))?;
+    // A diverging state may be finite where its forces are not.
+    let finite = |x: &f64| exact(x.is_finite().then_some(*x));
+    let mut sites = sites.to_vec();
+    sites.sort_by_key(|site| site.labels.iter().rev().map(|(_, value)| *value).collect::<Vec<_>>());
+    for site in sites {
+        let labels = labels(site);
+        for (t, mode, values) in site.samples() {
+            let values: Vec<String> = values.iter().map(finite).collect();
+            writeln!(out, "{labels}{t:e},{mode},{}", values.join(","))?;
+        }
+    }
+    Ok(())
+}
+
+/// `events.csv`: the mode changes, sorted by time, then by what tells the sites apart.
+pub fn events_csv(sites: &[&SiteMotion]) -> String {
+    let changes = |site: &&SiteMotion| -> Vec<(Vec<usize>, String, NamedChange)> {
+        let place: Vec<usize> = site.labels.iter().map(|(_, value)| *value).collect();
+        let labels = labels(site);
+        site.changes.iter().map(|change| (place.clone(), labels.clone(), change.clone())).collect()
+    };
+    let mut rows: Vec<_> = sites.iter().flat_map(changes).collect();
+    rows.sort_by(|a, b| a.2.t.total_cmp(&b.2.t).then_with(|| a.0.cmp(&b.0)));
+    let mut header = sites.first().map_or_else(Vec::new, |site| label_names(site));
+    header.extend(["t_s", "mode_before", "mode_after"].map(str::to_owned));
+    let mut csv = header.join(",") + "\n";
+    for (_, labels, NamedChange { t, before, after, .. }) in rows {
+        let _ = writeln!(csv, "{labels}{t:e},{before},{after}");
+    }
+    csv
+}
+
+/// `motion.csv`: what the figures of the motion show, the whole run and a zoom; penetration and force where they are
+/// known.
+pub fn motion_csv(motion: &Motion) -> String {
+    let first = &motion.zoom;
+    let mut header = vec!["part".to_owned()];
+    header.extend(label_names(first));
+    header.extend(["t_s".to_owned(), "mode".to_owned()]);
+    header.extend(first.columns.iter().map(header_of));
+    header.extend(["delta_m", "normal_force_n"].map(str::to_owned));
+    let mut csv = header.join(",") + "\n";
+    let zoom = std::iter::once(("zoom", first));
+    for (part, site) in motion.sites.iter().map(|site| ("whole", site)).chain(zoom) {
+        let labels = labels(site);
+        for (i, (t, mode, values)) in site.samples().enumerate() {
+            let touch = site.touches.get(i).map(|(_, touch)| *touch);
+            let (depth, force) = (touch.map(|touch| touch.depth), touch.map(|touch| touch.force));
+            let values: Vec<String> = values.iter().map(|x| format!("{x:e}")).collect();
+            let (depth, force, values) = (exact(depth), exact(force), values.join(","));
+            let _ = writeln!(csv, "{part},{labels}{t:e},{mode},{values},{depth},{force}");
+        }
+    }
+    csv
+}
+
+fn label_names(site: &SiteMotion) -> Vec<String> {
+    site.labels.iter().map(|(name, _)| (*name).to_owned()).collect()
+}
+
+/// The leading fields of a row, each followed by a comma.
+fn labels(site: &SiteMotion) -> String {
+    site.labels.iter().map(|(_, value)| format!("{value},")).collect()
+}
+
+/// Name and unit as a header has them: `v1_m_s` of v1 in m/s.
+pub(super) fn header_of(column: &Quantity) -> String {
+    let unit: String = column.unit.to_lowercase().replace('²', "2").replace(['/', ' '], "_");
+    if unit.is_empty() { column.name.to_string() } else { format!("{}_{unit}", column.name) }
+}

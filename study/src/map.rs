@@ -1,0 +1,259 @@
+//! Where does which method win? The contest over a grid of two parameters of a model, at several accuracies.
+
+use std::sync::atomic::AtomicBool;
+
+use serde::{Deserialize, Serialize};
+
+use crate::parallel::in_parallel;
+use crate::part::Subject;
+use crate::plan::sample_times;
+use crate::run::Limits;
+use crate::selection::{Benchmark, Contest, Entry, Rules, Standings};
+use crate::setting::Events;
+
+/// What became of a contest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CellStatus {
+    /// A method reaches the accuracy.
+    Ok,
+    /// None does.
+    None,
+    /// The motion is predictable for less than 0.2 of its unit of time.
+    IllPosed,
+    /// The reference is not good enough for this accuracy.
+    Undecidable,
+    /// There is no reference.
+    NoReference,
+}
+
+impl CellStatus {
+    /// As the files write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::None => "none",
+            Self::IllPosed => "ill-posed",
+            Self::Undecidable => "undecidable",
+            Self::NoReference => "no-reference",
+        }
+    }
+}
+
+/// A contest on one subject at one accuracy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Contested {
+    /// The error asked for.
+    pub accuracy: f64,
+    /// What became of it.
+    pub status: CellStatus,
+    /// Why there is no winner.
+    pub error: Option<String>,
+    /// The end of the runs [s].
+    pub t_end_s: Option<f64>,
+    /// Where a change of the start's last bit is seen [s]; none: not within the run.
+    pub horizon_s: Option<f64>,
+    /// Events of the reference.
+    pub n_events: Option<usize>,
+    /// Who reaches the accuracy, and who does not.
+    pub standings: Standings,
+}
+
+impl Contested {
+    /// Those that reach the accuracy by a method that is the same throughout, the fastest first; `auto`, which
+    /// is made of them, is measured against them.
+    pub fn fixed(&self) -> impl Iterator<Item = &Entry> {
+        self.standings.entries.iter().filter(|entry| !entry.is_auto())
+    }
+
+    /// The fastest of them; `auto` where it alone arrives.
+    pub fn winner(&self) -> Option<&Entry> {
+        self.fixed().next().or_else(|| self.standings.entries.first())
+    }
+
+    /// The second, where it came near enough to be timed with the fastest.
+    pub fn second(&self) -> Option<&Entry> {
+        self.fixed().nth(1).filter(|entry| entry.timed)
+    }
+
+    /// Those that the noise of the times does not tell from the winner.
+    pub fn within_noise(&self) -> Vec<&Entry> {
+        let Some(first) = self.winner() else { return Vec::new() };
+        self.fixed().skip(1).filter(|entry| entry.is_within_noise_of(first)).collect()
+    }
+
+    /// Time of `auto` over that of the winner, each by whichever of located and blind is faster for it.
+    pub fn auto_over_winner(&self) -> Option<f64> {
+        let own = self.standings.entries.iter().find(|entry| entry.is_auto())?;
+        Some(own.time_s() / self.winner()?.time_s())
+    }
+
+    /// The fastest of those that `of` is true for.
+    pub fn best(&self, of: impl Fn(&Entry) -> bool) -> Option<&Entry> {
+        let own = self.fixed().filter(|entry| of(entry));
+        own.min_by(|a, b| a.time_s().total_cmp(&b.time_s()))
+    }
+
+    /// Time of the second over that of the winner.
+    pub fn margin(&self) -> Option<f64> {
+        Some(self.second()?.time_s() / self.winner()?.time_s())
+    }
+
+    /// Time of the best explicit method over that of the best implicit one.
+    pub fn explicit_over_implicit(&self) -> Option<f64> {
+        let time = |implicit| self.best(|entry| entry.implicit == implicit).map(Entry::time_s);
+        Some(time(false)? / time(true)?)
+    }
+
+    /// Time of the best blind run over that of the best located one.
+    pub fn blind_over_located(&self) -> Option<f64> {
+        let time = |events| self.best(|entry| entry.events == events).map(Entry::time_s);
+        Some(time(Events::Blind)? / time(Events::Located)?)
+    }
+}
+
+/// What every contest of a map has.
+#[derive(Clone, Debug)]
+pub struct MapPlan {
+    /// The end of the runs [s].
+    pub t_end: f64,
+    /// When states are compared [s].
+    pub times: Vec<f64>,
+    /// Errors to be reached.
+    pub accuracies: Vec<f64>,
+    /// Who takes part.
+    pub rules: Rules,
+    /// Events after which a contest ends.
+    pub max_events: usize,
+    /// Right-hand sides beyond which a run is cut.
+    pub max_rhs: u64,
+    /// Time beyond which a run is cut [s].
+    pub max_seconds: f64,
+}
+
+impl MapPlan {
+    /// Every method, its events located, to `t_end` [s], at errors of 1e-3 and 1e-6.
+    pub fn new(t_end: f64) -> Self {
+        Self {
+            t_end,
+            times: sample_times(None, t_end),
+            accuracies: vec![1e-3, 1e-6],
+            rules: Rules::default(),
+            max_events: 100,
+            max_rhs: 10_000_000,
+            max_seconds: 60.0,
+        }
+    }
+}
+
+/// The contests on one subject, one an accuracy.
+pub fn contested(subject: Subject, plan: &MapPlan, stop: &AtomicBool) -> Vec<Contested> {
+    let empty = |accuracy: f64| Contested {
+        accuracy,
+        status: CellStatus::NoReference,
+        error: None,
+        t_end_s: None,
+        horizon_s: None,
+        n_events: None,
+        standings: Standings::default(),
+    };
+    let limits = Limits { max_rhs: plan.max_rhs, max_seconds: plan.max_seconds, stop };
+    let benchmark = match Benchmark::new(subject, plan.t_end, plan.times.clone(), limits) {
+        Ok(benchmark) => benchmark.with_at_most(plan.max_events),
+        Err(error) => {
+            let error = Some(error.to_string());
+            let without = |e: &f64| Contested { error: error.clone(), ..empty(*e) };
+            return plan.accuracies.iter().map(without).collect();
+        }
+    };
+    let rules = &plan.rules;
+    let contest = |accuracy: &f64| {
+        let own = Contested {
+            t_end_s: Some(benchmark.t_end),
+            horizon_s: benchmark.horizon,
+            n_events: Some(benchmark.n_events),
+            ..empty(*accuracy)
+        };
+        let contest = Contest::new(&benchmark, *accuracy, rules, stop);
+        if let Some(reason) = benchmark.ill_posed() {
+            return Contested { status: CellStatus::IllPosed, error: Some(reason), ..own };
+        }
+        if !contest.is_decidable() {
+            let error = Some(benchmark.reference.summary.undecided());
+            return Contested { status: CellStatus::Undecidable, error, ..own };
+        }
+        let standings = contest.run(&rules.candidates, &|_| {});
+        let status = if standings.entries.is_empty() { CellStatus::None } else { CellStatus::Ok };
+        Contested { status, standings, ..own }
+    };
+    plan.accuracies.iter().map(contest).collect()
+}
+
+/// A parameter of a model with the values that a map has of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapAxis {
+    /// Name.
+    pub name: String,
+    /// Unit; empty for what has none.
+    pub unit: String,
+    /// Values, ascending.
+    pub values: Vec<f64>,
+}
+
+impl MapAxis {
+    /// A parameter of this name and unit with these values.
+    pub fn new(name: impl Into<String>, unit: impl Into<String>, values: &[f64]) -> Self {
+        Self { name: name.into(), unit: unit.into(), values: values.to_vec() }
+    }
+
+    /// Name and unit.
+    pub fn label(&self) -> String {
+        if self.unit.is_empty() {
+            self.name.clone()
+        } else {
+            format!("{} [{}]", self.name, self.unit)
+        }
+    }
+}
+
+/// A cell of a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapCell {
+    /// The two parameters.
+    pub at: [f64; 2],
+    /// The contest there.
+    pub contest: Contested,
+}
+
+/// A map over two parameters of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    /// The two parameters: to the right, and upwards.
+    pub axes: [MapAxis; 2],
+    /// Its cells: for each value of the first parameter, of the second, and each accuracy.
+    pub cells: Vec<MapCell>,
+}
+
+impl Map {
+    /// Runs the contest for every pair of values, each on the subject that `of` makes of it, on so many threads.
+    pub fn new(
+        axes: [MapAxis; 2],
+        plan: &MapPlan,
+        threads: usize,
+        of: impl Fn([f64; 2]) -> Subject + Sync,
+    ) -> Self {
+        let stop = AtomicBool::new(false);
+        let pairs: Vec<[f64; 2]> = axes[0]
+            .values
+            .iter()
+            .flat_map(|x| axes[1].values.iter().map(move |y| [*x, *y]))
+            .collect();
+        let contests = in_parallel(&pairs, threads, |at| contested(of(*at), plan, &stop));
+        let cell = |(at, contests): (&[f64; 2], Vec<Contested>)| {
+            let at = *at;
+            contests.into_iter().map(move |contest| MapCell { at, contest }).collect::<Vec<_>>()
+        };
+        let cells = pairs.iter().zip(contests).flat_map(cell).collect();
+        Self { axes, cells }
+    }
+}

@@ -1,0 +1,249 @@
+//! One run with all that a user may ask of it: its motion site by site, contacts, energy, and what it tells of itself.
+
+use std::time::Duration;
+
+use deltazero_solvers::{
+    Error, Grid, Next, Outcome, Sample, Stats, Switch, Trajectory, WorkByKind,
+};
+
+use crate::energy_balance::{Balance, EnergyBalance};
+use crate::errors::contacts::{Contact, Contacts};
+use crate::problem::{Problem, Quantity, Touch, change, leading_site};
+use crate::run::{Brake, Braked, ModeChange, OwnRun, PartRun, Setting, integrate};
+use crate::stiffness::Stiffness;
+use crate::trace::OwnTrajectory;
+use crate::warning::Warning;
+
+/// A run beyond this is not repeated for its time: audit and progress are then part of it.
+const REPLAY: Duration = Duration::from_secs(5);
+
+/// What a run of one part is asked for.
+pub struct Asked<'a> {
+    /// By what.
+    pub setting: &'a Setting,
+    /// To when [s].
+    pub t_end: f64,
+    /// Samples that are kept.
+    pub grid: Grid,
+    /// Told at once where stability bounds the steps of an explicit method.
+    pub tell: &'a dyn Fn(&Warning),
+}
+
+/// A change of the mode of a site, by the names of the modes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedChange {
+    /// The same by codes.
+    pub by_code: ModeChange,
+    /// Time [s].
+    pub t: f64,
+    /// The mode before.
+    pub before: String,
+    /// The mode after.
+    pub after: String,
+}
+
+/// The motion of one site.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SiteMotion {
+    /// Its name.
+    pub name: String,
+    /// What tells it apart from the others.
+    pub labels: Vec<(&'static str, usize)>,
+    /// Its columns.
+    pub columns: Vec<Quantity>,
+    /// Times of the samples [s].
+    pub times: Vec<f64>,
+    /// The mode at each sample: its place in [`modes`](Self::modes).
+    pub mode_of: Vec<u16>,
+    /// Names of the modes that it took at samples.
+    pub modes: Vec<String>,
+    /// Values, sample by sample, in the order of the columns.
+    pub values: Vec<f64>,
+    /// Whether it is in contact at each sample, how deep [m], and under which force [N]; empty where that is not told,
+    /// or not asked for.
+    pub touches: Vec<(bool, Touch<f64>)>,
+    /// Its events that count.
+    pub changes: Vec<NamedChange>,
+}
+
+impl SiteMotion {
+    /// Each sample: time, mode and values.
+    pub fn samples(&self) -> impl Iterator<Item = (f64, &str, &[f64])> {
+        let width = self.columns.len();
+        self.times.iter().enumerate().map(move |(i, t)| {
+            let mode = self.modes[usize::from(self.mode_of[i])].as_str();
+            (*t, mode, &self.values[i * width..(i + 1) * width])
+        })
+    }
+
+    /// The place of the name of a mode.
+    fn place(&mut self, name: String) -> u16 {
+        let place = self.modes.iter().position(|known| *known == name).unwrap_or_else(|| {
+            self.modes.push(name);
+            self.modes.len() - 1
+        });
+        u16::try_from(place).unwrap_or(u16::MAX)
+    }
+}
+
+/// A run of one part, with all that a user may ask of it.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    /// How it ended.
+    pub run: PartRun,
+    /// The motion of each site.
+    pub sites: Vec<SiteMotion>,
+    /// Events of each site that count, but for that of a start on a surface.
+    pub n_events: usize,
+    /// The contacts of each site, where the problem tells of any.
+    pub contacts: Option<Vec<Vec<Contact>>>,
+    /// Contacts that are reckoned with the least speed of impact.
+    pub n_at_speed_floor: usize,
+    /// Where the energy went, where the problem tells of it.
+    pub balance: Option<Balance>,
+    /// Work by the phase that it was done in.
+    pub work: Vec<(&'static str, Stats)>,
+    /// What the problem says of where it ended.
+    pub end: String,
+    /// What a terminal event did, and at which site, where one ended it.
+    pub stopped: Option<usize>,
+    /// The site that the error is about, where it is about one.
+    pub failed_site: Option<usize>,
+    /// The time of the integration alone.
+    pub wall: Duration,
+    /// What to know before trusting it.
+    pub warnings: Vec<Warning>,
+}
+
+/// Runs `problem` as it is asked.
+pub(crate) fn simulate<P: Problem>(
+    problem: &P,
+    asked: &Asked<'_>,
+    brake: &mut dyn Brake,
+) -> Simulation {
+    let Asked { setting, t_end, grid, tell } = asked;
+    let y0 = problem.start();
+    let is_explicit = !setting.method.is_implicit() && !setting.method.chooses();
+    let told = |warning: &Warning| {
+        if is_explicit {
+            tell(warning);
+        }
+    };
+    let phase = |mode: P::Mode| problem.role(&mode, leading_site(problem, &mode)).phase();
+    let audit = (EnergyBalance::new(problem, setting.events, &y0), Stiffness::new(problem, &told));
+    let counts = (WorkByKind::new(phase), Contacts::new(problem, setting.events));
+    let mut record = ((Trajectory::on(grid.clone()), audit), (Braked(brake), counts));
+    let run = integrate(problem, setting, y0.clone(), *t_end, &mut record);
+    let ((kept, (balance, stiffness)), (_, (work, contacts))) = record;
+    let mut warnings = balance.check.warnings(setting.rtol());
+    warnings.extend(stiffness.warning().filter(|_| is_explicit).map(|mut warning| {
+        warning.message += problem.out_of_stiffness();
+        warning
+    }));
+    let alone = || {
+        let mut trajectory = Trajectory::on(grid.clone());
+        integrate(problem, setting, y0, *t_end, &mut trajectory).took.wall
+    };
+    let sites = motions(problem, &kept);
+    let on_surface = usize::from(problem.starts_on_surface());
+    Simulation {
+        n_events: sites.iter().map(|site| site.changes.len().saturating_sub(on_surface)).sum(),
+        sites,
+        contacts: contacts.lists(),
+        n_at_speed_floor: kept.events.iter().filter(|event| at_floor(problem, event)).count(),
+        balance: balance.at(&run.mode, run.t, &run.y),
+        work: work.kinds,
+        end: problem.in_brief(&run.y),
+        stopped: run.stopped_at().map(|_| stopped_site(problem, &kept)),
+        failed_site: failed_site(problem, &run),
+        wall: wall(&run.outcome, run.took.wall, alone),
+        warnings,
+        run: run.plain(),
+    }
+}
+
+/// The time of the integration alone: that of the same run without audit and progress, where it is short and was not
+/// broken off.
+fn wall(
+    outcome: &Result<Outcome, Error>,
+    wall: Duration,
+    alone: impl FnOnce() -> Duration,
+) -> Duration {
+    if *outcome == Ok(Outcome::Interrupted) || wall > REPLAY { wall } else { alone() }
+}
+
+fn at_floor<P: Problem>(problem: &P, event: &Switch<P::Mode>) -> bool {
+    match &event.after {
+        Next::Mode(after) => problem.begins_at_speed_floor(&event.before, after),
+        Next::Stop => false,
+    }
+}
+
+/// The site whose terminal event ended a run.
+fn stopped_site<P: Problem>(problem: &P, run: &OwnTrajectory<P>) -> usize {
+    let last = run.events.last().filter(|event| event.after == Next::Stop);
+    last.map_or(0, |event| problem.site_of_guard(&event.before, event.guard))
+}
+
+/// The site that the error of a run is about, where it is about one.
+fn failed_site<P: Problem>(problem: &P, run: &OwnRun<P>) -> Option<usize> {
+    match run.outcome.as_ref().err()? {
+        _ if problem.n_sites() == 1 => Some(0),
+        Error::NonFinite { component, .. } => Some(component * problem.n_sites() / problem.dim()),
+        Error::NonFiniteGuard { guard, .. } | Error::Chatter { guard, .. } => {
+            Some(problem.site_of_guard(&run.mode, *guard))
+        }
+        Error::OutsideModel { .. } => problem.nearest_end(&run.mode, &run.y),
+        _ => None,
+    }
+}
+
+/// The motion of each site of `problem` in a run.
+pub fn motions<P: Problem>(problem: &P, run: &OwnTrajectory<P>) -> Vec<SiteMotion> {
+    let site = |k: usize| SiteMotion {
+        name: problem.site_name(k),
+        labels: problem.labels(k),
+        columns: problem.columns(k),
+        times: run.samples.iter().map(|sample| sample.t).collect(),
+        mode_of: Vec::with_capacity(run.samples.len()),
+        modes: Vec::new(),
+        values: Vec::with_capacity(run.samples.len() * problem.columns(k).len()),
+        touches: Vec::new(),
+        changes: Vec::new(),
+    };
+    let mut sites: Vec<_> = (0..problem.n_sites()).map(site).collect();
+    for sample in &run.samples {
+        for (k, site) in sites.iter_mut().enumerate() {
+            let place = site.place(problem.mode_name(&sample.mode, k));
+            site.mode_of.push(place);
+        }
+        problem.rows(&sample.mode, sample.t, &sample.y, &mut |k, values| {
+            sites[k].values.extend_from_slice(values);
+        });
+    }
+    for Switch { t, guard, before, after } in &run.events {
+        if let (Some((k, by_code)), Next::Mode(after)) =
+            (change(problem, *t, *guard, before, after), after)
+        {
+            let [before, after] = [before, after].map(|mode| problem.mode_name(mode, k));
+            sites[k].changes.push(NamedChange { by_code, t: *t, before, after });
+        }
+    }
+    sites
+}
+
+/// The same with the contact at each sample.
+pub(crate) fn motions_with_touches<P: Problem>(
+    problem: &P,
+    run: &OwnTrajectory<P>,
+) -> Vec<SiteMotion> {
+    let mut sites = motions(problem, run);
+    for (k, site) in sites.iter_mut().enumerate() {
+        let touch = |sample: &Sample<P::State<f64>, P::Mode>| {
+            let touch = problem.touch(&sample.mode, sample.t, &sample.y, k)?;
+            Some((problem.role(&sample.mode, k).is_contact(), touch))
+        };
+        site.touches = run.samples.iter().map(touch).collect::<Option<_>>().unwrap_or_default();
+    }
+    sites
+}
