@@ -3,8 +3,13 @@
 //! A mechanism is a file here and a line in [`MECHANISMS`]: its keys with their defaults, the problem that a configuration
 //! makes of it, and what a report says of it. Nothing else in the program asks which mechanism it has.
 
+pub mod cam_follower;
 mod four_bar;
+pub mod impact_oscillator;
 mod in_words;
+pub mod rocking_block;
+#[cfg(test)]
+mod runs;
 mod slider_crank;
 pub mod strut;
 
@@ -12,8 +17,9 @@ use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
 
+use deltazero_study::problem::{Group, GroupScale, Quantity};
 use deltazero_study::warning::Warning;
-use deltazero_study::Subject;
+use deltazero_study::{Problem, Subject};
 use serde_json::{Map, Value};
 
 use crate::config::{Config, Key};
@@ -24,6 +30,9 @@ pub const MECHANISMS: &[&Entry] = &[
     &strut::STRUT,
     &slider_crank::SLIDER_CRANK,
     &four_bar::FOUR_BAR,
+    &cam_follower::CAM_FOLLOWER,
+    &rocking_block::ROCKING_BLOCK,
+    &impact_oscillator::IMPACT_OSCILLATOR,
 ];
 
 /// Their names, as the key `mechanism` takes them.
@@ -190,4 +199,16 @@ impl fmt::Debug for Chosen {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_tuple(self.entry.name).field(&self.tables).finish()
     }
+}
+
+/// Each of the first `n` states as a group of its own, over its largest magnitude.
+fn groups_of_first<P: Problem>(problem: &P, n: usize) -> Vec<Group> {
+    let group = |(i, state): (usize, Quantity)| Group {
+        name: state.name,
+        unit: state.unit,
+        states: vec![i],
+        scale: GroupScale::Largest,
+        site: 0,
+    };
+    problem.states().into_iter().take(n).enumerate().map(group).collect()
 }

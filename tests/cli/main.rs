@@ -11,6 +11,7 @@ mod failure;
 #[cfg(unix)]
 mod interrupt;
 mod listings;
+mod mechanisms;
 mod output;
 mod recommend;
 mod regimes;

@@ -1,0 +1,141 @@
+//! The cam and its follower in the list of mechanisms: its keys, and what a report says of it.
+
+use std::sync::Arc;
+
+use deltazero_study::Subject;
+use deltazero_study::warning::Warning;
+use serde::Deserialize;
+
+use super::CamFollower;
+use crate::config::{Config, DefaultValue, Key, Kind, NOT_NEGATIVE, POSITIVE};
+use crate::mechanisms::in_words::{fact, normal_contact, normal_warnings};
+use crate::mechanisms::{Entry, Mechanism};
+use crate::model::contact::NormalLaw;
+
+/// Where its numbers are from.
+const SOURCE: &str = "choice of this study, of the size of a small engine's valve train";
+
+/// Its line in the list.
+pub(in crate::mechanisms) const CAM_FOLLOWER: Entry = Entry {
+    name: "cam-follower",
+    about: "a cam with a flat-faced follower that lifts off: valve float",
+    keys: KEYS,
+    uses: &["contact"],
+    defaults: &[
+        ("contact.stiffness", "1e8"),
+        ("contact.damping", "900.0"),
+        ("contact.adhesion", "false"),
+        ("run.t_end", "0.13"),
+        ("run.sample", "5e-4"),
+        ("solver.step", "2e-6"),
+        ("study.steps", "[2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7]"),
+    ],
+    source: SOURCE,
+    has_two_joints: false,
+    read: |tables| {
+        let Tables { cam_follower } = serde_json::from_value(tables)?;
+        Ok(Arc::new(cam_follower))
+    },
+};
+
+#[derive(Deserialize)]
+struct Tables {
+    cam_follower: Parameters,
+}
+
+/// A key of this mechanism.
+const fn key(
+    path: &'static str,
+    kind: Kind,
+    default: &'static str,
+    unit: &'static str,
+    doc: &'static str,
+) -> Key {
+    Key { path, kind, default: DefaultValue::Toml(default), unit, doc, source: SOURCE }
+}
+
+const KEYS: &[Key] = &[
+    key(
+        "cam_follower.mass",
+        POSITIVE,
+        "0.2",
+        "kg",
+        "Mass m of the follower, with a third of the spring's",
+    ),
+    key("cam_follower.stiffness", POSITIVE, "1e4", "N/m", "Stiffness k of the spring"),
+    key("cam_follower.preload", POSITIVE, "100.0", "N", "Preload F_0 of the spring"),
+    key("cam_follower.damping", NOT_NEGATIVE, "5.0", "N s/m", "Damping c of the spring"),
+    key("cam_follower.lift", POSITIVE, "0.01", "m", "Greatest lift h of the cam"),
+    key(
+        "cam_follower.speed",
+        POSITIVE,
+        "480.0",
+        "rad/s",
+        "Speed Ω of the cam, which is held; separation begins at 447",
+    ),
+];
+
+/// What its table holds.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Parameters {
+    mass: f64,
+    stiffness: f64,
+    preload: f64,
+    damping: f64,
+    lift: f64,
+    speed: f64,
+}
+
+impl Parameters {
+    fn follower(&self, config: &Config) -> CamFollower {
+        let Self { mass, stiffness, preload, damping, lift, speed } = *self;
+        let joint = &config.joints[0];
+        let normal = NormalLaw::new(&joint.contact, &joint.joint);
+        CamFollower { mass, stiffness, preload, damping, lift, speed, normal }
+    }
+}
+
+impl Mechanism for Parameters {
+    fn subject(&self, config: &Config) -> Subject {
+        Subject::of(self.follower(config))
+    }
+
+    fn n_tolerances(&self) -> usize {
+        3
+    }
+
+    fn title(&self, _config: &Config) -> String {
+        "Mechanism `cam-follower`".to_owned()
+    }
+
+    fn lead(&self) -> &'static str {
+        "A follower on a spring rides on a turning cam, lifts off where the spring is too weak, flies, lands and bounces; each \
+         change is an event, the zero crossing of the gap or of the contact force."
+    }
+
+    fn facts(&self, config: &Config) -> Vec<(String, String)> {
+        let Self { mass, stiffness, preload, damping, lift, speed } = self;
+        let spring = format!("{stiffness} N/m, preload {preload} N, damping {damping} N s/m");
+        vec![
+            fact(
+                "Mechanism",
+                format!("cam and follower: {mass} kg, lift {lift} m, cam at {speed} rad/s"),
+            ),
+            fact("Spring", spring),
+            fact(
+                "Separation",
+                format!(
+                    "above {:.1} rad/s on a rigid contact",
+                    self.follower(config).separation_speed()
+                ),
+            ),
+            fact("Time", format!("0 to {} s", config.run.t_end)),
+            fact("Contact", normal_contact(&config.joints[0].contact)),
+        ]
+    }
+
+    fn warnings(&self, config: &Config) -> Vec<Warning> {
+        normal_warnings("the contact", &config.joints[0].contact)
+    }
+}

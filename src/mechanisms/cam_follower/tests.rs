@@ -1,0 +1,217 @@
+use deltazero_solvers::{Grid, Method, Trajectory};
+use deltazero_study::energy_balance::{Balance, EnergyBalance};
+use deltazero_study::errors::log_log_slope;
+use deltazero_study::run::{Accuracy, Setting, integrate};
+use deltazero_study::setting::Events;
+
+use super::super::runs::{Run, by_every_method, distance, setting};
+use super::*;
+use crate::config::{Config, ContactLaw};
+
+/// The default with a contact of the stiffness K [N/m] and a tenth of the critical damping.
+fn on_contact(stiffness: f64) -> CamFollower {
+    let cam = CamFollower::default();
+    let damping = 0.2 * (stiffness * cam.mass).sqrt();
+    let normal = NormalLaw { elastic: Elastic::power(stiffness, 1.0), damping, ..cam.normal };
+    CamFollower { normal, ..cam }
+}
+
+#[test]
+fn every_method_agrees_over_twenty_turns() {
+    let cam = CamFollower::default();
+    let end = 20.0 * cam.period();
+    let reference = Run::by(&cam, "taylor", 1e-14, end);
+    assert_eq!(reference.events().len(), 411);
+    for (name, run) in by_every_method(&cam, end) {
+        assert_eq!(run.events().len(), reference.events().len(), "{name}");
+        let off = distance(&cam, &run.end.y, &reference.end.y);
+        // Measured: 1.2e-6 (bs32) and 1.4e-6 (tr_bdf2); 1.1e-10 (auto).
+        let bound = match name {
+            "dop853" | "vern98" | "taylor" | "rodas5p" | "auto" => 1e-9,
+            _ => 1e-5,
+        };
+        assert!(off < bound, "{name}: {off:e}");
+    }
+}
+
+#[test]
+fn an_extended_run_agrees_with_it() {
+    let cam = CamFollower::default();
+    let end = 2.0 * cam.period();
+    let reference = Run::by(&cam, "taylor", 1e-14, end).end.y;
+    let run = cam.integrate_extended(1e-20, cam.start(), end, &mut Trajectory::on(Grid::Steps));
+    // Measured: 3.2e-13.
+    assert!(distance(&cam, &run.y, &reference) < 3e-12);
+}
+
+#[test]
+fn the_follower_separates_above_the_closed_form_speed_alone() {
+    for stiffness in [1e8, 1e10] {
+        let cam = on_contact(stiffness);
+        let critical = cam.compliant_separation_speed().unwrap();
+        for (factor, separates) in [(1.0 - 1e-6, false), (1.0 + 1e-6, true)] {
+            let cam = CamFollower { speed: factor * critical, ..cam.clone() };
+            let run = Run::by(&cam, "rk45", 1e-9, 3.0 * cam.period());
+            assert_eq!(!run.events().is_empty(), separates, "{stiffness:e}: {factor}");
+        }
+    }
+}
+
+#[test]
+fn the_speed_of_separation_is_that_of_a_rigid_contact_less_its_compliance() {
+    for stiffness in [1e8, 1e9, 1e10] {
+        let cam = on_contact(stiffness);
+        let lower = 1.0 - cam.compliant_separation_speed().unwrap() / cam.separation_speed();
+        let expected = 0.5 * (cam.stiffness + 2.0 * cam.preload / cam.lift) / stiffness;
+        // Measured: 6.7e-4, of the damping c.
+        assert!((lower / expected - 1.0).abs() < 6e-3, "{stiffness:e}: {lower:e} for {expected:e}");
+    }
+    let cam = CamFollower::default();
+    let cam = CamFollower { speed: cam.separation_speed(), ..cam };
+    let angles = (0..6284).map(|k| 1e-3 * f64::from(k));
+    let least = angles.map(|phi| cam.rigid_force(phi)).fold(f64::INFINITY, f64::min);
+    // Measured: 1.1e-6 N of 200 N; the angles are a thousandth apart.
+    assert!((-1e-12..1e-5).contains(&least), "{least:e}");
+    let undamped = CamFollower { damping: 0.0, ..cam };
+    let load = 2.0 * (undamped.preload + undamped.stiffness * undamped.lift);
+    let expected = (load / (undamped.mass * undamped.lift)).sqrt();
+    // Measured: 0.
+    assert!((undamped.separation_speed() / expected - 1.0).abs() < 1e-15);
+}
+
+#[test]
+fn flights_end_as_in_closed_form() {
+    let cam = CamFollower::default();
+    let run = Run::by(&cam, "taylor", 1e-13, 3.0 * cam.period());
+    let samples = &run.trajectory.samples;
+    let at = |t: f64| samples.iter().rev().find(|sample| sample.t == t).unwrap().y;
+    let mut flights = 0;
+    for pair in run.events().windows(2).filter(|pair| pair[1].before == Mode::Free) {
+        flights += 1;
+        let ([x, v, phi], end) = (at(pair[0].t), at(pair[1].t));
+        let gap = |s: f64| cam.flight([x, v], s)[0] - cam.cam(phi + cam.speed * s)[0];
+        let span = pair[1].t - pair[0].t;
+        let bracket = Bracket { above: 0.9 * span, below: 1.1 * span };
+        let late = (find_root(gap, bracket, 0.0) - span).abs();
+        let [x, v] = cam.flight([x, v], span);
+        let off = distance(&cam, &[x, v, end[2]], &end);
+        // Measured: 2.0e-15 s and 7.4e-16.
+        assert!(late < 2e-14 && off < 7e-15, "{late:e} s, {off:e}");
+    }
+    assert_eq!(flights, 18);
+}
+
+#[test]
+fn the_first_flight_tends_to_that_from_a_rigid_contact() {
+    let cam = CamFollower::default();
+    let bracket = Bracket { above: 0.0, below: std::f64::consts::PI };
+    let lifts = find_root(|phi| cam.rigid_force(phi), bracket, 0.0);
+    let gap = |s: f64| cam.flight(cam.cam(lifts), s)[0] - cam.cam(lifts + cam.speed * s)[0];
+    let bracket = Bracket { above: 0.1 * cam.period(), below: 0.9 * cam.period() };
+    let lands = lifts + cam.speed * find_root(gap, bracket, 0.0);
+    // Measured: −6.59e-4, −6.60e-5 and −6.60e-6 rad; 1.03e-3, 1.03e-4 and 1.03e-5 rad.
+    for stiffness in [1e8, 1e9, 1e10] {
+        let cam = on_contact(stiffness);
+        let run = Run::by(&cam, "dop853", 1e-11, cam.period());
+        let landing = run.events().iter().find(|event| event.before == Mode::Free).unwrap();
+        let off = [run.events()[0].t * cam.speed - lifts, landing.t * cam.speed - lands];
+        let expected = [-6.6e4 / stiffness, 1.03e5 / stiffness];
+        for (off, expected) in off.into_iter().zip(expected) {
+            assert!((off / expected - 1.0).abs() < 0.02, "{off:e} for {expected:e}");
+        }
+    }
+}
+
+/// The energy balance of a run over so many turns, and whether the run has no warning.
+fn balance(cam: &CamFollower, setting: &Setting, turns: f64) -> (Balance, bool) {
+    let mut balance = EnergyBalance::new(cam, Events::Located, &cam.start());
+    let run = integrate(cam, setting, cam.start(), turns * cam.period(), &mut balance);
+    assert!(run.outcome.is_ok(), "{:?}", run.outcome);
+    let is_clean = balance.check.warnings(setting.rtol()).is_empty();
+    (balance.at(&run.mode, run.t, &run.y).unwrap(), is_clean)
+}
+
+/// The default with a law of the configuration.
+fn under_law(law: ContactLaw, adhesion: bool) -> CamFollower {
+    let sets = [
+        format!("contact.law={law}"),
+        format!("contact.adhesion={adhesion}"),
+        "contact.stiffness=1e8".to_owned(),
+        "contact.restitution=0.8".to_owned(),
+    ];
+    let joint = Config::load(None, &sets).unwrap().joints[0].clone();
+    let normal = NormalLaw::new(&joint.contact, &joint.joint);
+    CamFollower { normal, ..CamFollower::default() }
+}
+
+#[test]
+fn under_every_law_the_energy_balances_and_two_methods_agree() {
+    for law in ContactLaw::ALL {
+        for adhesion in [true, false] {
+            let cam = under_law(*law, adhesion);
+            let (balance, is_clean) = balance(&cam, &setting("vern98", 1e-10), 2.0);
+            let relative = balance.residual.abs() / balance.kinetic;
+            // Measured: 5.2e-8 (lankarani_nikravesh_cylinder), 4.3e-9 of the others.
+            assert!(is_clean && relative < 5e-7, "{law} {adhesion}: {relative:e}");
+            let [a, b] =
+                ["vern98", "taylor"].map(|by| Run::by(&cam, by, 1e-11, 2.0 * cam.period()));
+            assert_eq!(a.events().len(), b.events().len(), "{law} {adhesion}");
+            let off = distance(&cam, &a.end.y, &b.end.y);
+            // Measured: 2.2e-8 (lankarani_nikravesh_cylinder), 9.9e-9 of the others.
+            assert!(off < 2e-7, "{law} {adhesion}: {off:e}");
+        }
+    }
+}
+
+#[test]
+fn the_energy_residual_of_rk4_falls_with_its_order() {
+    let cam = CamFollower::default();
+    let method = Method::named("rk4").unwrap();
+    let residual = |h: f64| {
+        let rk4 = Setting { method, events: Events::Located, accuracy: Accuracy::Step(h) };
+        (h, balance(&cam, &rk4, 1.0).0.residual.abs())
+    };
+    let points = [1.6e-5, 8e-6, 4e-6, 2e-6].map(residual);
+    let slope = log_log_slope(&points).unwrap();
+    // Measured: 3.96.
+    assert!((slope - 4.0).abs() < 0.2, "{slope}");
+}
+
+#[test]
+fn it_starts_with_the_force_of_a_rigid_contact_less_its_compliance() {
+    for stiffness in [1e8, 1e10] {
+        let cam = on_contact(stiffness);
+        let start = cam.start();
+        let force = cam.touch(&cam.initial_mode(0.0, &start), 0.0, &start, 0).unwrap().force;
+        let expected = cam.rigid_force(0.0) * stiffness / (stiffness + cam.stiffness);
+        // Measured: 2.2e-16.
+        assert!((force / expected - 1.0).abs() < 2e-15, "{force} for {expected}");
+    }
+}
+
+#[test]
+fn a_dent_that_is_pressed_again_is_the_same_contact() {
+    let cam = under_law(ContactLaw::Flores, false);
+    let touch = cam.normal.touch(0.3);
+    let relaxing = Mode::Relaxing(touch);
+    let after = |mode, guard, delta: f64| cam.transition(mode, guard, 0.0, &mut [-delta, 0.0, 0.0]);
+    assert_eq!(after(relaxing, GUARD_CONTACT, 1e-6), Next::Mode(Mode::Contact(touch)));
+    assert_eq!(after(relaxing, GUARD_SURFACE, 0.0), Next::Mode(Mode::Free));
+    assert_eq!(after(Mode::Contact(touch), GUARD_RANGE, 1e-6), Next::Mode(relaxing));
+    assert_eq!(after(Mode::Contact(touch), GUARD_CONTACT, 0.0), Next::Mode(Mode::Free));
+}
+
+#[test]
+fn guard_bounds_are_above_zero_at_rest_in_every_mode() {
+    let default = CamFollower::default();
+    let flat =
+        NormalLaw { elastic: Elastic::power(1e10, 1.5), damping: 0.0, ..default.normal.clone() };
+    for normal in [default.normal.clone(), flat] {
+        let cam = CamFollower { normal, ..default.clone() };
+        for mode in [Mode::Free, Mode::Relaxing(Touch::PLAIN), Mode::Contact(Touch::PLAIN)] {
+            let mut bounds = [0.0; 3];
+            cam.guard_bounds(mode, 0.0, &[0.0; 3], &mut bounds);
+            assert!(bounds.iter().all(|bound| *bound > 0.0), "{mode:?}: {bounds:?}");
+        }
+    }
+}

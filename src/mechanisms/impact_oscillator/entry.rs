@@ -1,0 +1,133 @@
+//! The impact oscillator in the list of mechanisms: its keys, and what a report says of it.
+
+use std::sync::Arc;
+
+use deltazero_study::Subject;
+use serde::Deserialize;
+
+use super::ImpactOscillator;
+use crate::config::{Config, DefaultValue, FINITE, Key, Kind, NOT_NEGATIVE, POSITIVE, Range};
+use crate::mechanisms::in_words::fact;
+use crate::mechanisms::{Entry, Mechanism, Misfit};
+
+/// Where its numbers are from.
+const SOURCE: &str = "choice of this study";
+
+/// Its line in the list.
+pub(in crate::mechanisms) const IMPACT_OSCILLATOR: Entry = Entry {
+    name: "impact-oscillator",
+    about: "a driven mass on a spring that hits a rigid stop",
+    keys: KEYS,
+    uses: &[],
+    defaults: &[
+        ("run.t_end", "21.0"),
+        ("run.sample", "0.05"),
+        ("solver.step", "1e-3"),
+        ("study.steps", "[0.05, 0.02, 0.01, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]"),
+    ],
+    source: SOURCE,
+    has_two_joints: false,
+    read: |tables| {
+        let Tables { impact_oscillator } = serde_json::from_value(tables)?;
+        Ok(Arc::new(impact_oscillator))
+    },
+};
+
+#[derive(Deserialize)]
+struct Tables {
+    impact_oscillator: ImpactOscillator,
+}
+
+/// A key of this mechanism.
+const fn key(
+    path: &'static str,
+    kind: Kind,
+    default: &'static str,
+    unit: &'static str,
+    doc: &'static str,
+) -> Key {
+    Key { path, kind, default: DefaultValue::Toml(default), unit, doc, source: SOURCE }
+}
+
+const FRACTION: Kind = Kind::Number(Range::closed(0.0, 1.0));
+
+const KEYS: &[Key] = &[
+    key("impact_oscillator.mass", POSITIVE, "1.0", "kg", "Mass m"),
+    key("impact_oscillator.damping", NOT_NEGATIVE, "1.0", "N s/m", "Damping c, below 2√(k m)"),
+    key("impact_oscillator.stiffness", POSITIVE, "100.0", "N/m", "Stiffness k of the spring"),
+    key("impact_oscillator.amplitude", NOT_NEGATIVE, "10.0", "N", "Amplitude F of the force"),
+    key(
+        "impact_oscillator.frequency",
+        POSITIVE,
+        "6.0",
+        "rad/s",
+        "Angular frequency ω of the force",
+    ),
+    key(
+        "impact_oscillator.gap",
+        NOT_NEGATIVE,
+        "0.1",
+        "m",
+        "Gap d between the rest of the spring and the stop",
+    ),
+    key("impact_oscillator.restitution", FRACTION, "0.6", "", "Restitution e of an impact"),
+    key(
+        "impact_oscillator.start_position",
+        FINITE,
+        "-0.1",
+        "m",
+        "Position at t = 0, from the stop, at most 0",
+    ),
+    key("impact_oscillator.start_velocity", FINITE, "0.0", "m/s", "Velocity at t = 0"),
+];
+
+impl Mechanism for ImpactOscillator {
+    fn subject(&self, _config: &Config) -> Subject {
+        Subject::of(*self)
+    }
+
+    fn n_tolerances(&self) -> usize {
+        2
+    }
+
+    fn check(&self, _config: &Config) -> Result<(), Misfit> {
+        let against = "mechanism";
+        if self.damping * self.damping >= 4.0 * self.stiffness * self.mass {
+            let (key, found) = ("impact_oscillator.damping", self.damping.to_string());
+            let reason =
+                "the damping must be below the critical one, 2√(k m), for the closed form to hold";
+            return Err(Misfit { key, found, against, reason });
+        }
+        if self.start_position > 0.0 {
+            let (key, found) =
+                ("impact_oscillator.start_position", self.start_position.to_string());
+            let reason = "the mass must start on its side of the stop, at 0 or below";
+            return Err(Misfit { key, found, against, reason });
+        }
+        Ok(())
+    }
+
+    fn title(&self, _config: &Config) -> String {
+        "Mechanism `impact-oscillator`".to_owned()
+    }
+
+    fn lead(&self) -> &'static str {
+        "A driven mass on a spring hits a rigid stop and bounces; where bounces accumulate it rests there until the force lets \
+         it go. Each impact is an event, the zero crossing of the distance."
+    }
+
+    fn facts(&self, config: &Config) -> Vec<(String, String)> {
+        let Self { mass, damping, stiffness, amplitude, frequency, gap, restitution, .. } = self;
+        vec![
+            fact(
+                "Mechanism",
+                format!(
+                    "impact oscillator: m = {mass} kg, c = {damping} N s/m, k = {stiffness} N/m"
+                ),
+            ),
+            fact("Force", format!("{amplitude} N at {frequency} rad/s")),
+            fact("Stop", format!("at {gap} m, restitution {restitution}")),
+            fact("Time", format!("0 to {} s", config.run.t_end)),
+        ]
+    }
+}
