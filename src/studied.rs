@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 use std::{fs, io};
 
 use deltazero_study::map::Map;
+use deltazero_study::motion::Motion;
 use deltazero_study::plan::sample_times;
 use deltazero_study::recommend::{Recommendation, recommend};
 use deltazero_study::reference::ReferenceError;
@@ -15,6 +16,7 @@ use deltazero_study::work_precision::WorkPrecision;
 use deltazero_study::{Plan, Subject, work_precision};
 
 use crate::figures::{self, Drawing};
+use crate::report::simulation::motion_csv;
 use crate::report::{self, About, Provenance};
 use crate::study::machine::Machine;
 
@@ -30,6 +32,7 @@ pub struct Studied {
     /// The figures.
     pub drawings: Vec<Drawing>,
     steps: StepTables,
+    motion: Option<Motion>,
 }
 
 impl Studied {
@@ -41,8 +44,10 @@ impl Studied {
         let stop = AtomicBool::new(false);
         let table = work_precision(subject, &plan, &[], &stop, &|_| {})?;
         let steps = StepTables::new(subject, &plan, &table, plan.limits(&stop));
-        let drawings = figures::of_study(&table, &steps);
-        Ok(Self { about, plan, table, drawings, steps })
+        let motion = Motion::new(subject, plan.t_end, plan.limits(&stop));
+        let mut drawings = figures::of_study(&table, &steps);
+        drawings.extend(motion.iter().flat_map(figures::of_motion));
+        Ok(Self { about, plan, table, drawings, steps, motion })
     }
 
     /// The cheapest run at each accuracy, as a table in Markdown.
@@ -50,7 +55,7 @@ impl Studied {
         report::answer(&self.table)
     }
 
-    /// Writes `study.csv`, `study.md`, `report.html`, the tables of steps and `figures/` into `dir`, which is made
+    /// Writes `study.csv`, `study.md`, `report.html`, `motion.csv`, the tables of steps and `figures/` into `dir`, which is made
     /// where there is none.
     ///
     /// # Errors
@@ -62,18 +67,18 @@ impl Studied {
             machine: Some(Machine::here()),
             time: None,
         };
-        let Self { about, plan, table, drawings, steps } = self;
+        let Self { about, plan, table, drawings, steps, motion } = self;
         let files = report::study_files(about, plan, table, &provenance, drawings)
             .map_err(|(name, error)| io::Error::other(format!("cannot draw {name}: {error}")))?;
         fs::create_dir_all(dir.join("figures"))?;
         for file in files {
             fs::write(dir.join(file.name), file.content)?;
         }
-        let tables = report::steps::files(steps, None).into_iter();
-        // Of the limit of stability nothing is known here.
-        tables
-            .filter(|(name, _)| *name != "rk4_stability.csv")
-            .try_for_each(|(name, text)| fs::write(dir.join(name), text))
+        if let Some(motion) = motion {
+            fs::write(dir.join("motion.csv"), motion_csv(motion))?;
+        }
+        let mut tables = report::steps::files(steps, None);
+        tables.try_for_each(|(name, text)| fs::write(dir.join(name), text))
     }
 }
 

@@ -49,6 +49,10 @@ fn the_answers_on_the_pages_are_those_of_their_committed_studies() {
                    \"bdf\", \"auto\"]";
     for (name, sets) in [
         ("slider_crank", &["mechanism=slider-crank"][..]),
+        ("four_bar", &["mechanism=four-bar"]),
+        ("cam_follower", &["mechanism=cam-follower"]),
+        ("rocking_block", &["mechanism=rocking-block"]),
+        ("impact_oscillator", &["mechanism=impact-oscillator"]),
         ("chain", &["bays=3", "run.t_end=0.5", methods]),
     ] {
         let answer = report::answer(&study_of(name, sets));

@@ -4,7 +4,7 @@ use strsim::normalized_damerau_levenshtein as similarity;
 
 use crate::mechanisms::MECHANISMS;
 
-use super::keys::{JOINT_TABLES, JOINTS, keys, one_joint, tables};
+use super::keys::{JOINT_TABLES, JOINTS, Key, keys, one_joint, tables};
 
 /// Similarity below which a suggestion would only confuse.
 const SIMILAR: f64 = 0.5;
@@ -22,9 +22,10 @@ pub(super) fn nearest_key(path: &str, table: bool) -> Option<String> {
         }
         (None, true) => tables().into_iter().chain(JOINTS).map(str::to_owned).collect(),
         (None, false) => {
-            // Of two that are as near, that which more mechanisms have.
+            // Of two that are as near, that which no mechanism has for itself.
             let mut all: Vec<_> = keys().collect();
-            all.sort_by_key(|key| MECHANISMS.iter().filter(|entry| !entry.has(key)).count());
+            let is_own = |key: &Key| MECHANISMS.iter().any(|entry| entry.keys.contains(key));
+            all.sort_by_key(|key| is_own(key));
             all.into_iter().map(|key| key.path.to_owned()).collect()
         }
     };

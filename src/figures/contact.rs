@@ -43,18 +43,12 @@ pub(super) fn drawing(motion: &Motion) -> Option<Drawing> {
         force_panel(&zoom, contact_bands(&motion.zoom)),
     ];
     let name = &motion.zoom.name;
-    let (of_site, of) = match name.as_str() {
-        "" => (String::new(), String::new()),
-        name => (format!("{name}, "), format!(" of {name}")),
-    };
+    let of = if name.is_empty() { String::new() } else { format!(" of {name}") };
     let caption = format!(
-        "{of_site}{}: penetration δ (below zero the gap) and normal force F_N. Deepest {deepest:.2e} m, widest gap \
-         {widest:.2e} m, largest force {hardest:.2} N among the points shown. Right: {shown}; shaded: contact.",
+        "Penetration δ (below zero the gap) and normal force F_N{of}, by {}. Deepest {deepest:.2e} m, widest gap {widest:.2e} \
+         m, largest force {hardest:.2} N among the points shown. Right: {shown}; shaded: contact.",
         motion.method
     );
-    let caption = caption.chars().next().map_or(String::new(), |first| {
-        first.to_uppercase().chain(caption.chars().skip(1)).collect()
-    });
     let figure = Figure {
         title: format!("Contact and separation{of}"),
         rows: 2,

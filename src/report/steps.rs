@@ -8,16 +8,20 @@ use super::exact;
 use crate::study::stability::Stability;
 
 /// Each file's name and text.
-pub fn files(tables: &StepTables, stability: Option<&Stability>) -> [(&'static str, String); 7] {
-    [
+pub fn files(
+    tables: &StepTables,
+    stability: Option<&Stability>,
+) -> impl Iterator<Item = (&'static str, String)> {
+    let of_every_subject = [
         ("steps.csv", steps(tables)),
         ("step_histogram.csv", histogram(tables)),
         ("stays.csv", stays(tables)),
         ("restarts.csv", restarts(tables)),
         ("restart_costs.csv", restart_costs(tables)),
-        ("rk4_stability.csv", rk4_stability(stability)),
         ("tolerance.csv", tolerance(tables)),
-    ]
+    ];
+    let limit = stability.map(|stability| ("rk4_stability.csv", rk4_stability(stability)));
+    of_every_subject.into_iter().chain(limit)
 }
 
 /// Every accepted step.
@@ -118,11 +122,10 @@ fn restart_costs(tables: &StepTables) -> String {
     csv
 }
 
-fn rk4_stability(stability: Option<&Stability>) -> String {
+fn rk4_stability(stability: &Stability) -> String {
     let mut csv = String::from(
         "joint,h_s,e,n_events,limit_s,time_scale_s,omega_least_rad_s,omega_largest_rad_s\n",
     );
-    let Some(stability) = stability else { return csv };
     for run in &stability.runs {
         let Some(joint) = stability.stiffness.iter().find(|row| row.joint == run.joint) else {
             continue;
