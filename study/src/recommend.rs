@@ -96,7 +96,9 @@ fn chatter(benchmark: &Benchmark) -> Option<Warning> {
 fn storm(error: &ReferenceError) -> Option<Warning> {
     use deltazero_solvers::Error::{Chatter, EventStorm};
     match error {
-        ReferenceError::Failed { error: Chatter { .. } | EventStorm { .. }, .. } => {
+        ReferenceError::Failed { error: own, .. }
+            if matches!(**own, Chatter { .. } | EventStorm { .. }) =>
+        {
             Some(Warning { code: Code::Chatter, message: error.to_string() })
         }
         _ => None,

@@ -38,7 +38,7 @@ pub enum ReferenceError {
         /// Mode there.
         mode: String,
         /// Why.
-        error: deltazero_solvers::Error,
+        error: Box<deltazero_solvers::Error>,
     },
     /// It cost more than the limit of work.
     #[error(

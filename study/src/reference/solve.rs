@@ -306,7 +306,7 @@ pub(crate) fn path<P: Problem>(
             place: super::place(&problem.name()),
             t: run.t,
             mode: format!("{:?}", run.mode),
-            error: error.clone(),
+            error: Box::new(error.clone()),
         }),
         Ok(Outcome::Interrupted) if limits.is_stopped() => Err(ReferenceError::Interrupted),
         Ok(Outcome::Interrupted) => Err(match watch.cut {
