@@ -59,7 +59,7 @@ impl<B> RowBrake<B> {
     pub(super) fn complaint(&self, t: f64) -> Option<String> {
         (self.n_steps > self.rows.most_steps).then(|| {
             format!(
-                "run.sample = 0 keeps every step, and they made more than {MOST_ROWS:e} rows of all joints by t = {t:e} s; {WAY_OUT}"
+                "run.sample = 0 keeps every step, and they made more than {MOST_ROWS:e} rows of all sites by t = {t:e} s; {WAY_OUT}"
             )
         })
     }

@@ -195,15 +195,13 @@ fn run_json(output: &Output, config: &Config, setting: &Setting, parts: &[Simula
         "wall_s": parts.iter().map(|part| part.own.wall).sum::<Duration>().as_secs_f64(),
         "counts": counts,
         "work_by_phase": WorkByPhase::new(&work),
+        "contacts": parts.iter().flat_map(contact_rows).collect::<Vec<_>>(),
         "outcome": outcome(parts),
         "error": parts.iter().find_map(error),
     });
     all[format!("{end_name}_s")] = parts.iter().filter_map(reached).collect();
     if let Some(balance) = balance {
         all["energy"] = json!(balance);
-    }
-    if parts.iter().any(|part| part.own.contacts.is_some()) {
-        all["contacts"] = parts.iter().flat_map(contact_rows).collect();
     }
     all
 }
@@ -238,7 +236,8 @@ fn contact_rows(Simulated { part, own, .. }: &Simulated<'_>) -> Vec<Value> {
         }
         row
     };
-    own.contacts.iter().flatten().enumerate().map(row).collect()
+    let none = || vec![Vec::new(); part.sites.len()];
+    own.contacts.clone().unwrap_or_else(none).iter().enumerate().map(row).collect()
 }
 
 /// The contacts of a part in a line; none where there are none.

@@ -153,7 +153,9 @@ impl Config {
             ("regimes", json(&self.regimes)),
         ];
         all.extend(parts.map(|(name, part)| (name.to_owned(), part)));
-        all.extend(self.mechanism.tables.clone());
+        for (name, table) in self.mechanism.tables.clone() {
+            all.entry(name).or_insert(table);
+        }
         let used = |name: &str| {
             keys()
                 .any(|key| key.table().unwrap_or(key.path) == name && self.mechanism.entry.has(key))

@@ -145,8 +145,7 @@ impl Settings {
         for (path, (value, place)) in &self.values {
             let (is_given, value) = (*place != Place::Default, value.to_string());
             if is_given && one_joint(path).is_some() && !entry.has_two_joints {
-                let reason =
-                    "it has not two joints; give the key in [joint], [contact] or [friction]";
+                let reason = "only a mechanism of two joints has such keys; give the key without joint1 or joint2";
                 return refused(path, value, "mechanism", reason.to_owned());
             }
             let is_foreign = find(path).is_some_and(|key| key.table().is_none() && !entry.has(key));
@@ -196,6 +195,9 @@ impl Settings {
 
     /// What a joint whose friction has bristles cannot have.
     fn check_bristles(&self, config: &Config) -> Result<(), ConfigError> {
+        if !config.mechanism.entry.uses.contains(&"friction") {
+            return Ok(());
+        }
         let joints = JOINTS.iter().zip(&config.joints);
         for (name, joint) in joints.filter(|(_, joint)| joint.friction.law == FrictionLaw::Lugre) {
             let refused = |key: &str, value: String, reason| {

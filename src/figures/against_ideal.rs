@@ -28,6 +28,9 @@ pub(super) fn drawing(motion: &Motion) -> Option<Drawing> {
     let (with, without) = (points(own), points(ideal));
     let most = |of: &[(f64, f64)]| of.iter().fold(0.0, |most: f64, (_, x)| most.max(x.abs()));
     let (most, least) = (most(&with), most(&without));
+    if site.times.is_empty() || least == 0.0 {
+        return None;
+    }
     let free = site.touches.iter().filter(|(is_contact, _)| !is_contact).count();
     let caption = format!(
         "The {name} over time, in {unit}, {}. It reaches {most:.3e} {unit} among the points shown, {:.1} times the \

@@ -94,17 +94,18 @@ fn force_panel(rows: &[Point], bands: Vec<Band>) -> Panel {
 
 /// The parts of the zoom in contact.
 fn contact_bands(zoom: &SiteMotion) -> Vec<Band> {
-    let (Some(first), Some(last)) = (zoom.times.first(), zoom.times.last()) else {
-        return Vec::new();
-    };
-    let mut bands = Vec::new();
-    let (mut from, mut is_contact) = (*first, zoom.touches.first().is_some_and(|(own, _)| *own));
-    let changes = zoom.changes.iter().map(|change| (change.t, change.by_code.after != 0));
-    for (t, after) in changes.chain([(*last, false)]) {
-        if is_contact && t > from {
-            bands.push(Band { x: (from, t), color: CONTACT, label: "contact".into() });
+    let mut bands: Vec<Band> = Vec::new();
+    let mut was_contact = false;
+    for (t, (is_contact, _)) in zoom.times.iter().zip(&zoom.touches) {
+        match bands.last_mut() {
+            Some(band) if was_contact => band.x.1 = *t,
+            _ if *is_contact => {
+                bands.push(Band { x: (*t, *t), color: CONTACT, label: "contact".into() });
+            }
+            _ => {}
         }
-        (from, is_contact) = (t, after);
+        was_contact = *is_contact;
     }
+    bands.retain(|band| band.x.1 > band.x.0);
     bands
 }

@@ -77,7 +77,7 @@ fn panel(map: &Map, accuracy: f64) -> Panel {
         x_label: x.label(),
         y_label: y.label(),
         columns: x.values.iter().map(|value| format!("{value:e}")).collect(),
-        rows: rows().map(|value| format!("{value}")).collect(),
+        rows: rows().map(|value| format!("{value:e}")).collect(),
         cells: winner_colors(grid.into_iter()),
         texts,
     }

@@ -23,12 +23,13 @@ pub(super) fn drawing(motion: &Motion, clearances: &[f64]) -> Option<Drawing> {
         let share = 100.0 * free as f64 / site.touches.len().max(1) as f64;
         format!("{share:.1} % of the time in {}", site.name)
     };
-    let shares: Vec<String> = motion.sites.iter().map(share).collect();
-    let caption = format!(
-        "Orbit of the pin centres in their bushes, {}. The pin is free {}; else it rolls and slips along the bush.",
-        motion.method,
-        shares.join(" and ")
-    );
+    let with_contact = motion.sites.iter().filter(|site| !site.touches.is_empty());
+    let shares: Vec<String> = with_contact.map(share).collect();
+    let mut caption = format!("Orbit of the pin centres in their bushes, {}.", motion.method);
+    if !shares.is_empty() {
+        let shares = shares.join(" and ");
+        caption += &format!(" The pin is free {shares}; else it rolls and slips along the bush.");
+    }
     let figure = Figure {
         title: "Pin orbits".into(),
         rows: 1,

@@ -158,19 +158,25 @@ impl Mechanism for FourBar {
         6
     }
 
-    /// The crank must turn around whatever the pin does in its bush.
+    /// The crank must turn around, and the rocker swing, whatever the pin does in its bush.
     fn check(&self, config: &Config) -> Result<(), Misfit> {
         let c = 2.0 * config.joints[0].joint.clearance;
         let [r, l, b, g] =
             [self.crank_length, self.coupler_length, self.rocker_length, self.ground_length];
-        if (l - b).abs() < g - r - c && g + r + c < l + b {
-            return Ok(());
+        let refused = |key, found: f64, reason| {
+            Err(Misfit { key, found: found.to_string(), against: "mechanism", reason })
+        };
+        if (l - b).abs() >= g - r - c {
+            let reason = "no crank-rocker: |coupler_length − rocker_length| must be below ground_length − crank_length by \
+                          twice the clearance";
+            return refused("four_bar.coupler_length", l, reason);
         }
-        let reason = "the crank cannot turn around: |coupler_length − rocker_length| must be below ground_length − \
-                      crank_length, and ground_length + crank_length below coupler_length + rocker_length, by more than \
-                      twice the clearance";
-        let (key, found) = ("four_bar.crank_length", r.to_string());
-        Err(Misfit { key, found, against: "mechanism", reason })
+        if g + r + c >= l + b {
+            let reason = "no crank-rocker: ground_length + crank_length must be below coupler_length + rocker_length by \
+                          twice the clearance";
+            return refused("four_bar.ground_length", g, reason);
+        }
+        Ok(())
     }
 
     fn title(&self, _config: &Config) -> String {

@@ -327,8 +327,9 @@ impl Problem for ImpactOscillator {
         *before == Mode::Free
     }
 
+    /// Where it bounces at once.
     fn starts_on_surface(&self) -> bool {
-        self.start_position == 0.0
+        self.start_position == 0.0 && self.start_velocity > 0.0
     }
 
     /// The force of the stop on a mass that rests there; an impact has none that is finite.

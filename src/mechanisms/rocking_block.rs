@@ -353,19 +353,6 @@ impl Problem for RockingBlock {
         }
     }
 
-    fn mode_name(&self, mode: &Mode, site: usize) -> String {
-        let name = match mode {
-            Mode::AtRest => "at rest",
-            Mode::Rocks(carrier) if *carrier == corner(site) => "carries",
-            Mode::Rocks(_) => "lifted",
-        };
-        name.to_owned()
-    }
-
-    fn starts_on_surface(&self) -> bool {
-        self.start_angle == 0.0
-    }
-
     fn unit_of_time(&self) -> f64 {
         1.0 / self.frequency()
     }

@@ -16,7 +16,7 @@
 //! l e(φ) = (a w + s h Jw)/D,   b e(ψ) = l e(φ) − w,   a = (l² − b² + D²)/(2D),   h = √(l² − a²)
 //! ```
 //!
-//! J the turn by 90° and `s = ±1` the way it is assembled. Of `u = (Ẋ, Ẏ) − Ȧ = l φ̇ n(φ) − b ψ̇ n(ψ)`, with `S = sin(ψ − φ)`
+//! J the turn by 90° and `s = 1`: of the two ways to assemble it that with B left of the way from A to O. Of `u = (Ẋ, Ẏ) − Ȧ = l φ̇ n(φ) − b ψ̇ n(ψ)`, with `S = sin(ψ − φ)`
 //! and × the plane cross product,
 //!
 //! ```text
@@ -179,7 +179,7 @@ impl Linkage for FourBar {
         let along = (length_sq + (self.coupler * self.coupler - self.rocker * self.rocker))
             / (length_sq * 2.0);
         let across = (S::cst(self.coupler * self.coupler) / length_sq - along * along).sqrt();
-        // The rocker is above the line of the pivots.
+        // s = 1.
         let coupler = [along * w[0] - across * w[1], along * w[1] + across * w[0]];
         let phi = [coupler[0] / self.coupler, coupler[1] / self.coupler];
         let psi = [(coupler[0] - w[0]) / self.rocker, (coupler[1] - w[1]) / self.rocker];

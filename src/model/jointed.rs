@@ -20,9 +20,6 @@ pub trait Jointed: Problem {
     /// The mode of joint `k`, counted from zero.
     fn joint_mode(mode: &Self::Mode, k: usize) -> Mode;
 
-    /// The contact forces of every joint.
-    fn joint_forces(&self, mode: &Self::Mode, y: &Self::State<f64>) -> Vec<ContactForces<f64>>;
-
     /// Where the six states of joint `k` begin.
     fn offset(&self, k: usize) -> usize {
         k * (self.dim() / self.n_sites())
@@ -325,10 +322,6 @@ impl Jointed for Block {
     fn joint_mode(mode: &Mode, _k: usize) -> Mode {
         *mode
     }
-
-    fn joint_forces(&self, mode: &Mode, y: &State<f64>) -> Vec<ContactForces<f64>> {
-        vec![self.forces(*mode, y, &self.pose(y))]
-    }
 }
 
 /// A chain runs in f64 with its events located: the other two would be a second and a third copy of every
@@ -488,9 +481,5 @@ impl Jointed for Chain {
 
     fn joint_mode(modes: &Modes, k: usize) -> Mode {
         modes[k]
-    }
-
-    fn joint_forces(&self, modes: &Modes, y: &Vec<f64>) -> Vec<ContactForces<f64>> {
-        self.forces(modes, y)
     }
 }

@@ -59,7 +59,10 @@ pub fn motion_csv(motion: &Motion) -> String {
     header.extend(label_names(first));
     header.extend(["t_s".to_owned(), "mode".to_owned()]);
     header.extend(first.columns.iter().map(header_of));
-    header.extend(["delta_m", "normal_force_n"].map(str::to_owned));
+    // Where the columns do not have them.
+    let adds = ["delta_m", "f_n_n"].map(|name| !header.iter().any(|own| own == name));
+    let names = ["delta_m", "f_n_n"].into_iter().zip(adds);
+    header.extend(names.filter(|(_, adds)| *adds).map(|(name, _)| name.to_owned()));
     let mut csv = header.join(",") + "\n";
     let zoom = std::iter::once(("zoom", first));
     for (part, site) in motion.sites.iter().map(|site| ("whole", site)).chain(zoom) {
@@ -67,9 +70,10 @@ pub fn motion_csv(motion: &Motion) -> String {
         for (i, (t, mode, values)) in site.samples().enumerate() {
             let touch = site.touches.get(i).map(|(_, touch)| *touch);
             let (depth, force) = (touch.map(|touch| touch.depth), touch.map(|touch| touch.force));
-            let values: Vec<String> = values.iter().map(|x| format!("{x:e}")).collect();
-            let (depth, force, values) = (exact(depth), exact(force), values.join(","));
-            let _ = writeln!(csv, "{part},{labels}{t:e},{mode},{values},{depth},{force}");
+            let mut values: Vec<String> = values.iter().map(|x| format!("{x:e}")).collect();
+            let more = [depth, force].into_iter().zip(adds).filter(|(_, adds)| *adds);
+            values.extend(more.map(|(x, _)| exact(x)));
+            let _ = writeln!(csv, "{part},{labels}{t:e},{mode},{}", values.join(","));
         }
     }
     csv

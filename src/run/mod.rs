@@ -9,10 +9,10 @@ use deltazero_study::run::{
 };
 
 use crate::config::Config;
-use crate::model::{Block, Jointed, Joints, Mode, Part, State};
+use crate::model::{Jointed, Joints, Mode, Part, State};
 
 pub use at_once::{integrate_many, integrate_pair};
-pub use joints::{JointHistory, JointSample, histories, switches, trajectories};
+pub use joints::{switches, trajectories};
 
 /// The `[solver]` table of a configuration; none if its method does not exist.
 pub fn setting(config: &Config) -> Option<Setting> {
@@ -105,15 +105,6 @@ fn one<P: Jointed>(
     let run = integrate(part, setting, part.start(), t_end, &mut record);
     let trajectories = trajectories(part, &record.0);
     (run.plain(), trajectories, watch.cut)
-}
-
-/// Contacts that began at the floor of the impact speed or below it, of a law that asks for that speed.
-pub fn contacts_at_floor(block: &Block, events: &[Switch<Mode>]) -> usize {
-    let is_at_floor = |switch: &&Switch<Mode>| match switch.after {
-        Next::Mode(after) => block.begins_at_floor(switch.before, after),
-        Next::Stop => false,
-    };
-    events.iter().filter(is_at_floor).count()
 }
 
 /// The mode changes among the events of a block; free apart and free relaxing are one mode.

@@ -23,7 +23,7 @@ pub struct Balance {
     /// Elastic energy of the contacts at the end.
     #[serde(with = "json_number::one")]
     pub elastic: f64,
-    /// Taken by damping, by friction, and left in the bush where contact ends without adhesion.
+    /// Taken by damping, by friction, and by events that take energy: impacts, and contacts that end dented.
     #[serde(with = "json_number::one")]
     pub dissipated: f64,
     /// `work + energy at the start − kinetic − elastic − dissipated`: zero for an exact run of a

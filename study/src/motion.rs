@@ -39,7 +39,7 @@ impl Motion {
             Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(RTOL, None) };
         let run = |part: &Part, times: &[f64], t_end: f64| {
             let mut watch = limits.watch(Price::of_setting(&setting));
-            part.motion(&setting, times, t_end, &mut watch).into_iter().next()
+            part.motion(&setting, times, t_end, &mut watch)
         };
         let spacing = t_end / f64::from(POINTS);
         let times: Vec<f64> = (1..=POINTS).map(|k| (spacing * f64::from(k)).min(t_end)).collect();
@@ -47,7 +47,8 @@ impl Motion {
             subject.parts.iter().filter_map(|part| run(part, &times, t_end)).collect();
         let (part, first) = (subject.parts.first()?, sites.first()?);
         let changes: Vec<ModeChange> = first.changes.iter().map(|change| change.by_code).collect();
-        let flight = flight_window(counted(&changes, part.starts_on_surface), t_end);
+        let flight = flight_window(counted(&changes, part.starts_on_surface), t_end)
+            .or_else(|| flight_window(&sampled(first), t_end));
         let (from, to) = flight.unwrap_or((0.0, FIRST_PART * t_end));
         let spacing = (to - from) / f64::from(ZOOM_POINTS);
         let times: Vec<f64> = (0..=ZOOM_POINTS).map(|k| from + spacing * f64::from(k)).collect();
@@ -56,6 +57,15 @@ impl Motion {
         let method = setting.to_string();
         Some(Self { zoom, zooms_on_flight: flight.is_some(), method, sites })
     }
+}
+
+/// Where a site is in contact and where not, from its samples alone: events of other sites change that too.
+fn sampled(site: &SiteMotion) -> Vec<ModeChange> {
+    let contact = |i: usize| i8::from(site.touches[i].0);
+    let change =
+        |i: usize| ModeChange { t: site.times[i], before: contact(i - 1), after: contact(i) };
+    let all = (1..site.touches.len()).map(change);
+    all.filter(|change| change.before != change.after).collect()
 }
 
 /// From before the first flight to after it, if there is one.

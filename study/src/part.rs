@@ -11,7 +11,7 @@ use crate::measured::{MeasuredPart, measure};
 use crate::problem::{EndName, Group, Problem, Quantity, nudged};
 use crate::reference::{Maker, PartReference, Path, ReferenceError, path};
 use crate::run::{Brake, Braked, Limits, ModeChange, PartRun, Setting, integrate};
-use crate::simulation::{Asked, Simulation, SiteMotion, motions_with_touches, simulate};
+use crate::simulation::{Asked, Simulation, SiteMotion, motion_with_touches, simulate};
 use crate::steps::step_size::{Steps, steps};
 use crate::trace::Trace;
 
@@ -72,14 +72,14 @@ pub(crate) trait Runs: Send + Sync {
     /// Whether what the problem says of itself fits together.
     fn check(&self) -> Result<(), ProblemError>;
 
-    /// The motion of each site at `times`, with its contacts.
+    /// The motion of the first site at `times`, with its contacts.
     fn motion(
         &self,
         setting: &Setting,
         times: &[f64],
         t_end: f64,
         brake: &mut dyn Brake,
-    ) -> Vec<SiteMotion>;
+    ) -> Option<SiteMotion>;
 
     /// All that a user may ask of one run.
     fn simulate(&self, asked: &Asked<'_>, brake: &mut dyn Brake) -> Simulation;
@@ -134,10 +134,10 @@ impl<P: Problem> Runs for P {
         times: &[f64],
         t_end: f64,
         brake: &mut dyn Brake,
-    ) -> Vec<SiteMotion> {
+    ) -> Option<SiteMotion> {
         let mut record = (Trajectory::on(Grid::Times(times.to_vec())), Braked(brake));
         integrate(self, setting, self.start(), t_end, &mut record);
-        motions_with_touches(self, &record.0)
+        motion_with_touches(self, &record.0)
     }
 
     fn simulate(&self, asked: &Asked<'_>, brake: &mut dyn Brake) -> Simulation {
@@ -216,14 +216,14 @@ impl Part {
         self.runs.run(setting, start, t_end, grid, brake)
     }
 
-    /// The motion of each site at `times`, with its contacts, of a run at `setting` to `t_end`.
+    /// The motion of its first site at `times`, with its contacts, of a run at `setting` to `t_end`.
     pub fn motion(
         &self,
         setting: &Setting,
         times: &[f64],
         t_end: f64,
         brake: &mut dyn Brake,
-    ) -> Vec<SiteMotion> {
+    ) -> Option<SiteMotion> {
         self.runs.motion(setting, times, t_end, brake)
     }
 

@@ -54,7 +54,7 @@ pub struct SiteMotion {
     /// Times of the samples [s].
     pub times: Vec<f64>,
     /// The mode at each sample: its place in [`modes`](Self::modes).
-    pub mode_of: Vec<u16>,
+    pub mode_of: Vec<u32>,
     /// Names of the modes that it took at samples.
     pub modes: Vec<String>,
     /// Values, sample by sample, in the order of the columns.
@@ -71,18 +71,18 @@ impl SiteMotion {
     pub fn samples(&self) -> impl Iterator<Item = (f64, &str, &[f64])> {
         let width = self.columns.len();
         self.times.iter().enumerate().map(move |(i, t)| {
-            let mode = self.modes[usize::from(self.mode_of[i])].as_str();
+            let mode = self.modes[self.mode_of[i] as usize].as_str();
             (*t, mode, &self.values[i * width..(i + 1) * width])
         })
     }
 
     /// The place of the name of a mode.
-    fn place(&mut self, name: String) -> u16 {
-        let place = self.modes.iter().position(|known| *known == name).unwrap_or_else(|| {
+    fn place(&mut self, name: String) -> u32 {
+        let place = self.modes.iter().rposition(|known| *known == name).unwrap_or_else(|| {
             self.modes.push(name);
             self.modes.len() - 1
         });
-        u16::try_from(place).unwrap_or(u16::MAX)
+        place as u32
     }
 }
 
@@ -144,7 +144,7 @@ pub(crate) fn simulate<P: Problem>(
         let mut trajectory = Trajectory::on(grid.clone());
         integrate(problem, setting, y0, *t_end, &mut trajectory).took.wall
     };
-    let sites = motions(problem, &kept);
+    let sites = motions(problem, &kept, problem.n_sites());
     let on_surface = usize::from(problem.starts_on_surface());
     Simulation {
         n_events: sites.iter().map(|site| site.changes.len().saturating_sub(on_surface)).sum(),
@@ -189,7 +189,10 @@ fn stopped_site<P: Problem>(problem: &P, run: &OwnTrajectory<P>) -> usize {
 fn failed_site<P: Problem>(problem: &P, run: &OwnRun<P>) -> Option<usize> {
     match run.outcome.as_ref().err()? {
         _ if problem.n_sites() == 1 => Some(0),
-        Error::NonFinite { component, .. } => Some(component * problem.n_sites() / problem.dim()),
+        // Sites of a chain have as many states each.
+        Error::NonFinite { component, .. } if problem.dim().is_multiple_of(problem.n_sites()) => {
+            Some(component * problem.n_sites() / problem.dim())
+        }
         Error::NonFiniteGuard { guard, .. } | Error::Chatter { guard, .. } => {
             Some(problem.site_of_guard(&run.mode, *guard))
         }
@@ -198,8 +201,8 @@ fn failed_site<P: Problem>(problem: &P, run: &OwnRun<P>) -> Option<usize> {
     }
 }
 
-/// The motion of each site of `problem` in a run.
-pub fn motions<P: Problem>(problem: &P, run: &OwnTrajectory<P>) -> Vec<SiteMotion> {
+/// The motion of the first `most` sites of `problem` in a run.
+fn motions<P: Problem>(problem: &P, run: &OwnTrajectory<P>, most: usize) -> Vec<SiteMotion> {
     let site = |k: usize| SiteMotion {
         name: problem.site_name(k),
         labels: problem.labels(k),
@@ -211,14 +214,21 @@ pub fn motions<P: Problem>(problem: &P, run: &OwnTrajectory<P>) -> Vec<SiteMotio
         touches: Vec::new(),
         changes: Vec::new(),
     };
-    let mut sites: Vec<_> = (0..problem.n_sites()).map(site).collect();
+    let mut sites: Vec<_> = (0..problem.n_sites().min(most)).map(site).collect();
+    let mut last: Option<&P::Mode> = None;
     for sample in &run.samples {
+        let is_same = last.replace(&sample.mode) == Some(&sample.mode);
         for (k, site) in sites.iter_mut().enumerate() {
-            let place = site.place(problem.mode_name(&sample.mode, k));
+            let place = match site.mode_of.last() {
+                Some(place) if is_same => *place,
+                _ => site.place(problem.mode_name(&sample.mode, k)),
+            };
             site.mode_of.push(place);
         }
         problem.rows(&sample.mode, sample.t, &sample.y, &mut |k, values| {
-            sites[k].values.extend_from_slice(values);
+            if let Some(site) = sites.get_mut(k) {
+                site.values.extend_from_slice(values);
+            }
         });
     }
     for Switch { t, guard, before, after } in &run.events {
@@ -226,18 +236,20 @@ pub fn motions<P: Problem>(problem: &P, run: &OwnTrajectory<P>) -> Vec<SiteMotio
             (change(problem, *t, *guard, before, after), after)
         {
             let [before, after] = [before, after].map(|mode| problem.mode_name(mode, k));
-            sites[k].changes.push(NamedChange { by_code, t: *t, before, after });
+            if let Some(site) = sites.get_mut(k) {
+                site.changes.push(NamedChange { by_code, t: *t, before, after });
+            }
         }
     }
     sites
 }
 
-/// The same with the contact at each sample.
-pub(crate) fn motions_with_touches<P: Problem>(
+/// The motion of the first site of `problem` in a run, with the contact at each sample.
+pub(crate) fn motion_with_touches<P: Problem>(
     problem: &P,
     run: &OwnTrajectory<P>,
-) -> Vec<SiteMotion> {
-    let mut sites = motions(problem, run);
+) -> Option<SiteMotion> {
+    let mut sites = motions(problem, run, 1);
     for (k, site) in sites.iter_mut().enumerate() {
         let touch = |sample: &Sample<P::State<f64>, P::Mode>| {
             let touch = problem.touch(&sample.mode, sample.t, &sample.y, k)?;
@@ -245,5 +257,5 @@ pub(crate) fn motions_with_touches<P: Problem>(
         };
         site.touches = run.samples.iter().map(touch).collect::<Option<_>>().unwrap_or_default();
     }
-    sites
+    sites.pop()
 }

@@ -77,7 +77,7 @@ fn what_a_slider_crank_cannot_have_is_refused_with_the_reason() {
             2,
             "reading = pin does not go with mechanism = slider-crank: readings are",
         ),
-        ("joint2.contact.stiffness = 1e9", 2, "it has not two joints"),
+        ("joint2.contact.stiffness = 1e9", 2, "only a mechanism of two joints"),
         ("slider_crank.rod_length = 0.05", 2, "the rod must be longer"),
     ] {
         let message = refusal(&format!("mechanism = 'slider-crank'\n{text}"));

@@ -20,7 +20,8 @@ pub(in crate::mechanisms) const CAM_FOLLOWER: Entry = Entry {
     name: "cam-follower",
     about: "a cam with a flat-faced follower that lifts off: valve float",
     keys: KEYS,
-    uses: &["contact"],
+    // Laws of cylinders take the radii of [joint].
+    uses: &["joint", "contact"],
     defaults: &[
         ("contact.stiffness", "1e8"),
         ("contact.damping", "900.0"),

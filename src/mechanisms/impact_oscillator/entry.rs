@@ -98,6 +98,11 @@ impl Mechanism for ImpactOscillator {
                 "the damping must be below the critical one, 2√(k m), for the closed form to hold";
             return Err(Misfit { key, found, against, reason });
         }
+        if self.gap == 0.0 && self.amplitude == 0.0 {
+            let (key, found) = ("impact_oscillator.amplitude", self.amplitude.to_string());
+            let reason = "without a gap and a force nothing has a size; give one of them";
+            return Err(Misfit { key, found, against: "impact_oscillator.gap", reason });
+        }
         if self.start_position > 0.0 {
             let (key, found) =
                 ("impact_oscillator.start_position", self.start_position.to_string());

@@ -100,6 +100,11 @@ impl Mechanism for RockingBlock {
     }
 
     fn check(&self, _config: &Config) -> Result<(), Misfit> {
+        if self.velocity_ratio() < 0.0 {
+            let (key, found) = ("rocking_block.half_width", self.half_width.to_string());
+            let reason = "Housner's ratio 1 − (3/2) sin²α is below zero; take a block with b/h below √2, or give the restitution";
+            return Err(Misfit { key, found, against: "rocking_block.half_height", reason });
+        }
         if self.start_angle.abs() < self.overturned_at() {
             return Ok(());
         }
