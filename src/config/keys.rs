@@ -44,6 +44,18 @@ pub const JOINT_TABLES: [&str; 3] = ["joint", "contact", "friction"];
 pub const JOINTS: [&str; 2] = ["joint1", "joint2"];
 
 impl Key {
+    /// A key with a default as TOML.
+    pub const fn new(
+        path: &'static str,
+        kind: Kind,
+        default: &'static str,
+        unit: &'static str,
+        doc: &'static str,
+        source: &'static str,
+    ) -> Self {
+        Self { path, kind, default: DefaultValue::Toml(default), unit, doc, source }
+    }
+
     /// The table it is in; none for a key at the root.
     pub fn table(&self) -> Option<&'static str> {
         self.path.split_once('.').map(|(table, _)| table)

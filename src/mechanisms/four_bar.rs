@@ -1,16 +1,12 @@
 //! A four-bar linkage with clearance between coupler and rocker.
 
-use std::sync::Arc;
-
 use deltazero_study::warning::Warning;
 use serde::Deserialize;
 
 use super::in_words::{fact, joint, joint_warnings, no_blind_joints};
-use super::{Entry, Mechanism, Misfit};
-use crate::config::{Config, DefaultValue, FINITE, Key, POSITIVE, ReadingName};
+use super::{Entry, Mechanism, Misfit, read_table};
+use crate::config::{Config, FINITE, Key, POSITIVE, ReadingName};
 use crate::model::{self, AnyLinkage, Body, Part, block};
-
-use DefaultValue::Toml;
 
 /// Where lengths and masses are from; the same numbers are in the examples of the program Siconos.
 const SOURCE: &str = "four-bar with joint clearances of Akhadkar, Acary and Brogliato, Multibody Syst. Dyn. 38 (2016)";
@@ -36,82 +32,69 @@ pub(super) const FOUR_BAR: Entry = Entry {
     ],
     source: "choice of this study",
     has_two_joints: false,
-    read: |tables| {
-        let Tables { four_bar } = serde_json::from_value(tables)?;
-        Ok(Arc::new(four_bar))
-    },
+    read: |tables| read_table::<FourBar>(tables, "four_bar"),
 };
 
-#[derive(Deserialize)]
-struct Tables {
-    four_bar: FourBar,
-}
-
-/// A key of the linkage.
-const fn key(
-    path: &'static str,
-    default: &'static str,
-    unit: &'static str,
-    doc: &'static str,
-    source: &'static str,
-) -> Key {
-    Key { path, kind: POSITIVE, default: Toml(default), unit, doc, source }
-}
-
 const KEYS: &[Key] = &[
-    key("four_bar.crank_length", "1.0", "m", "Length r of the crank", SOURCE),
-    key("four_bar.coupler_length", "4.0", "m", "Length l of the coupler", SOURCE),
-    key("four_bar.rocker_length", "2.5", "m", "Length b of the rocker", SOURCE),
-    key(
+    Key::new("four_bar.crank_length", POSITIVE, "1.0", "m", "Length r of the crank", SOURCE),
+    Key::new("four_bar.coupler_length", POSITIVE, "4.0", "m", "Length l of the coupler", SOURCE),
+    Key::new("four_bar.rocker_length", POSITIVE, "2.5", "m", "Length b of the rocker", SOURCE),
+    Key::new(
         "four_bar.ground_length",
+        POSITIVE,
         "3.0",
         "m",
         "Distance g of the pivots of crank and rocker",
         SOURCE,
     ),
-    key(
+    Key::new(
         "four_bar.coupler_mass",
+        POSITIVE,
         "1.0",
         "kg",
         "Mass of the coupler, its centroid in its middle",
         SOURCE,
     ),
-    key(
+    Key::new(
         "four_bar.rocker_mass",
+        POSITIVE,
         "1.0",
         "kg",
         "Mass of the rocker, its centroid in its middle",
         SOURCE,
     ),
-    key(
+    Key::new(
         "four_bar.coupler_inertia",
+        POSITIVE,
         "1.3333333333333333",
         "kg m²",
         "Inertia of the coupler about its centroid, of a slender rod m l²/12",
         SOURCE,
     ),
-    key(
+    Key::new(
         "four_bar.rocker_inertia",
+        POSITIVE,
         "0.5208333333333334",
         "kg m²",
         "Inertia of the rocker about its centroid, of a slender rod m b²/12",
         SOURCE,
     ),
-    key(
+    Key::new(
         "four_bar.crank_speed",
+        POSITIVE,
         "6.283185307179586",
         "rad/s",
         "Speed of the crank, which is held",
         "choice of this study: a turn a second; the source controls a torque",
     ),
-    Key {
-        path: "four_bar.start_angle",
-        kind: FINITE,
-        default: Toml("1.5707963267948966"),
-        unit: "rad",
-        doc: "Angle of the crank at the start, from the line of the pivots",
-        source: "choice of this study",
-    },
+    Key::new(
+        "four_bar.start_angle",
+        FINITE,
+        "1.5707963267948966",
+        "rad",
+        "Angle of the crank at the start, from the line of the pivots",
+        "choice of this study",
+    ),
 ];
 
 /// Crank, coupler and rocker.

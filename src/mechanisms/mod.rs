@@ -20,6 +20,7 @@ use std::sync::Arc;
 use deltazero_study::problem::{Group, GroupScale, Quantity};
 use deltazero_study::warning::Warning;
 use deltazero_study::{Problem, Subject};
+use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use crate::config::{Config, Key};
@@ -88,6 +89,15 @@ impl Entry {
     pub fn default_of(&self, path: &str) -> Option<&'static str> {
         self.defaults.iter().find(|(own, _)| *own == path).map(|(_, text)| *text)
     }
+}
+
+/// The mechanism that the table `name` holds.
+fn read_table<M: Mechanism + DeserializeOwned + 'static>(
+    mut tables: Value,
+    name: &str,
+) -> serde_json::Result<Arc<dyn Mechanism>> {
+    let value: M = serde_json::from_value(tables[name].take())?;
+    Ok(Arc::new(value))
 }
 
 /// Why values do not go together.

@@ -1,16 +1,12 @@
 //! A slider-crank with clearance between rod and slider.
 
-use std::sync::Arc;
-
 use deltazero_study::warning::Warning;
 use serde::Deserialize;
 
 use super::in_words::{fact, joint, joint_warnings, no_blind_joints};
-use super::{Entry, Mechanism, Misfit};
-use crate::config::{Config, DefaultValue, FINITE, Key, POSITIVE, ReadingName};
+use super::{Entry, Mechanism, Misfit, read_table};
+use crate::config::{Config, FINITE, Key, POSITIVE, ReadingName};
 use crate::model::{self, AnyLinkage, Body, Part, block};
-
-use DefaultValue::Toml;
 
 /// Where it is from.
 const SOURCE: &str = "slider-crank benchmark of Flores, Ambrósio, Claro and Lankarani";
@@ -37,74 +33,59 @@ pub(super) const SLIDER_CRANK: Entry = Entry {
     ],
     source: SOURCE,
     has_two_joints: false,
-    read: |tables| {
-        let Tables { slider_crank } = serde_json::from_value(tables)?;
-        Ok(Arc::new(slider_crank))
-    },
+    read: |tables| read_table::<SliderCrank>(tables, "slider_crank"),
 };
 
-#[derive(Deserialize)]
-struct Tables {
-    slider_crank: SliderCrank,
-}
-
 const KEYS: &[Key] = &[
-    Key {
-        path: "slider_crank.crank_length",
-        kind: POSITIVE,
-        default: Toml("0.05"),
-        unit: "m",
-        doc: "Length r of the crank",
-        source: SOURCE,
-    },
-    Key {
-        path: "slider_crank.rod_length",
-        kind: POSITIVE,
-        default: Toml("0.12"),
-        unit: "m",
-        doc: "Length l of the rod, above crank_length + clearance",
-        source: SOURCE,
-    },
-    Key {
-        path: "slider_crank.rod_mass",
-        kind: POSITIVE,
-        default: Toml("0.21"),
-        unit: "kg",
-        doc: "Mass of the rod, its centroid in its middle",
-        source: SOURCE,
-    },
-    Key {
-        path: "slider_crank.rod_inertia",
-        kind: POSITIVE,
-        default: Toml("2.5e-4"),
-        unit: "kg m²",
-        doc: "Inertia of the rod about its centroid",
-        source: SOURCE,
-    },
-    Key {
-        path: "slider_crank.slider_mass",
-        kind: POSITIVE,
-        default: Toml("0.14"),
-        unit: "kg",
-        doc: "Mass of the slider, with the bush",
-        source: SOURCE,
-    },
-    Key {
-        path: "slider_crank.crank_speed",
-        kind: POSITIVE,
-        default: Toml("523.5987755982989"),
-        unit: "rad/s",
-        doc: "Speed of the crank, which is held",
-        source: "5000 rpm, as in the same benchmark",
-    },
-    Key {
-        path: "slider_crank.start_angle",
-        kind: FINITE,
-        default: Toml("0.0"),
-        unit: "rad",
-        doc: "Angle of the crank at the start; 0: crank and rod in line, the slider farthest",
-        source: "the same benchmark",
-    },
+    Key::new("slider_crank.crank_length", POSITIVE, "0.05", "m", "Length r of the crank", SOURCE),
+    Key::new(
+        "slider_crank.rod_length",
+        POSITIVE,
+        "0.12",
+        "m",
+        "Length l of the rod, above crank_length + clearance",
+        SOURCE,
+    ),
+    Key::new(
+        "slider_crank.rod_mass",
+        POSITIVE,
+        "0.21",
+        "kg",
+        "Mass of the rod, its centroid in its middle",
+        SOURCE,
+    ),
+    Key::new(
+        "slider_crank.rod_inertia",
+        POSITIVE,
+        "2.5e-4",
+        "kg m²",
+        "Inertia of the rod about its centroid",
+        SOURCE,
+    ),
+    Key::new(
+        "slider_crank.slider_mass",
+        POSITIVE,
+        "0.14",
+        "kg",
+        "Mass of the slider, with the bush",
+        SOURCE,
+    ),
+    Key::new(
+        "slider_crank.crank_speed",
+        POSITIVE,
+        "523.5987755982989",
+        "rad/s",
+        "Speed of the crank, which is held",
+        "5000 rpm, as in the same benchmark",
+    ),
+    Key::new(
+        "slider_crank.start_angle",
+        FINITE,
+        "0.0",
+        "rad",
+        "Angle of the crank at the start; 0: crank and rod in line, the slider farthest",
+        "the same benchmark",
+    ),
 ];
 
 /// Crank, rod and slider.

@@ -1,15 +1,13 @@
 //! The cam and its follower in the list of mechanisms: its keys, and what a report says of it.
 
-use std::sync::Arc;
-
 use deltazero_study::Subject;
 use deltazero_study::warning::Warning;
 use serde::Deserialize;
 
 use super::CamFollower;
-use crate::config::{Config, DefaultValue, Key, Kind, NOT_NEGATIVE, POSITIVE};
+use crate::config::{Config, Key, NOT_NEGATIVE, POSITIVE};
 use crate::mechanisms::in_words::{fact, normal_contact, normal_warnings};
-use crate::mechanisms::{Entry, Mechanism};
+use crate::mechanisms::{Entry, Mechanism, read_table};
 use crate::model::contact::NormalLaw;
 
 /// Where its numbers are from.
@@ -33,46 +31,36 @@ pub(in crate::mechanisms) const CAM_FOLLOWER: Entry = Entry {
     ],
     source: SOURCE,
     has_two_joints: false,
-    read: |tables| {
-        let Tables { cam_follower } = serde_json::from_value(tables)?;
-        Ok(Arc::new(cam_follower))
-    },
+    read: |tables| read_table::<Parameters>(tables, "cam_follower"),
 };
 
-#[derive(Deserialize)]
-struct Tables {
-    cam_follower: Parameters,
-}
-
-/// A key of this mechanism.
-const fn key(
-    path: &'static str,
-    kind: Kind,
-    default: &'static str,
-    unit: &'static str,
-    doc: &'static str,
-) -> Key {
-    Key { path, kind, default: DefaultValue::Toml(default), unit, doc, source: SOURCE }
-}
-
 const KEYS: &[Key] = &[
-    key(
+    Key::new(
         "cam_follower.mass",
         POSITIVE,
         "0.2",
         "kg",
         "Mass m of the follower, with a third of the spring's",
+        SOURCE,
     ),
-    key("cam_follower.stiffness", POSITIVE, "1e4", "N/m", "Stiffness k of the spring"),
-    key("cam_follower.preload", POSITIVE, "100.0", "N", "Preload F_0 of the spring"),
-    key("cam_follower.damping", NOT_NEGATIVE, "5.0", "N s/m", "Damping c of the spring"),
-    key("cam_follower.lift", POSITIVE, "0.01", "m", "Greatest lift h of the cam"),
-    key(
+    Key::new("cam_follower.stiffness", POSITIVE, "1e4", "N/m", "Stiffness k of the spring", SOURCE),
+    Key::new("cam_follower.preload", POSITIVE, "100.0", "N", "Preload F_0 of the spring", SOURCE),
+    Key::new(
+        "cam_follower.damping",
+        NOT_NEGATIVE,
+        "5.0",
+        "N s/m",
+        "Damping c of the spring",
+        SOURCE,
+    ),
+    Key::new("cam_follower.lift", POSITIVE, "0.01", "m", "Greatest lift h of the cam", SOURCE),
+    Key::new(
         "cam_follower.speed",
         POSITIVE,
         "480.0",
         "rad/s",
         "Speed Ω of the cam, which is held; separation begins at 447",
+        SOURCE,
     ),
 ];
 

@@ -1,14 +1,11 @@
 //! The impact oscillator in the list of mechanisms: its keys, and what a report says of it.
 
-use std::sync::Arc;
-
 use deltazero_study::Subject;
-use serde::Deserialize;
 
 use super::ImpactOscillator;
-use crate::config::{Config, DefaultValue, FINITE, Key, Kind, NOT_NEGATIVE, POSITIVE, Range};
+use crate::config::{Config, FINITE, Key, Kind, NOT_NEGATIVE, POSITIVE, Range};
 use crate::mechanisms::in_words::fact;
-use crate::mechanisms::{Entry, Mechanism, Misfit};
+use crate::mechanisms::{Entry, Mechanism, Misfit, read_table};
 
 /// Where its numbers are from.
 const SOURCE: &str = "choice of this study";
@@ -27,58 +24,70 @@ pub(in crate::mechanisms) const IMPACT_OSCILLATOR: Entry = Entry {
     ],
     source: SOURCE,
     has_two_joints: false,
-    read: |tables| {
-        let Tables { impact_oscillator } = serde_json::from_value(tables)?;
-        Ok(Arc::new(impact_oscillator))
-    },
+    read: |tables| read_table::<ImpactOscillator>(tables, "impact_oscillator"),
 };
-
-#[derive(Deserialize)]
-struct Tables {
-    impact_oscillator: ImpactOscillator,
-}
-
-/// A key of this mechanism.
-const fn key(
-    path: &'static str,
-    kind: Kind,
-    default: &'static str,
-    unit: &'static str,
-    doc: &'static str,
-) -> Key {
-    Key { path, kind, default: DefaultValue::Toml(default), unit, doc, source: SOURCE }
-}
 
 const FRACTION: Kind = Kind::Number(Range::closed(0.0, 1.0));
 
 const KEYS: &[Key] = &[
-    key("impact_oscillator.mass", POSITIVE, "1.0", "kg", "Mass m"),
-    key("impact_oscillator.damping", NOT_NEGATIVE, "1.0", "N s/m", "Damping c, below 2√(k m)"),
-    key("impact_oscillator.stiffness", POSITIVE, "100.0", "N/m", "Stiffness k of the spring"),
-    key("impact_oscillator.amplitude", NOT_NEGATIVE, "10.0", "N", "Amplitude F of the force"),
-    key(
+    Key::new("impact_oscillator.mass", POSITIVE, "1.0", "kg", "Mass m", SOURCE),
+    Key::new(
+        "impact_oscillator.damping",
+        NOT_NEGATIVE,
+        "1.0",
+        "N s/m",
+        "Damping c, below 2√(k m)",
+        SOURCE,
+    ),
+    Key::new(
+        "impact_oscillator.stiffness",
+        POSITIVE,
+        "100.0",
+        "N/m",
+        "Stiffness k of the spring",
+        SOURCE,
+    ),
+    Key::new(
+        "impact_oscillator.amplitude",
+        NOT_NEGATIVE,
+        "10.0",
+        "N",
+        "Amplitude F of the force",
+        SOURCE,
+    ),
+    Key::new(
         "impact_oscillator.frequency",
         POSITIVE,
         "6.0",
         "rad/s",
         "Angular frequency ω of the force",
+        SOURCE,
     ),
-    key(
+    Key::new(
         "impact_oscillator.gap",
         NOT_NEGATIVE,
         "0.1",
         "m",
         "Gap d between the rest of the spring and the stop",
+        SOURCE,
     ),
-    key("impact_oscillator.restitution", FRACTION, "0.6", "", "Restitution e of an impact"),
-    key(
+    Key::new(
+        "impact_oscillator.restitution",
+        FRACTION,
+        "0.6",
+        "",
+        "Restitution e of an impact",
+        SOURCE,
+    ),
+    Key::new(
         "impact_oscillator.start_position",
         FINITE,
         "-0.1",
         "m",
         "Position at t = 0, from the stop, at most 0",
+        SOURCE,
     ),
-    key("impact_oscillator.start_velocity", FINITE, "0.0", "m/s", "Velocity at t = 0"),
+    Key::new("impact_oscillator.start_velocity", FINITE, "0.0", "m/s", "Velocity at t = 0", SOURCE),
 ];
 
 impl Mechanism for ImpactOscillator {

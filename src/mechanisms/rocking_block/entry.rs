@@ -1,14 +1,11 @@
 //! The rocking block in the list of mechanisms: its keys, and what a report says of it.
 
-use std::sync::Arc;
-
 use deltazero_study::Subject;
-use serde::Deserialize;
 
 use super::RockingBlock;
 use crate::config::{Config, DefaultValue, FINITE, Key, Kind, NOT_NEGATIVE, POSITIVE, Range};
 use crate::mechanisms::in_words::fact;
-use crate::mechanisms::{Entry, Mechanism, Misfit};
+use crate::mechanisms::{Entry, Mechanism, Misfit, read_table};
 
 /// Where its numbers are from.
 const SOURCE: &str = "choice of this study";
@@ -27,33 +24,21 @@ pub(in crate::mechanisms) const ROCKING_BLOCK: Entry = Entry {
     ],
     source: SOURCE,
     has_two_joints: false,
-    read: |tables| {
-        let Tables { rocking_block } = serde_json::from_value(tables)?;
-        Ok(Arc::new(rocking_block))
-    },
+    read: |tables| read_table::<RockingBlock>(tables, "rocking_block"),
 };
 
-#[derive(Deserialize)]
-struct Tables {
-    rocking_block: RockingBlock,
-}
-
-/// A key of this mechanism.
-const fn key(
-    path: &'static str,
-    kind: Kind,
-    default: &'static str,
-    unit: &'static str,
-    doc: &'static str,
-) -> Key {
-    Key { path, kind, default: DefaultValue::Toml(default), unit, doc, source: SOURCE }
-}
-
 const KEYS: &[Key] = &[
-    key("rocking_block.mass", POSITIVE, "1000.0", "kg", "Mass m; the motion does not depend on it"),
-    key("rocking_block.half_width", POSITIVE, "0.2", "m", "Half the width, b"),
-    key("rocking_block.half_height", POSITIVE, "0.8", "m", "Half the height, h"),
-    key("rocking_block.gravity", POSITIVE, "9.81", "m/s²", "Gravity g"),
+    Key::new(
+        "rocking_block.mass",
+        POSITIVE,
+        "1000.0",
+        "kg",
+        "Mass m; the motion does not depend on it",
+        SOURCE,
+    ),
+    Key::new("rocking_block.half_width", POSITIVE, "0.2", "m", "Half the width, b", SOURCE),
+    Key::new("rocking_block.half_height", POSITIVE, "0.8", "m", "Half the height, h", SOURCE),
+    Key::new("rocking_block.gravity", POSITIVE, "9.81", "m/s²", "Gravity g", SOURCE),
     Key {
         path: "rocking_block.restitution",
         kind: Kind::Number(Range::closed(0.0, 1.0)),
@@ -62,28 +47,38 @@ const KEYS: &[Key] = &[
         doc: "Ratio r of the angular velocities after and before an impact",
         source: "absent: Housner's, 1 − (3/2) sin²α",
     },
-    key(
+    Key::new(
         "rocking_block.base_amplitude",
         NOT_NEGATIVE,
         "0.0",
         "m/s²",
         "Amplitude A of the base's acceleration",
+        SOURCE,
     ),
-    key(
+    Key::new(
         "rocking_block.base_frequency",
         POSITIVE,
         "6.0",
         "rad/s",
         "Angular frequency Ω of the base",
+        SOURCE,
     ),
-    key(
+    Key::new(
         "rocking_block.start_angle",
         FINITE,
         "0.15",
         "rad",
         "Tilt θ at t = 0, less than atan(b/h) + π/4",
+        SOURCE,
     ),
-    key("rocking_block.start_velocity", FINITE, "0.0", "rad/s", "Angular velocity at t = 0"),
+    Key::new(
+        "rocking_block.start_velocity",
+        FINITE,
+        "0.0",
+        "rad/s",
+        "Angular velocity at t = 0",
+        SOURCE,
+    ),
 ];
 
 impl Mechanism for RockingBlock {
