@@ -15,7 +15,7 @@ use deltazero::study::stability::stability;
 use deltazero::{figures, report};
 use deltazero_solvers::{Grid, METHODS, Method};
 use deltazero_study::columns::{Column, Value};
-use deltazero_study::horizon::{Horizon, Span, horizon};
+use deltazero_study::horizon::{Horizon, Span, tight_runs};
 use deltazero_study::map::{CellStatus, Contested};
 use deltazero_study::run::{Accuracy, Limits, Price, Setting};
 use deltazero_study::selection::{
@@ -544,10 +544,10 @@ fn a_run_that_ends_early_has_an_infinite_error_and_one_a_sample_short_has_not() 
 
 static RUNNING: AtomicBool = AtomicBool::new(false);
 
-fn measured(config: &Config, work: f64) -> Horizon {
+fn horizon(config: &Config, work: f64) -> Horizon {
     let subject = config.mechanism.subject(config);
     let span = Span { t_end: config.run.t_end, reached: config.run.t_end, work };
-    horizon(&subject, &vec![span; subject.parts.len()], &RUNNING)
+    tight_runs(&subject, &vec![span; subject.parts.len()], &RUNNING).horizon
 }
 
 #[test]
@@ -555,7 +555,7 @@ fn the_horizon_is_that_of_the_reference() {
     for sets in [&["contact.damping=0"][..], &["reading=full", "run.t_end=0.3"]] {
         let config = config(sets);
         let (reference, t_end) = (reference(&config, &RUNNING).unwrap(), config.run.t_end);
-        match measured(&config, 0.0) {
+        match horizon(&config, 0.0) {
             // Times of the reference are 0.01 s apart, these ones 0.002 s.
             Horizon::LostAt(t) => assert!((reference.horizon() - t).abs() < 0.02, "{t}"),
             other => assert_eq!((other, reference.horizon()), (Horizon::WholeRun, t_end)),
@@ -567,9 +567,10 @@ fn the_horizon_is_that_of_the_reference() {
 fn a_motion_that_costs_too_much_to_follow_is_not_measured() {
     let config = Config::table1().unwrap();
     let subject = config.mechanism.subject(&config);
-    assert_eq!(measured(&config, 0.0), Horizon::WholeRun);
+    assert_eq!(horizon(&config, 0.0), Horizon::WholeRun);
     let spans = [Span { t_end: 1e3, reached: 1e3, work: 0.0 }; 2];
-    assert_eq!(horizon(&subject, &spans, &AtomicBool::new(true)), Horizon::NotMeasured);
+    let measured = |spans, stop| tight_runs(&subject, spans, &stop).horizon;
+    assert_eq!(measured(&spans, AtomicBool::new(true)), Horizon::NotMeasured);
     let failed_at_once = [Span { t_end: 2.0, reached: 0.0, work: 0.0 }; 2];
-    assert_eq!(horizon(&subject, &failed_at_once, &RUNNING), Horizon::NotMeasured);
+    assert_eq!(measured(&failed_at_once, AtomicBool::new(false)), Horizon::NotMeasured);
 }

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use deltazero::model::{Jointed, Mode};
-use deltazero_solvers::{Accepted, Event, Method, Record};
+use deltazero_solvers::{Accepted, Event, Method, Next, Record};
 use deltazero_study::selection::work;
 
 /// Where a step is looked at, in parts of it.
@@ -32,6 +32,8 @@ pub(crate) struct Audit {
     pub(crate) deepest: f64,
     /// Largest force [N].
     pub(crate) force: f64,
+    /// Least speed at which a contact began [m/s]; zero of a run without any.
+    pub(crate) slowest: f64,
 }
 
 impl Audit {
@@ -135,7 +137,16 @@ impl<P: Jointed> Record<P> for Auditor<'_, P> {
         ControlFlow::Continue(())
     }
 
-    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
+    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
+        let Next::Mode(after) = &event.after else { return ControlFlow::Continue(()) };
+        for k in 0..self.part.n_sites() {
+            let [before, after] = [&event.before, after].map(|mode| P::joint_mode(mode, k));
+            if after.is_contact() && !before.is_contact() {
+                let pose = self.part.block().pose(&self.part.joint_state(event.y.as_ref(), k));
+                let (speed, slowest) = (pose.delta_dot.abs(), &mut self.seen.slowest);
+                *slowest = if *slowest == 0.0 { speed } else { slowest.min(speed) };
+            }
+        }
         ControlFlow::Continue(())
     }
 }

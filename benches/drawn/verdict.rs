@@ -6,6 +6,7 @@ use deltazero::config::{Config, ReadingName};
 use deltazero::model::{Block, Jointed, Joints, Part};
 use deltazero_solvers::Method;
 use deltazero_study::Problem as _;
+use deltazero_study::horizon::parting;
 use deltazero_study::part::Start;
 use deltazero_study::reference::HORIZON_ERROR;
 use deltazero_study::run::{Accuracy, Setting};
@@ -50,6 +51,9 @@ pub(crate) enum Class {
     Refused,
     /// An explicit run is stuck where an implicit one goes on: its steps are bound by stability.
     Stiff,
+    /// Two runs differ where they should not, and `simulate` warns: of other events, or of a contact too deep for its
+    /// law.
+    Warned,
     /// A run took too long.
     Timeout,
     /// A run ended by an error.
@@ -59,11 +63,12 @@ pub(crate) enum Class {
 }
 
 impl Class {
-    pub(crate) const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 8] = [
         Self::Agree,
         Self::Past,
         Self::Refused,
         Self::Stiff,
+        Self::Warned,
         Self::Timeout,
         Self::Failed,
         Self::Disagree,
@@ -71,7 +76,7 @@ impl Class {
 
     /// Whether there is something to look at.
     pub(crate) fn is_found(self) -> bool {
-        self >= Self::Timeout
+        self >= Self::Warned
     }
 }
 
@@ -82,6 +87,7 @@ impl fmt::Display for Class {
             Self::Past => "past",
             Self::Refused => "refused",
             Self::Stiff => "stiff",
+            Self::Warned => "warned",
             Self::Timeout => "timeout",
             Self::Failed => "failed",
             Self::Disagree => "disagree",
@@ -165,10 +171,15 @@ impl Verdict {
             self.together((base, ran), block, &growth);
         }
         let is_buried = |ran: &Ran| ran.audit.deepest * block.clearance > block.pin_radius;
+        let is_told = |ran: &Ran| ran.audit.deepest > 1.0;
         if self.class.is_found() && all.iter().any(is_buried) {
             self.class = Class::Refused;
             self.lines
                 .push(format!("joint {joint}: deeper than the pin's radius, of which a run warns"));
+        } else if self.class == Class::Disagree && all.iter().any(is_told) {
+            self.class = Class::Warned;
+            self.lines
+                .push(format!("joint {joint}: deeper than the clearance, of which a run warns"));
         }
         if self.class.is_found() {
             let until = growth.until(HORIZON_ERROR);
@@ -225,13 +236,23 @@ impl Verdict {
             self.class = self.class.max(Class::Past);
         }
         let who = format!("joint {joint}, {} and {} up to {short:.6e} s", a.method, b.method);
+        let pairs = a.joints.iter().zip(&b.joints);
+        let partings = pairs.filter_map(|(own, other)| parting(&own.events, &other.events));
+        let parted = partings.reduce(f64::min).filter(|t| *t < growth.until(STEADY).min(short));
+        let (class, why) = match parted {
+            Some(t) => (Class::Warned, format!("; other events from {t:.6e} s on, which is told")),
+            None => (Class::Disagree, String::new()),
+        };
         if apart.of_allowed.total_cmp(&1.0).is_gt() {
             let (e, times) = (apart.e, apart.of_allowed);
-            self.add(Class::Disagree, format!("{who}: e {e:.1e}, {times:.1e} of what is allowed"));
+            self.add(class, format!("{who}: e {e:.1e}, {times:.1e} of what is allowed{why}"));
         }
         let late = apart.modes_s.max(apart.end_s);
-        if late > MOST_MODES * unit {
-            self.add(Class::Disagree, format!("{who}: modes differ for {late:.1e} s"));
+        // An error of the gap is one of the time of a contact, by the speed at which that begins.
+        let slowest = a.audit.slowest.min(b.audit.slowest);
+        let by_speed = if slowest > 0.0 { MOST_E * block.clearance / slowest } else { 0.0 };
+        if late > MOST_MODES * unit + by_speed {
+            self.add(class, format!("{who}: modes differ for {late:.1e} s{why}"));
         }
         let refused = |ran: &Ran| matches!(ran.end, End::Refused(_));
         let one_alone = (refused(a) && b.is_complete()) || (refused(b) && a.is_complete());

@@ -8,15 +8,16 @@ use clap::Args;
 use deltazero::config::Config;
 use deltazero::report::simulation::{events_csv, trajectory_csv};
 use deltazero_solvers::{Grid, Outcome, Stats};
-use deltazero_study::Part;
 use deltazero_study::energy_balance::Balance;
 use deltazero_study::errors::contact_summary::ContactSummary;
 use deltazero_study::errors::work::WorkByPhase;
-use deltazero_study::horizon::{Horizon, Span, horizon};
+use deltazero_study::horizon::{Horizon, Span, TightRuns, tight_runs};
 use deltazero_study::run::{Limits, Price, Setting};
 use deltazero_study::selection::work;
-use deltazero_study::simulation::{Asked, Simulation};
+use deltazero_study::setting::Events;
+use deltazero_study::simulation::{Asked, Simulation, SiteMotion};
 use deltazero_study::warning::{Code, Warning};
+use deltazero_study::{Part, Subject};
 use serde_json::{Map, Value, json};
 
 use super::output::{Output, hash};
@@ -62,12 +63,16 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
         Simulated { part, too_long: brake.complaint(own.run.t), own }
     });
     let parts: Vec<_> = simulated.collect();
-    let horizon = (!args.no_horizon).then(|| {
+    let tight = (!args.no_horizon).then(|| {
         bar.say("horizon");
-        horizon(&subject, &spans(&config, &setting, &parts), stop)
+        tight_runs(&subject, &spans(&config, &setting, &parts), stop)
     });
     drop(bar);
-    let warnings = warnings(&config, &parts, horizon);
+    let horizon = tight.as_ref().map(|tight| tight.horizon);
+    let mut warnings = warnings(&config, &parts, horizon);
+    if setting.events == Events::Located {
+        warnings.extend(tight.iter().flat_map(|tight| other_events(&subject, &parts, tight)));
+    }
     let mut summary = run_json(&output, &config, &setting, &parts);
     summary["warnings"] = json!(warnings);
     summary["horizon_s"] = horizon_json(horizon);
@@ -108,6 +113,16 @@ fn warnings(config: &Config, parts: &[Simulated<'_>], horizon: Option<Horizon>) 
     }
     all.extend(parts.iter().flat_map(|part| part.own.warnings.iter().cloned()));
     all
+}
+
+/// The parts that have other events than tight runs have.
+fn other_events(subject: &Subject, parts: &[Simulated<'_>], tight: &TightRuns) -> Vec<Warning> {
+    let warning = |(i, Simulated { own, .. }): (usize, &Simulated<'_>)| {
+        let changes = |site: &SiteMotion| site.changes.iter().map(|own| own.by_code).collect();
+        let all: Vec<_> = own.sites.iter().map(changes).collect();
+        tight.warning(subject, i, &all, own.run.t)
+    };
+    parts.iter().enumerate().filter_map(warning).collect()
 }
 
 /// What was run, and at which cost; of what failed or was broken off, that until then.

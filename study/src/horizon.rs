@@ -1,8 +1,11 @@
-//! From when on a run is not predictable: two runs at rounding part, though only the last bit of the start differs.
+//! What two tight runs tell of a run: how far its motion is predictable, and whether it has the events of a tight one.
 //!
-//! That is the motion's and no method's: it is measured by two tight runs, whatever the run asked about was made
-//! by. Two loose ones part by their tolerance where a step is accepted in the one and rejected in the other,
-//! without any chaos.
+//! The two runs differ in the last bit of their start alone. From when on they part, the motion is not predictable; that
+//! is the motion's and no method's, whatever the run asked about was made by. Two loose runs would part by their
+//! tolerance, where a step is accepted in the one and rejected in the other, without any chaos.
+//!
+//! As long as both have the same sequence of events, a run with another sequence has lost or made up a contact, or has
+//! one that grazes: no tolerance of its own tells it that.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,11 +14,12 @@ use deltazero_solvers::{Grid, Outcome, Stats};
 
 use crate::errors::Largest;
 use crate::parallel::in_parallel;
-use crate::part::{Part, Start, Subject};
+use crate::part::{Part, Start, Subject, counted};
 use crate::reference::{parted_at, settings};
-use crate::run::{Brake, PartRun, Setting};
+use crate::run::{Brake, ModeChange, PartRun, Setting};
 use crate::selection::work;
 use crate::trace::Trace;
+use crate::warning::{Code, Warning};
 
 /// Times at which runs are compared.
 const TIMES: usize = 1000;
@@ -27,6 +31,8 @@ const MOST_NUMBERS: usize = 600_000;
 /// Each of the two runs takes at most this many times the work of the run asked about, all methods that are tried
 /// together.
 const SHARE: f64 = 8.0;
+/// Events this close to the end of a run are not looked at, in units of the subject's time.
+const AT_END: f64 = 1e-3;
 /// Right-hand sides, times sites, that it may take in any case: a tenth of a second.
 const LEAST_WORK: f64 = 4e6;
 
@@ -65,8 +71,63 @@ impl Span {
     }
 }
 
-/// How far the motion of `subject` is predictable, each part over its span.
-pub fn horizon(subject: &Subject, spans: &[Span], stop: &AtomicBool) -> Horizon {
+/// What tight runs tell of a motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TightRuns {
+    /// How far it is predictable.
+    pub horizon: Horizon,
+    /// The events of each part; none of one that no tight run was made of.
+    events: Vec<Option<TightEvents>>,
+}
+
+/// The counted events of each site of a part in a tight run, and for how long they are certain [s].
+#[derive(Clone, Debug, PartialEq)]
+struct TightEvents {
+    changes: Vec<Vec<ModeChange>>,
+    until: Vec<f64>,
+}
+
+impl TightRuns {
+    /// Where part number `i` of `subject` has another sequence of events in a run that reached a time [s], with these
+    /// counted events of each of its sites, than in the tight runs: the first such site.
+    pub fn warning(
+        &self,
+        subject: &Subject,
+        i: usize,
+        run: &[Vec<ModeChange>],
+        reached: f64,
+    ) -> Option<Warning> {
+        let (part, tight) = (subject.parts.get(i)?, self.events.get(i)?.as_ref()?);
+        (0..run.len().min(tight.changes.len())).find_map(|site| {
+            let own = counted(&run[site], part.starts_on_surface);
+            let (tight, until) = (&tight.changes[site], tight.until[site]);
+            // An event so close to the end may lie beyond it in the other run.
+            let until = until.min(reached - AT_END * part.unit_of_time);
+            let t = parting(own, tight).filter(|t| *t < until)?;
+            let count = |all: &[ModeChange]| all.iter().filter(|change| change.t < until).count();
+            let name = &part.sites[site];
+            let place = if name.is_empty() { String::new() } else { format!("{name}: ") };
+            let message = format!(
+                "{place}from t = {t:e} s on the run has another sequence of events than runs at rounding ({} for {} up \
+                 to {until:e} s): it has lost a contact or made one up, or one grazes; take a tighter tolerance or \
+                 another method",
+                count(own),
+                count(tight)
+            );
+            Some(Warning { code: Code::Events, message })
+        })
+    }
+}
+
+/// The first time at which two sequences differ in what changes, whenever it does [s].
+pub fn parting(a: &[ModeChange], b: &[ModeChange]) -> Option<f64> {
+    let is_same = |(a, b): &(&ModeChange, &ModeChange)| (a.before, a.after) == (b.before, b.after);
+    let same = a.iter().zip(b).take_while(is_same).count();
+    [a.get(same), b.get(same)].into_iter().flatten().map(|change| change.t).reduce(f64::min)
+}
+
+/// Makes two tight runs of each part of `subject` over its span.
+pub fn tight_runs(subject: &Subject, spans: &[Span], stop: &AtomicBool) -> TightRuns {
     let pairs = subject.parts.iter().zip(spans).map(|(part, span)| pair(part, *span, stop));
     let pairs: Vec<Option<Pair<'_>>> = pairs.collect();
     let measured = || pairs.iter().flatten();
@@ -74,11 +135,12 @@ pub fn horizon(subject: &Subject, spans: &[Span], stop: &AtomicBool) -> Horizon 
     measured().for_each(|pair| pair.measure(&mut largest));
     let lost = measured().filter_map(|pair| pair.lost_at(&largest)).reduce(f64::min);
     let is_whole = pairs.iter().all(|pair| pair.as_ref().is_some_and(Pair::is_whole));
-    match lost {
+    let horizon = match lost {
         Some(t) => Horizon::LostAt(t),
         None if is_whole => Horizon::WholeRun,
         None => Horizon::NotMeasured,
-    }
+    };
+    TightRuns { horizon, events: pairs.iter().map(|pair| Some(pair.as_ref()?.events())).collect() }
 }
 
 /// A run of a part, and one from a start changed in its last bit.
@@ -103,6 +165,20 @@ impl Pair<'_> {
         let mut largest = Largest::default();
         self.measure(&mut largest);
         self.lost_at(&largest)
+    }
+
+    /// The events, certain for as long as both runs have the same ones.
+    fn events(&self) -> TightEvents {
+        let [own, nudged] = [&self.own, &self.nudged];
+        let reached = own.0.t.min(nudged.0.t);
+        let changes = |trace: &Trace| -> Vec<Vec<ModeChange>> {
+            let is_start = self.part.starts_on_surface;
+            trace.changes.iter().map(|all| counted(all, is_start).to_vec()).collect()
+        };
+        let [changes, other] = [changes(&own.1), changes(&nudged.1)];
+        let until = |(a, b): (&Vec<_>, &Vec<_>)| parting(a, b).map_or(reached, |t| t.min(reached));
+        let until = changes.iter().zip(&other).map(until).collect();
+        TightEvents { changes, until }
     }
 
     /// Whether both came to their end.
@@ -171,6 +247,20 @@ impl Brake for Bound<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn events(list: &[(f64, i8)]) -> Vec<ModeChange> {
+        list.iter()
+            .map(|(t, after)| ModeChange { t: *t, before: 1 - after, after: *after })
+            .collect()
+    }
+
+    #[test]
+    fn sequences_part_where_one_lacks_an_event_and_not_where_it_is_late() {
+        let tight = events(&[(0.1, 1), (0.2, 0), (0.3, 1)]);
+        assert_eq!(parting(&tight, &events(&[(0.11, 1), (0.2, 0), (0.29, 1)])), None);
+        assert_eq!(parting(&tight, &events(&[(0.1, 1), (0.2, 0)])), Some(0.3));
+        assert_eq!(parting(&tight, &events(&[(0.2, 0), (0.3, 1)])), Some(0.1));
+    }
 
     #[test]
     fn times_are_the_same_wherever_a_run_ends() {

@@ -10,6 +10,8 @@ pub enum Code {
     Horizon,
     /// An event that hardly is one: a change of the tolerance changes the sequence.
     Grazing,
+    /// Another sequence of events than tight runs have.
+    Events,
     /// Very many events.
     Chatter,
     /// A contact law that delivers another restitution than it is asked for.
@@ -35,6 +37,7 @@ impl Code {
         match self {
             Self::Horizon => "horizon",
             Self::Grazing => "grazing",
+            Self::Events => "events",
             Self::Chatter => "chatter",
             Self::Restitution => "restitution",
             Self::Energy => "energy",
