@@ -1,0 +1,264 @@
+//! From declarations to tapes: the model of one part.
+
+mod mode;
+
+pub(crate) use mode::role;
+
+use std::sync::Arc;
+
+use deltazero_study::problem::Quantity;
+
+use crate::declarations::{Declarations, Definition, Equation, PartDeclaration};
+use crate::document::At;
+use crate::expand::Expander;
+use crate::layout::Layout;
+use crate::names::{Meaning, Names};
+use crate::report::{Checked, Complaint};
+use crate::system::{Model, TextModel};
+
+/// A model with what is to be warned of.
+pub(crate) struct Compiled {
+    pub(crate) model: TextModel,
+    pub(crate) warnings: Vec<Complaint>,
+}
+
+/// Compiles one part with these values of parameters.
+pub(crate) fn compile(
+    file: &Declarations,
+    names: &Names,
+    parameters: Vec<f64>,
+    part: Option<&PartDeclaration>,
+) -> Checked<Compiled> {
+    let mut expander = Expander::new(file, names, parameters);
+    expander.layout = layout(&mut expander)?;
+    let starts = starts(&mut expander, part)?;
+    let scales = scales(&mut expander, &starts)?;
+    let discrete = file
+        .discrete
+        .iter()
+        .map(|value| expander.number(&value.value, "the start of a discrete value"));
+    let discrete = discrete.collect::<Checked<Vec<_>>>()?;
+    let (mut modes, mut warnings) = (Vec::new(), Vec::new());
+    let mut failures = Vec::new();
+    for i in 0..file.modes.len() {
+        expander.enter(i);
+        failures.push(mode::try_definitions(&mut expander, i));
+        modes.push(mode::mode(&mut expander, i, &mut warnings)?);
+    }
+    check_definitions(file, failures)?;
+    let first_mode = file.mode.as_ref().map_or(Ok(0), |mode| names.mode(mode))?;
+    let model = Model {
+        part: part.map_or(String::new(), |part| part.name.value.clone()),
+        states: states(&expander, &scales),
+        starts,
+        scales,
+        discrete,
+        n_guards: modes.iter().map(|mode| mode.transitions.len()).max().unwrap_or(0),
+        first_mode,
+        modes,
+    };
+    Ok(Compiled { model: TextModel(Arc::new(model)), warnings })
+}
+
+/// The states as a study knows them.
+fn states(expander: &Expander<'_>, scales: &[f64]) -> Vec<Quantity> {
+    let (file, layout) = (expander.file, &expander.layout);
+    let units = file.states.iter().enumerate().flat_map(|(i, state)| {
+        let unit = state.unit.as_ref().map_or("", |unit| unit.value.as_str());
+        std::iter::repeat_n(unit, layout.range(i).len())
+    });
+    let names = layout.names(file).into_iter().zip(units).zip(scales);
+    names.map(|((name, unit), scale)| Quantity::new(name, unit.to_owned(), *scale)).collect()
+}
+
+/// The lengths of vectors.
+fn layout(expander: &mut Expander<'_>) -> Checked<Layout> {
+    let file = expander.file;
+    let mut lengths = Vec::new();
+    for state in &file.states {
+        let Some(length) = &state.length else {
+            lengths.push(None);
+            continue;
+        };
+        let n = expander.whole(length)?;
+        if n < 1 || n > crate::layout::MOST_STATES as i64 {
+            let most = crate::layout::MOST_STATES;
+            let message = format!("a vector has 1 to {most} states, not {n}");
+            return Err(Complaint::new(length.span, message));
+        }
+        lengths.push(Some(n as usize));
+    }
+    Layout::new(file, lengths)
+}
+
+/// The states at t = 0.
+fn starts(expander: &mut Expander<'_>, part: Option<&PartDeclaration>) -> Checked<Vec<f64>> {
+    let file = expander.file;
+    let mut starts = vec![0.0; expander.layout.n];
+    for (i, state) in file.states.iter().enumerate() {
+        let Some(start) = &state.start else { continue };
+        let range = expander.layout.range(i);
+        let is_vector = expander.layout.length[i].is_some();
+        for (k, at) in range.enumerate() {
+            let what = "a start";
+            starts[at] = if is_vector {
+                expander.with_index("i", k as i64 + 1, |expander| expander.number(start, what))?
+            } else {
+                expander.number(start, what)?
+            };
+        }
+    }
+    if let Some(part) = part {
+        for assignment in assignments(expander, &[&part.start], "a start")? {
+            let Assignment { target: Target::State(i), equation, index } = assignment else {
+                continue;
+            };
+            starts[i] =
+                within(expander, index, |expander| expander.number(&equation.value, "a start"))?;
+        }
+    }
+    Ok(starts)
+}
+
+/// Natural sizes: as given, else the start where it is not zero, else one.
+fn scales(expander: &mut Expander<'_>, starts: &[f64]) -> Checked<Vec<f64>> {
+    let file = expander.file;
+    let mut scales: Vec<f64> =
+        starts.iter().map(|start| if *start == 0.0 { 1.0 } else { start.abs() }).collect();
+    for (i, state) in file.states.iter().enumerate() {
+        let Some(scale) = &state.scale else { continue };
+        for (k, at) in expander.layout.range(i).enumerate() {
+            let of = |expander: &mut Expander<'_>| expander.number(scale, "a scale");
+            let size = expander.with_index("i", k as i64 + 1, of)?;
+            if size <= 0.0 {
+                let message = format!("a scale is above zero, and this is {size}");
+                return Err(Complaint::new(scale.span, message));
+            }
+            scales[at] = size;
+        }
+    }
+    Ok(scales)
+}
+
+/// Complains about a definition that holds in no mode.
+fn check_definitions(file: &Declarations, failures: Vec<Vec<Option<Complaint>>>) -> Checked<()> {
+    for i in 0..file.definitions.len() {
+        let mut of_modes = failures.iter().map(|of_mode| of_mode.get(i).cloned().flatten());
+        if of_modes.clone().all(|failure| failure.is_some())
+            && let Some(Some(first)) = of_modes.next()
+        {
+            return Err(first);
+        }
+    }
+    Ok(())
+}
+
+/// What an equation gives a value to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Target {
+    State(usize),
+    Held(usize),
+}
+
+/// An equation for one number, with the index that its formula is of.
+pub(crate) struct Assignment<'a> {
+    pub(crate) target: Target,
+    pub(crate) equation: &'a Equation,
+    pub(crate) index: Option<i64>,
+}
+
+/// Runs `expand` with the index `i` of a vector's equation.
+pub(crate) fn within<'a, T>(
+    expander: &mut Expander<'a>,
+    index: Option<i64>,
+    expand: impl FnOnce(&mut Expander<'a>) -> Checked<T>,
+) -> Checked<T> {
+    match index {
+        None => expand(expander),
+        Some(i) => expander.with_index("i", i, expand),
+    }
+}
+
+/// The equations, number by number. Of several lists the first stands before the others; in each, an equation of one
+/// number before that of its vector.
+pub(crate) fn assignments<'a>(
+    expander: &mut Expander<'_>,
+    lists: &[&'a [Equation]],
+    what: &str,
+) -> Checked<Vec<Assignment<'a>>> {
+    let mut all: Vec<Assignment<'a>> = Vec::new();
+    let mut place = std::collections::HashMap::new();
+    for (rank, list) in lists.iter().enumerate() {
+        for is_single in [true, false] {
+            for equation in list.iter() {
+                for (target, index, single) in targets(expander, equation, what)? {
+                    if single != is_single {
+                        continue;
+                    }
+                    let key = (rank, is_single);
+                    let assignment = Assignment { target, equation, index };
+                    match place.get(&key_of(target)) {
+                        None => {
+                            place.insert(key_of(target), (key, equation));
+                            all.push(assignment);
+                        }
+                        Some((before, first)) if *before == key => {
+                            let first: &Equation = first;
+                            let message = "this is given a value twice";
+                            return Err(Complaint::new(equation.target.span, message)
+                                .and(first.target.span, "first here"));
+                        }
+                        Some(_) => {}
+                    }
+                }
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn key_of(target: Target) -> (bool, usize) {
+    match target {
+        Target::State(i) => (true, i),
+        Target::Held(i) => (false, i),
+    }
+}
+
+/// The numbers that an equation gives a value to, the index for its formula, and whether it is of one number.
+fn targets(
+    expander: &mut Expander<'_>,
+    equation: &Equation,
+    what: &str,
+) -> Checked<Vec<(Target, Option<i64>, bool)>> {
+    let At { value: name, span } = &equation.target;
+    let meaning = expander.names.meaning(name, *span, None)?;
+    match (meaning, &equation.index) {
+        (Meaning::State(state), None) => match expander.layout.length[state] {
+            None => Ok(vec![(Target::State(expander.layout.first[state]), None, true)]),
+            Some(_) => {
+                let range = expander.layout.range(state).enumerate();
+                Ok(range.map(|(k, at)| (Target::State(at), Some(k as i64 + 1), false)).collect())
+            }
+        },
+        (Meaning::State(state), Some(index)) => {
+            let at = (expander.whole(index)?, index.span);
+            let i = expander.index_of_state(state, Some(at), *span)?;
+            Ok(vec![(Target::State(i), None, true)])
+        }
+        (Meaning::Discrete(i), None) if what == "what an event sets" => {
+            Ok(vec![(Target::Held(i), None, true)])
+        }
+        _ => Err(Complaint::new(*span, format!("{what} is of a state, and `{name}` is none"))),
+    }
+}
+
+/// All numbers of a definition with their indices.
+pub(crate) fn instances(
+    expander: &mut Expander<'_>,
+    definition: &Definition,
+) -> Checked<Vec<Option<i64>>> {
+    match &definition.indices {
+        None => Ok(vec![None]),
+        Some(indices) => Ok(expander.range(indices)?.map(Some).collect()),
+    }
+}

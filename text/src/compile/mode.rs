@@ -1,0 +1,156 @@
+//! One mode: its rates, guards, transitions and what is told of it.
+
+use super::{Assignment, Target, assignments, instances, within};
+use crate::declarations::{Definition, EventDeclaration, Follows, ModeRole};
+use crate::expand::Expander;
+use crate::expression::{Comparison, Relation};
+use crate::graph::Id;
+use crate::names::Meaning;
+use crate::report::{Checked, Complaint};
+use crate::system::{CompiledMode, Goal, Setting, Transition};
+use crate::tape::Tape;
+
+/// What is told beside a warning of a kink.
+const KINK: &str = "where it has its kink, a step sees two smooth pieces as one: two modes with an event between them are exact";
+
+/// Expands every definition, so that long recursions are built from their start. Returns what is wrong with each.
+pub(super) fn try_definitions(expander: &mut Expander<'_>, mode: usize) -> Vec<Option<Complaint>> {
+    let file = expander.file;
+    let own = file.modes[mode].definitions.iter().map(|own| (own, true));
+    let all = file.definitions.iter().map(|common| (common, false)).chain(own);
+    let failures = all.map(|(definition, _)| try_definition(expander, definition).err());
+    failures.take(file.definitions.len()).collect()
+}
+
+fn try_definition(expander: &mut Expander<'_>, definition: &Definition) -> Checked<()> {
+    for index in instances(expander, definition)? {
+        expander.value_of(definition, index)?;
+    }
+    Ok(())
+}
+
+/// Compiles a mode.
+pub(super) fn mode(
+    expander: &mut Expander<'_>,
+    number: usize,
+    warnings: &mut Vec<Complaint>,
+) -> Checked<CompiledMode> {
+    let declared = &expander.file.modes[number];
+    let rates = rates(expander, number)?;
+    let mut guards = Vec::new();
+    let mut transitions = Vec::new();
+    for event in &declared.events {
+        let indices = match &event.indices {
+            None => vec![None],
+            Some(indices) => expander.range(indices)?.map(Some).collect(),
+        };
+        for index in indices {
+            let name = event.indices.as_ref().map_or("", |indices| &indices.name);
+            let (guard, transition) = match index {
+                None => one_event(expander, event)?,
+                Some(i) => expander.with_index(name, i, |expander| one_event(expander, event))?,
+            };
+            guards.push(guard);
+            transitions.push(transition);
+        }
+    }
+    warn_of_kinks(expander, &rates, &guards, warnings);
+    let keep = declared.keep.iter().map(|kept| expander.node(&kept.value));
+    let keep = keep.collect::<Checked<Vec<_>>>()?;
+    Ok(CompiledMode {
+        name: declared.name.value.clone(),
+        role: declared.role,
+        tape: Tape::of_two(&expander.graph, &rates, &guards),
+        guards: Tape::of(&expander.graph, &guards),
+        keep: Tape::of(&expander.graph, &keep),
+        transitions,
+    })
+}
+
+/// The rate of each state.
+fn rates(expander: &mut Expander<'_>, mode: usize) -> Checked<Vec<Id>> {
+    let file = expander.file;
+    let declared = &file.modes[mode];
+    let mut rates = vec![None; expander.layout.n];
+    for assignment in assignments(expander, &[&declared.rates, &file.rates], "a rate")? {
+        if let Target::State(i) = assignment.target {
+            let formula = &assignment.equation.value;
+            rates[i] = Some(within(expander, assignment.index, |expander| expander.node(formula))?);
+        }
+    }
+    if let Some(missing) = rates.iter().position(Option::is_none) {
+        let name = &expander.layout.names(file)[missing];
+        let message = format!("`{name}` has no rate in the mode `{}`", declared.name.value);
+        let help = "give it one in the mode's rates, or in [rates] for all modes";
+        return Err(Complaint::new(declared.name.span, message).help(help));
+    }
+    Ok(rates.into_iter().flatten().collect())
+}
+
+/// The guard of an event, and what follows.
+fn one_event(expander: &mut Expander<'_>, event: &EventDeclaration) -> Checked<(Id, Transition)> {
+    let guard = guard(expander, &event.when)?;
+    let next = setting(expander, &event.follows)?;
+    let rest = event.rest.as_ref().map(|rest| setting(expander, rest)).transpose()?;
+    Ok((guard, Transition { name: event.name.clone(), next, rest }))
+}
+
+/// `b − a` of `a > b`: positive as long as the event has not come.
+fn guard(expander: &mut Expander<'_>, when: &Comparison) -> Checked<Id> {
+    let (a, b) = (expander.node(&when.left)?, expander.node(&when.right)?);
+    let is_upward = matches!(when.relation, Relation::Greater | Relation::GreaterOrEqual);
+    Ok(if is_upward { expander.graph.subtract(b, a) } else { expander.graph.subtract(a, b) })
+}
+
+/// What an event sets, and where it leads.
+fn setting(expander: &mut Expander<'_>, follows: &Follows) -> Checked<Setting> {
+    let (mut targets, mut values) = (Vec::new(), Vec::new());
+    for Assignment { target, equation, index } in
+        assignments(expander, &[&follows.set], "what an event sets")?
+    {
+        targets.push(target);
+        values.push(within(expander, index, |expander| expander.node(&equation.value))?);
+    }
+    let goal = match &follows.to {
+        Some(mode) => Goal::Enter(expander.names.mode(mode)?),
+        None if follows.stops => Goal::Stop,
+        None => Goal::Stay,
+    };
+    Ok(Setting { tape: Tape::of(&expander.graph, &values), targets, goal })
+}
+
+/// Warns of functions that are not smooth, where rates or guards use them.
+fn warn_of_kinks(
+    expander: &Expander<'_>,
+    rates: &[Id],
+    guards: &[Id],
+    warnings: &mut Vec<Complaint>,
+) {
+    let used = expander.graph.used_by(rates.iter().chain(guards));
+    let mut kinks: Vec<_> = expander.kinks.iter().filter(|(id, _)| used.contains(*id)).collect();
+    kinks.retain(|(id, _)| expander.graph.varies(**id));
+    kinks.sort_by_key(|(_, (span, _))| span.start);
+    for (_, (span, function)) in kinks {
+        let message = format!("`{function}` of something that moves is not smooth");
+        warnings.push(Complaint::new(*span, message).help(KINK));
+    }
+}
+
+impl Expander<'_> {
+    /// The node of a definition of this mode, at one index.
+    fn value_of(&mut self, definition: &Definition, index: Option<i64>) -> Checked<Id> {
+        let (name, span) = (&definition.name.value, definition.name.span);
+        let meaning = self.names.meaning(name, span, self.mode())?;
+        debug_assert!(matches!(meaning, Meaning::Common(_) | Meaning::OfMode(_)));
+        self.named(name, index.map(|i| (i, span)), span)
+    }
+}
+
+/// The role of a mode as a study knows it.
+pub(crate) fn role(role: ModeRole) -> deltazero_study::problem::Role {
+    match role {
+        ModeRole::Free => deltazero_study::problem::Role::Free,
+        ModeRole::Contact => deltazero_study::problem::Role::Contact,
+        ModeRole::Stick => deltazero_study::problem::Role::Stick,
+    }
+}

@@ -1,0 +1,384 @@
+//! From formulas to the graph: names resolved, sums written out, indices and parameters replaced by numbers.
+
+mod call;
+
+use std::collections::HashMap;
+
+use crate::declarations::{Declarations, Definition};
+use crate::expression::{Comparison, Expression, Indices, Kind, Operator, Relation};
+use crate::graph::{Graph, Id, Node};
+use crate::layout::Layout;
+use crate::names::{Meaning, Names};
+use crate::report::{Checked, Complaint, Span};
+
+/// Formulas within each other, through definitions too, at most.
+const DEEPEST: usize = 600;
+/// Nodes of the graph, at most.
+const MOST_NODES: usize = 2_000_000;
+/// Parts of formulas that are expanded, each as often as it is, at most.
+const MOST_WORK: usize = 8_000_000;
+
+/// What a definition is outside the modes where it exists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Outside {
+    /// An error: nothing may be made of it.
+    Refused,
+    /// Zero, in what is only told.
+    Zero,
+}
+
+/// Expands formulas into one graph.
+pub(crate) struct Expander<'a> {
+    pub(crate) file: &'a Declarations,
+    pub(crate) names: &'a Names,
+    pub(crate) graph: Graph,
+    pub(crate) parameters: Vec<f64>,
+    pub(crate) layout: Layout,
+    pub(crate) outside: Outside,
+    /// Where functions with a kink stand, by their results.
+    pub(crate) kinks: HashMap<Id, (Span, &'static str)>,
+    /// Whether a definition of the mode itself was used.
+    pub(crate) used_own: bool,
+    mode: Option<usize>,
+    indices: Vec<(String, i64)>,
+    /// Definitions that are expanded, with their index.
+    known: HashMap<(Meaning, i64, Outside), Id>,
+    /// Definitions that are being expanded.
+    open: Vec<(Meaning, i64)>,
+    depth: usize,
+    work: usize,
+}
+
+impl<'a> Expander<'a> {
+    pub(crate) fn new(file: &'a Declarations, names: &'a Names, parameters: Vec<f64>) -> Self {
+        Self {
+            file,
+            names,
+            graph: Graph::default(),
+            parameters,
+            layout: Layout::default(),
+            outside: Outside::Refused,
+            kinks: HashMap::new(),
+            used_own: false,
+            mode: None,
+            indices: Vec::new(),
+            known: HashMap::new(),
+            open: Vec::new(),
+            depth: 0,
+            work: 0,
+        }
+    }
+
+    /// Turns to the formulas of a mode.
+    pub(crate) fn enter(&mut self, mode: usize) {
+        self.mode = Some(mode);
+        self.known.clear();
+    }
+
+    /// The mode whose formulas are expanded.
+    pub(crate) fn mode(&self) -> Option<usize> {
+        self.mode
+    }
+
+    /// Runs `expand` with an index.
+    pub(crate) fn with_index<T>(
+        &mut self,
+        name: &str,
+        value: i64,
+        expand: impl FnOnce(&mut Self) -> Checked<T>,
+    ) -> Checked<T> {
+        self.indices.push((name.to_owned(), value));
+        let expanded = expand(self);
+        self.indices.pop();
+        expanded
+    }
+
+    /// The node of a formula.
+    pub(crate) fn node(&mut self, formula: &Expression) -> Checked<Id> {
+        self.work += 1;
+        if self.work > MOST_WORK || self.graph.len() > MOST_NODES {
+            return Err(Complaint::new(
+                formula.span,
+                "the model is too large: its formulas with all indices do not end here",
+            ));
+        }
+        if self.depth == DEEPEST {
+            let complaint = Complaint::new(formula.span, "definitions are nested too deeply here");
+            return Err(complaint);
+        }
+        self.depth += 1;
+        let node = self.node_within(formula);
+        self.depth -= 1;
+        let node = node?;
+        match self.graph.value(node) {
+            Some(x) if !x.is_finite() => {
+                let message = format!("this is {x} with these parameters, which is no number");
+                Err(Complaint::new(formula.span, message))
+            }
+            _ => Ok(node),
+        }
+    }
+
+    fn node_within(&mut self, formula: &Expression) -> Checked<Id> {
+        match &formula.kind {
+            Kind::Number(x) => Ok(self.graph.constant(*x)),
+            Kind::Name(name) => self.named(name, None, formula.span),
+            Kind::Element(name, index) => {
+                let at = self.whole(index)?;
+                self.named(name, Some((at, index.span)), formula.span)
+            }
+            Kind::Negative(inner) => {
+                let inner = self.node(inner)?;
+                Ok(self.graph.negative(inner))
+            }
+            Kind::Chain(first, rest) => {
+                let mut node = self.node(first)?;
+                for (operator, next) in rest {
+                    let next = self.node(next)?;
+                    node = self.combined(*operator, node, next);
+                }
+                Ok(node)
+            }
+            Kind::Power(base, exponent) => {
+                let (base, exponent) = (self.node(base)?, self.node(exponent)?);
+                Ok(self.graph.power(base, exponent))
+            }
+            Kind::Call(name, arguments) => self.call(name, arguments, formula.span),
+            Kind::Sum(sum) => self.sum(&sum.0, &sum.1),
+            Kind::Choice(choice) => {
+                let (condition, yes, no) = &**choice;
+                if self.holds(condition)? { self.node(yes) } else { self.node(no) }
+            }
+        }
+    }
+
+    fn combined(&mut self, operator: Operator, a: Id, b: Id) -> Id {
+        match operator {
+            Operator::Add => self.graph.add(a, b),
+            Operator::Subtract => self.graph.subtract(a, b),
+            Operator::Multiply => self.graph.multiply(a, b),
+            Operator::Divide => self.graph.divide(a, b),
+        }
+    }
+
+    fn sum(&mut self, indices: &Indices, term: &Expression) -> Checked<Id> {
+        self.check_index(indices)?;
+        let mut sum = self.graph.constant(0.0);
+        for i in self.range(indices)? {
+            let term = self.with_index(&indices.name, i, |expander| expander.node(term))?;
+            sum = self.graph.add(sum, term);
+        }
+        Ok(sum)
+    }
+
+    fn check_index(&self, indices: &Indices) -> Checked<()> {
+        self.names.check_index(indices)?;
+        if self.indices.iter().any(|(name, _)| *name == indices.name) {
+            let message = format!("`{}` is an index already", indices.name);
+            return Err(Complaint::new(indices.span, message));
+        }
+        Ok(())
+    }
+
+    /// The values of an index.
+    pub(crate) fn range(&mut self, indices: &Indices) -> Checked<std::ops::RangeInclusive<i64>> {
+        self.names.check_index(indices)?;
+        Ok(self.whole(&indices.first)?..=self.whole(&indices.last)?)
+    }
+
+    /// The number that a formula of parameters and indices is.
+    pub(crate) fn number(&mut self, formula: &Expression, what: &str) -> Checked<f64> {
+        let node = self.node(formula)?;
+        self.graph.value(node).ok_or_else(|| {
+            let message = format!("{what} is a formula of parameters and indices alone");
+            Complaint::new(formula.span, message)
+        })
+    }
+
+    /// A whole number.
+    pub(crate) fn whole(&mut self, formula: &Expression) -> Checked<i64> {
+        let x = self.number(formula, "an index")?;
+        if x.fract() == 0.0 && x.abs() < 1e9 {
+            return Ok(x as i64);
+        }
+        let message = format!("an index is a whole number, and this is {x}");
+        Err(Complaint::new(formula.span, message))
+    }
+
+    fn holds(&mut self, condition: &Comparison) -> Checked<bool> {
+        let what = "each side of the condition of `if`";
+        let a = self.number(&condition.left, what)?;
+        let b = self.number(&condition.right, what)?;
+        Ok(match condition.relation {
+            Relation::Less => a < b,
+            Relation::LessOrEqual => a <= b,
+            Relation::Greater => a > b,
+            Relation::GreaterOrEqual => a >= b,
+            Relation::Equal => a == b,
+            Relation::NotEqual => a != b,
+        })
+    }
+
+    /// The node of `name` or `name[index]`.
+    pub(crate) fn named(&mut self, name: &str, at: Option<(i64, Span)>, span: Span) -> Checked<Id> {
+        if let Some((_, value)) = self.indices.iter().rev().find(|(index, _)| index == name) {
+            let value = *value as f64;
+            return self.single(name, at).map(|()| self.graph.constant(value));
+        }
+        let meaning = self.names.meaning(name, span, self.mode)?;
+        let node = match meaning {
+            Meaning::State(state) => {
+                let index = self.index_of_state(state, at, span)?;
+                return Ok(self.graph.id(Node::State(index as u32)));
+            }
+            Meaning::Common(i) => {
+                let file = self.file;
+                return self.definition(&file.definitions[i], meaning, at, span);
+            }
+            Meaning::OfMode(i) => {
+                let file = self.file;
+                self.used_own = true;
+                let mode = self.mode.unwrap_or_default();
+                return self.definition(&file.modes[mode].definitions[i], meaning, at, span);
+            }
+            Meaning::Parameter(i) => Node::Constant(self.parameters[i].to_bits()),
+            Meaning::Discrete(i) => Node::Held(i as u8),
+            Meaning::Kept(i) => Node::Held((self.layout.n_discrete + i) as u8),
+            Meaning::Time => Node::Time,
+            Meaning::Pi => Node::Constant(std::f64::consts::PI.to_bits()),
+        };
+        self.single(name, at)?;
+        Ok(self.graph.id(node))
+    }
+
+    fn single(&self, name: &str, at: Option<(i64, Span)>) -> Checked<()> {
+        match at {
+            None => Ok(()),
+            Some((_, span)) => {
+                Err(Complaint::new(span, format!("`{name}` is one number and has no index")))
+            }
+        }
+    }
+
+    /// The place of a state, or of one of a vector.
+    pub(crate) fn index_of_state(
+        &self,
+        state: usize,
+        at: Option<(i64, Span)>,
+        span: Span,
+    ) -> Checked<usize> {
+        let name = &self.file.states[state].name.value;
+        let Some(length) = self.layout.length.get(state).copied() else {
+            return Err(Complaint::new(span, format!("`{name}` is a state and is not known here")));
+        };
+        match (length, at) {
+            (None, _) => self.single(name, at).map(|()| self.layout.first[state]),
+            (Some(n), Some((i, span))) => {
+                self.check_bounds(name, i, (1, n as i64), span)?;
+                Ok(self.layout.first[state] + i as usize - 1)
+            }
+            (Some(n), None) => {
+                let complaint = Complaint::new(span, format!("`{name}` is a vector of {n} states"));
+                Err(complaint.help(format!("write one of them as `{name}[1]`")))
+            }
+        }
+    }
+
+    fn check_bounds(&self, name: &str, i: i64, bounds: (i64, i64), span: Span) -> Checked<()> {
+        let (first, last) = bounds;
+        if (first..=last).contains(&i) {
+            return Ok(());
+        }
+        let own: Vec<String> =
+            self.indices.iter().map(|(name, i)| format!("{name} = {i}")).collect();
+        let mut complaint = Complaint::new(span, format!("`{name}` has no index {i}"))
+            .label(format!("indices are {first} to {last}"));
+        if !own.is_empty() {
+            complaint = complaint.help(format!("this is met at {}", own.join(", ")));
+        }
+        Err(complaint)
+    }
+
+    fn definition(
+        &mut self,
+        definition: &'a Definition,
+        meaning: Meaning,
+        at: Option<(i64, Span)>,
+        span: Span,
+    ) -> Checked<Id> {
+        let name = &definition.name.value;
+        let at = match (&definition.indices, at) {
+            (None, at) => self.single(name, at).map(|()| None)?,
+            (Some(_), None) => {
+                let complaint = Complaint::new(span, format!("`{name}` has an index"));
+                return Err(complaint.help(format!("write one of its values as `{name}[1]`")));
+            }
+            (Some(indices), Some((i, span))) => {
+                let range = self.with_no_index(|expander| expander.range(indices))?;
+                self.check_bounds(name, i, range.into_inner(), span)?;
+                Some((&indices.name, i))
+            }
+        };
+        let own = at.map_or(0, |(_, i)| i);
+        if let Some(node) = self.known.get(&(meaning, own, self.outside)) {
+            return Ok(*node);
+        }
+        if !self.exists(definition) {
+            return match self.outside {
+                Outside::Zero => Ok(self.graph.constant(0.0)),
+                Outside::Refused => {
+                    let mode = self.mode.map_or("", |mode| &self.file.modes[mode].name.value);
+                    let message = format!("`{name}` does not exist in the mode `{mode}`");
+                    Err(Complaint::new(span, message).and(definition.name.span, "see its `of`"))
+                }
+            };
+        }
+        if self.open.contains(&(meaning, own)) {
+            return Err(self.circle((meaning, own), definition, span));
+        }
+        self.open.push((meaning, own));
+        let node = self.with_no_index(|expander| match at {
+            None => expander.node(&definition.value),
+            Some((index, i)) => {
+                expander.with_index(index, i, |expander| expander.node(&definition.value))
+            }
+        });
+        self.open.pop();
+        let node = node?;
+        self.known.insert((meaning, own, self.outside), node);
+        Ok(node)
+    }
+
+    fn exists(&self, definition: &Definition) -> bool {
+        match (&definition.of, self.mode) {
+            (Some(of), Some(mode)) => {
+                let here = &self.file.modes[mode].name.value;
+                of.iter().any(|name| name.value == *here)
+            }
+            _ => true,
+        }
+    }
+
+    fn circle(&self, last: (Meaning, i64), definition: &Definition, span: Span) -> Complaint {
+        let name = |(meaning, _): &(Meaning, i64)| match (meaning, self.mode) {
+            (Meaning::Common(i), _) => self.file.definitions[*i].name.value.clone(),
+            (Meaning::OfMode(i), Some(mode)) => {
+                self.file.modes[mode].definitions[*i].name.value.clone()
+            }
+            _ => String::new(),
+        };
+        let from = self.open.iter().position(|open| *open == last).unwrap_or(0);
+        let mut names: Vec<_> = self.open[from..].iter().map(name).collect();
+        names.push(definition.name.value.clone());
+        let message = format!("`{}` is defined by itself", definition.name.value);
+        Complaint::new(span, message).help(format!("the circle is {}", names.join(" → ")))
+    }
+
+    /// Runs `expand` without the indices of the formula around it.
+    fn with_no_index<T>(&mut self, expand: impl FnOnce(&mut Self) -> Checked<T>) -> Checked<T> {
+        let outer = std::mem::take(&mut self.indices);
+        let expanded = expand(self);
+        self.indices = outer;
+        expanded
+    }
+}

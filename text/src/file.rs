@@ -1,0 +1,238 @@
+//! A checked file: what the crate's users hold.
+
+use toml::de::DeTable;
+
+use crate::compile::{Compiled, compile};
+use crate::declarations::{Declarations, PartDeclaration, SETTINGS, declarations};
+use crate::names::Names;
+use crate::report::{Checked, Complaint, Report, Source, Span};
+use crate::system::TextModel;
+
+/// Bytes of a file, at most.
+const MOST_BYTES: usize = 1_000_000;
+
+/// A file that was parsed and checked: its equations hold together, and compile with the values that it gives.
+#[derive(Clone, Debug)]
+pub struct ModelFile {
+    source: Source,
+    file: Declarations,
+    names: Names,
+    parameters: Vec<Parameter>,
+    settings: toml::Table,
+    warnings: Vec<Complaint>,
+}
+
+/// A number of a model that a user may set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name.
+    pub name: String,
+    /// Value in the file.
+    pub value: f64,
+    /// Unit; empty where none is given.
+    pub unit: String,
+    /// What it is, in some words; empty where none are given.
+    pub about: String,
+    /// Values that it may have.
+    pub range: Range,
+}
+
+/// Values that a parameter may have.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Range {
+    /// Least value.
+    pub min: Option<f64>,
+    /// Greatest value.
+    pub max: Option<f64>,
+    /// All values are above it.
+    pub above: Option<f64>,
+    /// All values are below it.
+    pub below: Option<f64>,
+}
+
+impl Range {
+    /// What a value breaks, as the end of a sentence.
+    fn broken_by(&self, x: f64) -> Option<String> {
+        let bounds = [
+            (self.min.filter(|min| x < *min), "at least"),
+            (self.max.filter(|max| x > *max), "at most"),
+            (self.above.filter(|above| x <= *above), "above"),
+            (self.below.filter(|below| x >= *below), "below"),
+        ];
+        bounds.into_iter().find_map(|(bound, words)| Some(format!("{words} {}", bound?)))
+    }
+}
+
+impl ModelFile {
+    /// Parses and checks the text of a file, which messages call `name`.
+    ///
+    /// # Errors
+    /// What is wrong with it, with its place.
+    pub fn parse(name: &str, text: &str) -> Result<Self, Report> {
+        let source = Source { name: name.into(), text: text.into() };
+        Self::checked(&source).map_err(|complaint| source.error(complaint))
+    }
+
+    fn checked(source: &Source) -> Checked<Self> {
+        let text = &*source.text;
+        let start = Span { start: 0, end: 0 };
+        if text.len() > MOST_BYTES {
+            return Err(Complaint::new(start, format!("a file has {MOST_BYTES} bytes at most")));
+        }
+        let not_toml = |error: toml::de::Error| {
+            Complaint::new(error.span().map_or(start, Span::from), error.message())
+        };
+        let table = DeTable::parse(text).map_err(not_toml)?;
+        let file = declarations(text, table.get_ref())?;
+        let mut settings: toml::Table = text.parse().map_err(not_toml)?;
+        settings.retain(|key, _| SETTINGS.contains(&key));
+        add_t_end(&mut settings, &file)?;
+        let names = Names::new(&file)?;
+        let parameters = parameters(&file)?;
+        let mut checked = Self {
+            source: source.clone(),
+            file,
+            names,
+            parameters,
+            settings,
+            warnings: Vec::new(),
+        };
+        let of_parts = checked.compiled(&[])?;
+        checked.warnings = of_parts.into_iter().flat_map(|part| part.warnings).collect();
+        checked.warnings.sort_by_key(|warning| warning.place());
+        checked.warnings.dedup_by_key(|warning| warning.place());
+        Ok(checked)
+    }
+
+    /// The name of the model; empty where the file gives none.
+    pub fn name(&self) -> &str {
+        &self.file.name
+    }
+
+    /// Sentences about the model.
+    pub fn about(&self) -> &str {
+        &self.file.about
+    }
+
+    /// Where its equations and numbers are from.
+    pub fn source(&self) -> &str {
+        &self.file.source
+    }
+
+    /// Its parameters, in the order of the file.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// The tables `run`, `solver`, `study`, `contest` and `regimes`, as given.
+    pub fn settings(&self) -> &toml::Table {
+        &self.settings
+    }
+
+    /// What is not wrong but should be looked at.
+    pub fn warnings(&self) -> Vec<Report> {
+        self.warnings.iter().map(|warning| self.source.warning(warning.clone())).collect()
+    }
+
+    /// The systems with these values of parameters, all others as in the file: one for each part.
+    ///
+    /// # Errors
+    /// A name that is none of a parameter, a value out of its range, or what is wrong with the equations at these values.
+    pub fn models(&self, values: &[(String, f64)]) -> Result<Vec<TextModel>, Report> {
+        match self.compiled(values) {
+            Ok(parts) => Ok(parts.into_iter().map(|part| part.model).collect()),
+            Err(complaint) => Err(self.source.error(complaint)),
+        }
+    }
+
+    fn compiled(&self, values: &[(String, f64)]) -> Checked<Vec<Compiled>> {
+        let mut parameters: Vec<f64> = self.parameters.iter().map(|own| own.value).collect();
+        for (name, value) in values {
+            let i = self.parameter(name, Span { start: 0, end: 0 })?;
+            self.check_range(i, *value, self.file.parameters[i].name.span)?;
+            parameters[i] = *value;
+        }
+        if self.file.parts.is_empty() {
+            return Ok(vec![compile(&self.file, &self.names, parameters, None)?]);
+        }
+        let parts = self.file.parts.iter();
+        parts.map(|part| self.part(part, parameters.clone(), values)).collect()
+    }
+
+    fn part(
+        &self,
+        part: &PartDeclaration,
+        mut parameters: Vec<f64>,
+        values: &[(String, f64)],
+    ) -> Checked<Compiled> {
+        for (name, value) in &part.parameters {
+            let i = self.parameter(&name.value, name.span)?;
+            if values.iter().any(|(given, _)| *given == name.value) {
+                let message =
+                    format!("`{}` is set by each part and cannot be set for all", name.value);
+                return Err(Complaint::new(name.span, message));
+            }
+            self.check_range(i, *value, name.span)?;
+            parameters[i] = *value;
+        }
+        compile(&self.file, &self.names, parameters, Some(part))
+    }
+
+    fn parameter(&self, name: &str, span: Span) -> Checked<usize> {
+        let found = self.parameters.iter().position(|parameter| parameter.name == name);
+        found.ok_or_else(|| {
+            let complaint = Complaint::new(span, format!("no parameter is called `{name}`"));
+            complaint.nearest(name, self.parameters.iter().map(|parameter| &*parameter.name))
+        })
+    }
+
+    fn check_range(&self, i: usize, value: f64, span: Span) -> Checked<()> {
+        let parameter = &self.parameters[i];
+        let broken = if value.is_finite() {
+            parameter.range.broken_by(value)
+        } else {
+            Some("a finite number".to_owned())
+        };
+        match broken {
+            None => Ok(()),
+            Some(bound) => {
+                let message = format!("`{}` = {value} must be {bound}", parameter.name);
+                Err(Complaint::new(span, message))
+            }
+        }
+    }
+}
+
+/// The parameters as users see them.
+fn parameters(file: &Declarations) -> Checked<Vec<Parameter>> {
+    let parameter = |declared: &crate::declarations::ParameterDeclaration| {
+        if let Some(bound) = declared.range.broken_by(declared.value) {
+            let message = format!("`{}` must be {bound}", declared.name.value);
+            return Err(Complaint::new(declared.value_span, message));
+        }
+        Ok(Parameter {
+            name: declared.name.value.clone(),
+            value: declared.value,
+            unit: declared.unit.as_ref().map_or(String::new(), |unit| unit.value.clone()),
+            about: declared.about.clone(),
+            range: declared.range,
+        })
+    };
+    file.parameters.iter().map(parameter).collect()
+}
+
+/// Writes `t_end` of the top to the table `run`.
+fn add_t_end(settings: &mut toml::Table, file: &Declarations) -> Checked<()> {
+    let Some((t_end, span)) = file.t_end else { return Ok(()) };
+    let run = settings.entry("run").or_insert_with(|| toml::Table::new().into());
+    match run.as_table_mut() {
+        Some(run) if !run.contains_key("t_end") => {
+            run.insert("t_end".to_owned(), t_end.into());
+            Ok(())
+        }
+        Some(_) => {
+            Err(Complaint::new(span, "`t_end` is short for `run.t_end`, which is given too"))
+        }
+        None => Ok(()),
+    }
+}
