@@ -23,7 +23,7 @@ use deltazero_solvers::{METHODS, Method};
 use deltazero_study::recommend::Recommendation;
 use deltazero_study::reference::Reference;
 use deltazero_study::run::{Accuracy, Limits, Setting};
-use deltazero_study::selection::{Benchmark, Start, Trial, TrialEnd, accepts_events};
+use deltazero_study::selection::{Benchmark, Start, Trial, TrialEnd};
 use deltazero_study::setting::Events;
 use random::Random;
 
@@ -129,7 +129,7 @@ fn one(i: usize, config: &Config, sets: &[String], accuracy: f64, search: bool, 
         tally.extended += 1;
     }
     let again = rerun(&benchmark, &answer, &stop);
-    let holds = again.e <= accuracy && accepts_events(accuracy, first.events, &again);
+    let holds = again.e <= accuracy && again.events_are_right();
     if !codes.is_empty() {
         tally.warned += 1;
     } else if holds {
@@ -197,7 +197,7 @@ fn exhaustive(
                 if trial.end == TrialEnd::Cut && method.order > 1 && trial.stats.n_events < 1000 {
                     break;
                 }
-                if trial.e <= accuracy && accepts_events(accuracy, events, &trial) {
+                if trial.e <= accuracy && trial.events_are_right() {
                     reaching.push((trial.took.cpu.as_secs_f64(), setting));
                     // Tighter ones cost more.
                     if trial.e < 1e-2 * accuracy {

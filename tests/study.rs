@@ -19,8 +19,8 @@ use deltazero_study::horizon::{Horizon, Span, tight_runs};
 use deltazero_study::map::{CellStatus, Contested};
 use deltazero_study::run::{Accuracy, Limits, Price, Setting};
 use deltazero_study::selection::{
-    Benchmark, CUT, Candidate, Contest, Entry, FailureKind, MARGIN, Standings, Start, Trial,
-    accepts_events,
+    Benchmark, CUT, Candidate, Contest, Entry, FailureKind, MARGIN, RightEvents, Standings, Start,
+    Trial,
 };
 use deltazero_study::setting::Events;
 use deltazero_study::steps::StepTables;
@@ -354,6 +354,7 @@ fn contest(methods: &[&str], accuracy: f64) -> (Benchmark, Standings) {
         atol: None,
         repeats: 1,
         max_work: 1e8,
+        right_events: RightEvents::FromTight,
         stop: &stop,
     };
     let standings = contest.run(&candidates, &|_| {});
@@ -376,7 +377,7 @@ fn a_setting_that_a_contest_finds_holds_beside_itself_and_a_decade_looser_does_n
             Trial::new(&benchmark, &setting, Start::Exact, f64::INFINITY, &AtomicBool::new(false))
         };
         let [own, tighter, looser] = [1.0, 0.56, 10.0].map(run);
-        let is_right = |trial: &Trial| accepts_events(accuracy, entry.events, trial);
+        let is_right = |trial: &Trial| RightEvents::FromTight.accept(accuracy, entry.events, trial);
         assert_eq!(own.e, entry.e, "{entry:?}");
         for trial in [&own, &tighter] {
             assert!(trial.e <= accuracy && is_right(trial), "{entry:?}");

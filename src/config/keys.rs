@@ -460,6 +460,14 @@ const COMMON: &[Key] = &[
         source: "choice of this study: some ten seconds",
     },
     Key {
+        path: "contest.right_events",
+        kind: Kind::Boolean,
+        default: Toml("true"),
+        unit: "",
+        doc: "Whether only a run with every event right counts; if not, events may be wrong in blind runs, and in others above e = 1e-6",
+        source: "choice of this study",
+    },
+    Key {
         path: "regimes.stiffness",
         kind: Kind::List(&POSITIVE, None),
         default: Toml("[1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12]"),

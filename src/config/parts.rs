@@ -215,6 +215,8 @@ pub struct Contest {
     pub repeats: u32,
     /// Work beyond which a run is cut, in right-hand sides.
     pub max_work: f64,
+    /// Whether a run counts only with every event right, or events may be wrong where the accuracy is loose.
+    pub right_events: bool,
 }
 
 /// The grid of `regimes`.

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use deltazero_study::map::CellStatus;
-use deltazero_study::selection::{CUT, EVENTS_FROM, Entry, Standings};
+use deltazero_study::map::{CellStatus, Contested, Map, MapCell};
+use deltazero_study::selection::{CUT, EVENTS_FROM, Entry, Failure, Standings};
 use deltazero_study::setting::Events;
 
 use super::{exact, field};
@@ -14,80 +14,94 @@ use crate::study::regimes::{Cell, maps, of_map};
 /// A time within this factor of the winner's is near it.
 const NEAR: f64 = 1.3;
 
+/// Columns of a contest.
+const CONTEST: &str = "accuracy,status,t_end_s,horizon_s,n_events,method,events,rtol,step,e,e_least,e_most,missed,spurious,\
+                       wall_s,n_rhs,n_accepted,second,second_events,second_wall_s,explicit,explicit_wall_s,implicit,\
+                       implicit_wall_s,located,located_wall_s,blind,blind_wall_s,auto_over_winner,failures,error,cpu_s,\
+                       second_cpu_s,within_noise";
+
 /// `regimes.csv`: one row a cell.
 pub fn csv(cells: &[Cell]) -> String {
-    let mut csv = String::from(
-        "reading,stiffness,damping_ratio,accuracy,status,t_end_s,horizon_s,n_events,method,events,rtol,\
-         step,e,e_least,e_most,missed,spurious,wall_s,n_rhs,n_accepted,second,second_events,\
-         second_wall_s,explicit,explicit_wall_s,implicit,implicit_wall_s,located,located_wall_s,blind,\
-         blind_wall_s,auto_over_winner,failures,error,cpu_s,second_cpu_s,within_noise\n",
-    );
+    let mut csv = format!("reading,stiffness,damping_ratio,{CONTEST}\n");
     for cell in cells {
-        let first = cell.winner();
-        let second = cell.second();
-        let of = |f: fn(&Entry) -> f64| exact(first.map(f));
-        let count = |f: fn(&Entry) -> u64| first.map_or_else(String::new, |e| f(e).to_string());
-        let mut fields = vec![
-            cell.reading.to_string(),
-            exact(Some(cell.stiffness)),
-            exact(Some(cell.damping_ratio)),
-            exact(Some(cell.accuracy)),
-            cell.status.name().to_owned(),
-            exact(cell.t_end_s),
-            exact(cell.horizon_s),
-            super::count(cell.n_events),
-            first.map_or_else(String::new, |entry| entry.method.clone()),
-            first.map_or_else(String::new, |entry| entry.events.to_string()),
-            exact(first.and_then(|entry| entry.rtol)),
-            exact(first.and_then(|entry| entry.step)),
-            of(|entry| entry.e),
-            of(|entry| entry.e_spread[0]),
-            of(|entry| entry.e_spread[1]),
-            count(|entry| entry.missed as u64),
-            count(|entry| entry.spurious as u64),
-            of(|entry| entry.wall_s),
-            count(|entry| entry.n_rhs),
-            count(|entry| entry.n_accepted),
-            second.map_or_else(String::new, |entry| entry.method.clone()),
-            second.map_or_else(String::new, |entry| entry.events.to_string()),
-            exact(second.map(|entry| entry.wall_s)),
-        ];
-        for best in [
-            cell.best(|entry| !entry.implicit),
-            cell.best(|entry| entry.implicit),
-            cell.best(|entry| entry.events == Events::Located),
-            cell.best(|entry| entry.events == Events::Blind),
-        ] {
-            fields.push(best.map_or_else(String::new, name));
-            fields.push(exact(best.map(|entry| entry.wall_s)));
-        }
-        fields.push(exact(cell.auto_over_winner()));
-        let failures: Vec<String> = cell
-            .standings
-            .failures
-            .iter()
-            .map(|failure| {
-                format!("{} {}: {}", failure.method, failure.events, failure.kind.name())
-            })
-            .collect();
-        fields.push(field(&failures.join("; ")));
-        fields.push(field(cell.error.as_deref().unwrap_or_default()));
-        fields.push(exact(first.and_then(|entry| entry.cpu_s)));
-        fields.push(exact(second.and_then(|entry| entry.cpu_s)));
-        let near: Vec<String> = cell.within_noise().into_iter().map(name).collect();
-        fields.push(field(&near.join("; ")));
-        let _ = writeln!(csv, "{}", fields.join(","));
+        let at = [exact(Some(cell.stiffness)), exact(Some(cell.damping_ratio))].join(",");
+        let _ = writeln!(csv, "{},{at},{}", cell.reading, contest_fields(cell).join(","));
     }
     csv
 }
 
+/// `map.csv`: one row a cell and an accuracy.
+pub fn map_csv(map: &Map) -> String {
+    let names = map.axes.each_ref().map(|axis| field(&axis.name)).join(",");
+    let mut csv = format!("{names},{CONTEST}\n");
+    for MapCell { at, contest } in &map.cells {
+        let at = at.map(|x| exact(Some(x))).join(",");
+        let _ = writeln!(csv, "{at},{}", contest_fields(contest).join(","));
+    }
+    csv
+}
+
+/// The columns of a contest.
+fn contest_fields(contest: &Contested) -> Vec<String> {
+    let (first, second) = (contest.winner(), contest.second());
+    let of = |f: fn(&Entry) -> f64| exact(first.map(f));
+    let count = |f: fn(&Entry) -> u64| first.map_or_else(String::new, |e| f(e).to_string());
+    let mut fields = vec![
+        exact(Some(contest.accuracy)),
+        contest.status.name().to_owned(),
+        exact(contest.t_end_s),
+        exact(contest.horizon_s),
+        super::count(contest.n_events),
+        first.map_or_else(String::new, |entry| entry.method.clone()),
+        first.map_or_else(String::new, |entry| entry.events.to_string()),
+        exact(first.and_then(|entry| entry.rtol)),
+        exact(first.and_then(|entry| entry.step)),
+        of(|entry| entry.e),
+        of(|entry| entry.e_spread[0]),
+        of(|entry| entry.e_spread[1]),
+        count(|entry| entry.missed as u64),
+        count(|entry| entry.spurious as u64),
+        of(|entry| entry.wall_s),
+        count(|entry| entry.n_rhs),
+        count(|entry| entry.n_accepted),
+        second.map_or_else(String::new, |entry| entry.method.clone()),
+        second.map_or_else(String::new, |entry| entry.events.to_string()),
+        exact(second.map(|entry| entry.wall_s)),
+    ];
+    for best in [
+        contest.best(|entry| !entry.implicit),
+        contest.best(|entry| entry.implicit),
+        contest.best(|entry| entry.events == Events::Located),
+        contest.best(|entry| entry.events == Events::Blind),
+    ] {
+        fields.push(best.map_or_else(String::new, name));
+        fields.push(exact(best.map(|entry| entry.wall_s)));
+    }
+    fields.push(exact(contest.auto_over_winner()));
+    let failures = contest.standings.failures.iter();
+    let failure = |failure: &Failure| {
+        format!("{} {}: {}", failure.method, failure.events, failure.kind.name())
+    };
+    fields.push(field(&failures.map(failure).collect::<Vec<_>>().join("; ")));
+    fields.push(field(contest.error.as_deref().unwrap_or_default()));
+    fields.push(exact(first.and_then(|entry| entry.cpu_s)));
+    fields.push(exact(second.and_then(|entry| entry.cpu_s)));
+    let near: Vec<String> = contest.within_noise().into_iter().map(name).collect();
+    fields.push(field(&near.join("; ")));
+    fields
+}
+
 /// What the map asks, and under which rules.
 pub fn lead(config: &Config) -> String {
+    let right = if config.contest.right_events {
+        "Every event must be right, too".to_owned()
+    } else {
+        format!("From e ≤ {EVENTS_FROM:e} on every event of a located run must be right, too")
+    };
     format!(
         "The fastest method and setting that reaches an accuracy e, over contact stiffness K and damping \
          ratio ζ, both joints, 0 to {} s, or half the time over which the motion is predictable, or {} \
-         events where there are more. From e ≤ {EVENTS_FROM:e} on every event of a located run must be right, \
-         too. A run is cut at {CUT} times the least work.",
+         events where there are more. {right}. A run is cut at {CUT} times the least work.",
         config.run.t_end, config.regimes.max_events
     )
 }

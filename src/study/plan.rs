@@ -7,7 +7,7 @@ use deltazero_study::plan::{self, settings};
 use deltazero_study::recommend::{self, Recommendation};
 use deltazero_study::reference::{Reference, ReferenceError};
 use deltazero_study::run::Limits;
-use deltazero_study::selection::{Benchmark, Candidate, Rules};
+use deltazero_study::selection::{Benchmark, Candidate, RightEvents, Rules};
 use deltazero_study::work_precision::{Progress, Row, WorkPrecision};
 
 use crate::config::Config;
@@ -47,6 +47,11 @@ pub fn rules(config: &Config) -> Rules {
         atol: config.solver.atol.clone().map(Into::into),
         repeats: contest.repeats,
         max_work: contest.max_work,
+        right_events: if contest.right_events {
+            RightEvents::Always
+        } else {
+            RightEvents::FromTight
+        },
     }
 }
 

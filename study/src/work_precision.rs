@@ -447,6 +447,12 @@ pub fn cheapest(rows: &[Row], e: f64) -> Option<&Row> {
     reaching(rows, e).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
 }
 
+/// The same among those that have every event of the reference, and no other.
+pub fn cheapest_right(rows: &[Row], e: f64) -> Option<&Row> {
+    let right = reaching(rows, e).filter(|(row, _)| row.events_are_right());
+    right.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
+}
+
 /// The runs that the [noise](Row::noise) of their times, or of the cheapest's, does not tell from it: of each other
 /// method and treatment of events the fastest whose error is at most `e`.
 pub fn within_noise(rows: &[Row], e: f64) -> Vec<&Row> {

@@ -42,7 +42,7 @@ pub const MARGIN: f64 = 0.8;
 pub const CUT: f64 = 10.0;
 /// Candidates within this many times the least work of a method that is the same throughout are timed.
 pub const FINAL: f64 = 3.0;
-/// From this accuracy on a run that locates events must have their sequence right.
+/// From this accuracy on a run that locates events must have their sequence right, where not every run must.
 pub const EVENTS_FROM: f64 = 1e-6;
 /// Work of the first budget: some milliseconds.
 const FIRST_BUDGET: f64 = 5e4;
@@ -66,6 +66,25 @@ impl Candidate {
     }
 }
 
+/// Which runs must have every event of the reference, and no other, to count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum RightEvents {
+    /// All.
+    #[default]
+    Always,
+    /// Those that locate events, from an accuracy of [`EVENTS_FROM`] on.
+    FromTight,
+}
+
+impl RightEvents {
+    /// Whether `trial`, which treats events in this way, has them right, or need not have at this accuracy.
+    pub fn accept(self, accuracy: f64, events: Events, trial: &Trial) -> bool {
+        let is_free =
+            self == Self::FromTight && (accuracy > EVENTS_FROM || events == Events::Blind);
+        is_free || trial.events_are_right()
+    }
+}
+
 /// Who takes part in contests, and how they are run.
 #[derive(Clone, Debug)]
 pub struct Rules {
@@ -77,14 +96,17 @@ pub struct Rules {
     pub repeats: u32,
     /// Work beyond which a run is cut whatever the others need.
     pub max_work: f64,
+    /// Whose events must be right.
+    pub right_events: RightEvents,
 }
 
 impl Default for Rules {
-    /// Every method, its events located.
+    /// Every method, its events located and right.
     fn default() -> Self {
         let located = |method| Candidate { method, events: Events::Located };
         let candidates = METHODS.iter().map(located).collect();
-        Self { candidates, atol: None, repeats: 5, max_work: 1e8 }
+        let right_events = RightEvents::Always;
+        Self { candidates, atol: None, repeats: 5, max_work: 1e8, right_events }
     }
 }
 
@@ -101,6 +123,8 @@ pub struct Contest<'a> {
     pub repeats: u32,
     /// Work beyond which a run is cut whatever the others need.
     pub max_work: f64,
+    /// Whose events must be right.
+    pub right_events: RightEvents,
     /// Set from outside to interrupt it.
     pub stop: &'a AtomicBool,
 }
@@ -277,13 +301,14 @@ impl<'a> Contest<'a> {
         rules: &Rules,
         stop: &'a AtomicBool,
     ) -> Self {
-        let Rules { atol, repeats, max_work, .. } = rules;
+        let Rules { atol, repeats, max_work, right_events, .. } = rules;
         Self {
             benchmark,
             accuracy,
             atol: atol.clone(),
             repeats: *repeats,
             max_work: *max_work,
+            right_events: *right_events,
             stop,
         }
     }
@@ -401,11 +426,6 @@ impl Least {
 
 fn least(each: impl IntoIterator<Item = f64>) -> f64 {
     each.into_iter().fold(f64::INFINITY, f64::min)
-}
-
-/// Whether a run that treats events in this way has them right, or need not have at this accuracy.
-pub fn accepts_events(accuracy: f64, events: Events, trial: &Trial) -> bool {
-    accuracy > EVENTS_FROM || events == Events::Blind || trial.events_are_right()
 }
 
 /// Mean accepted step [s] of a run that came `covered` seconds far, parts added.

@@ -6,7 +6,7 @@ use deltazero_solvers::Error;
 
 use super::ladder::{self, A_DECADE};
 use super::trial::{ON_COURSE, Start, Trial, TrialEnd};
-use super::{Candidate, Contest, Entry, Failure, FailureKind, MARGIN, accepts_events, mean_step};
+use super::{Candidate, Contest, Entry, Failure, FailureKind, MARGIN, mean_step};
 use crate::run::Setting;
 
 /// Longest move between two rungs that are looked at: two decades.
@@ -260,7 +260,7 @@ impl<'a> Search<'a> {
                 // One that was affordable under an earlier, higher limit.
                 if trial.work > limit {
                     Kind::Cut
-                } else if accepts_events(contest.accuracy, candidate.events, trial) {
+                } else if contest.right_events.accept(contest.accuracy, candidate.events, trial) {
                     Kind::Meets
                 } else {
                     Kind::Misses(EVENTS_WRONG)
@@ -287,7 +287,8 @@ impl<'a> Search<'a> {
         });
         let goal = MARGIN * contest.accuracy;
         nudged.iter().all(|trial| {
-            trial.e <= goal && accepts_events(contest.accuracy, candidate.events, trial)
+            trial.e <= goal
+                && contest.right_events.accept(contest.accuracy, candidate.events, trial)
         })
     }
 
@@ -338,7 +339,8 @@ impl<'a> Search<'a> {
     }
 
     fn accepts_events(&self, trial: &Trial) -> bool {
-        accepts_events(self.contest.accuracy, self.candidate.events, trial)
+        let Contest { accuracy, right_events, .. } = *self.contest;
+        right_events.accept(accuracy, self.candidate.events, trial)
     }
 
     /// Whether a setting tighter than the one found has the events wrong.
