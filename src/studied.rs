@@ -15,7 +15,7 @@ use deltazero_study::steps::StepTables;
 use deltazero_study::work_precision::WorkPrecision;
 use deltazero_study::{Plan, Subject, work_precision};
 
-use crate::figures::{self, Drawing};
+use crate::figures::{self, Drawing, Picture};
 use crate::report::simulation::motion_csv;
 use crate::report::{self, About, Provenance};
 use crate::study::machine::Machine;
@@ -122,10 +122,16 @@ pub fn write_map(map: &Map, dir: impl AsRef<Path>) -> io::Result<()> {
     let (dir, drawing) = (dir.as_ref(), figures::map::winners(map));
     let picture = drawing.picture().map_err(io::Error::other)?;
     fs::create_dir_all(dir.join("figures"))?;
-    fs::write(dir.join("figures/winners.svg"), picture.svg)?;
-    fs::write(dir.join("figures/winners.png"), picture.png)?;
-    let (title, caption) = (picture.title, picture.caption);
-    let text =
-        format!("# {title}\n\n![{title}](figures/winners.png)\n\n{caption}\n\n{}", map_table(map));
-    fs::write(dir.join("map.md"), text)
+    fs::write(dir.join("figures/winners.svg"), &picture.svg)?;
+    fs::write(dir.join("figures/winners.png"), &picture.png)?;
+    fs::write(dir.join("map.md"), map_markdown(map, &[picture]))
+}
+
+/// `map.md`: pictures of a map, and its table.
+pub fn map_markdown(map: &Map, pictures: &[Picture]) -> String {
+    let picture = |Picture { name, title, caption, .. }: &Picture| {
+        format!("![{title}](figures/{name}.png)\n\n{caption}\n\n")
+    };
+    let pictures: String = pictures.iter().map(picture).collect();
+    format!("# The fastest method\n\n{pictures}{}", map_table(map))
 }

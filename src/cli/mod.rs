@@ -1,10 +1,12 @@
 //! Commands, one a file: read a configuration, run one experiment, write its results.
 
 mod audit;
+mod axes;
 mod config;
 mod kept;
 mod laws;
 mod methods;
+mod model;
 mod output;
 mod progress;
 mod recommend;
@@ -31,6 +33,7 @@ use deltazero_study::warning::Warning;
 ///
 /// Without a command: the study of the paper's Table 1, 0-2 s, into ./deltazero-out.
 /// With --set mechanism=NAME, simulate, study and recommend are about another mechanism; `deltazero config` lists them.
+/// With --model FILE they and regimes are about your own model, a text file; `deltazero model` has some to start from.
 #[derive(Parser)]
 #[command(version, args_conflicts_with_subcommands = true)]
 struct Cli {
@@ -60,17 +63,46 @@ enum Command {
     Report(report::ReportArgs),
     /// The default configuration, commented, or the one given; or the JSON Schema
     Config(config::ConfigArgs),
+    /// Models as text files: those that come with the program, a start for your own, a check
+    Model(model::ModelArgs),
+}
+
+/// Where a configuration comes from.
+#[derive(Args)]
+struct ConfigFrom {
+    /// Configuration in TOML; every key is optional and defaults to the paper's Table 1
+    #[arg(value_name = "CONFIG")]
+    config: Option<PathBuf>,
+    /// A model of your own in TOML, in place of a mechanism; `deltazero model` has some to start from
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// Set one key, or a parameter of the model, after the file, as in --set contact.stiffness=1e9 (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+}
+
+impl ConfigFrom {
+    fn load(&self) -> Result<Config, Failure> {
+        self.load_with(&[])
+    }
+
+    /// With `more` set after the rest.
+    fn load_with(&self, more: &[String]) -> Result<Config, Failure> {
+        let sets = [&self.set, more].concat();
+        Ok(Config::load_with(self.model.as_deref(), self.config.as_deref(), &sets)?)
+    }
+
+    /// Whether nothing was given.
+    fn is_empty(&self) -> bool {
+        self.config.is_none() && self.model.is_none() && self.set.is_empty()
+    }
 }
 
 /// Where a configuration comes from and its results go.
 #[derive(Args)]
 struct RunArgs {
-    /// Configuration in TOML; every key is optional and defaults to the paper's Table 1
-    #[arg(value_name = "CONFIG")]
-    config: Option<PathBuf>,
-    /// Set one key after the file, as in --set contact.stiffness=1e9 (repeatable)
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    from: ConfigFrom,
     /// Directory for the results
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -87,7 +119,7 @@ struct RunArgs {
 
 impl RunArgs {
     fn load(&self) -> Result<Config, Failure> {
-        Ok(Config::load(self.config.as_deref(), &self.set)?)
+        self.from.load()
     }
 }
 
@@ -152,7 +184,7 @@ fn note_left_out(config: &Config, events: &[Events], quiet: bool) {
 
 /// A word in the place of CONFIG that is no file: a command misspelt, or put after its options.
 fn misplaced_command(args: &study::StudyArgs) -> Option<Failure> {
-    let word = args.run.config.as_deref()?;
+    let word = args.run.from.config.as_deref()?;
     let is_word = word.to_str()?.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
     (is_word && !word.exists()).then(|| {
         let commands: Vec<_> =
@@ -187,6 +219,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Laws(args)) => laws::run(&args),
         Some(Command::Report(args)) => report::run(&args, &stop),
         Some(Command::Config(args)) => config::run(&args),
+        Some(Command::Model(args)) => model::run(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

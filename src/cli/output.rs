@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 use super::Failure;
 
 /// Files that carry the hash of what they are results of.
-const OWNERS: [&str; 4] = ["study.json", "run.json", "regimes.json", "audit.json"];
+const OWNERS: [&str; 5] = ["study.json", "run.json", "regimes.json", "audit.json", "map.json"];
 
 /// The file that a command holds a lock on while it writes into a directory. It stays there: were it removed, two
 /// commands could each hold a lock on a file of that name.

@@ -1,27 +1,21 @@
 //! `deltazero recommend`.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
-use deltazero::config::Config;
 use deltazero::report::recommend::{json, text};
 use deltazero::study::plan::recommend;
 
 use super::progress::Bar;
-use super::{Failure, note_left_out, print};
+use super::{ConfigFrom, Failure, note_left_out, print};
 
 /// Errors that can be asked for.
 const ACCURACIES: std::ops::RangeInclusive<f64> = 1e-12..=1e-1;
 
 #[derive(Args)]
 pub(super) struct RecommendArgs {
-    /// Configuration in TOML; every key is optional and defaults to the paper's Table 1
-    #[arg(value_name = "CONFIG")]
-    config: Option<PathBuf>,
-    /// Set one key after the file, as in --set contact.stiffness=1e9 (repeatable)
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    from: ConfigFrom,
     /// Error e to be reached: pin error over clearance, angle error over the largest angle
     #[arg(long, value_name = "E", default_value = "1e-6", value_parser = accuracy)]
     accuracy: f64,
@@ -42,7 +36,7 @@ fn accuracy(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn run(args: &RecommendArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let config = Config::load(args.config.as_deref(), &args.set)?;
+    let config = args.from.load()?;
     note_left_out(&config, &config.contest.events, args.quiet);
     let bar = Bar::new(args.quiet);
     let answer = recommend(&config, args.accuracy, stop, &|progress| bar.show(progress));

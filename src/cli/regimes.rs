@@ -14,6 +14,7 @@ use deltazero_study::forecast::Forecast;
 use deltazero_study::reference::RECIPE;
 use serde_json::{Value, json};
 
+use super::axes;
 use super::output::{Output, hash, is_current};
 use super::progress::{Bar, spoken};
 use super::{Failure, RunArgs, default_only, note_left_out, print, say};
@@ -21,16 +22,23 @@ use super::{Failure, RunArgs, default_only, note_left_out, print, say};
 #[derive(Args)]
 pub(super) struct RegimesArgs {
     #[command(flatten)]
-    run: RunArgs,
+    pub(super) run: RunArgs,
+    /// One of the two keys, or parameters of a model, that the map is over, in place of stiffness and damping ratio:
+    /// NAME=v1,v2,... or NAME=a:b:n, n values from a to b, each the same factor above the last (twice)
+    #[arg(long, value_name = "NAME=VALUES", conflicts_with = "quick")]
+    pub(super) axis: Vec<String>,
     /// Cells at the same time, instead of regimes.threads
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    pub(super) threads: Option<u16>,
     /// A preview: every third stiffness, every second damping ratio, at most 0.25 s
     #[arg(long)]
     quick: bool,
 }
 
 pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    if !args.axis.is_empty() {
+        return axes::run(args, stop);
+    }
     let why = "the map's damping ratio is that of the struts' masses under F_N = K δ + D δ̇";
     let mut config = default_only(args.run.load()?, why)?;
     let mut dir = "deltazero-out/regimes";

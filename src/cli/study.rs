@@ -46,8 +46,7 @@ impl StudyArgs {
     /// The configuration, `--reference` being its key as `--set` would set it.
     fn load(&self) -> Result<Config, Failure> {
         let digits = self.reference.iter().map(|digits| format!("study.reference={digits}"));
-        let set: Vec<String> = self.run.set.iter().cloned().chain(digits).collect();
-        Ok(Config::load(self.run.config.as_deref(), &set)?)
+        self.run.from.load_with(&digits.collect::<Vec<_>>())
     }
 }
 

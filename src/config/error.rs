@@ -34,7 +34,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why a configuration is refused; the message is one line.
+/// Why a configuration is refused; the message is one line, but for that of a model file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ConfigError {
@@ -45,6 +45,12 @@ pub enum ConfigError {
         path: PathBuf,
         /// What the operating system says.
         reason: Box<str>,
+    },
+    /// A model file that is none, or not with these values of its parameters; the message shows the lines.
+    #[error("{report}")]
+    Model {
+        /// What is wrong, and where.
+        report: Box<str>,
     },
     /// Not TOML, or not UTF-8.
     #[error("{place}: {message}")]
@@ -68,6 +74,22 @@ pub enum ConfigError {
         /// The key, from the root.
         key: Box<str>,
         /// The most similar key, if one is similar.
+        nearest: Option<Box<str>>,
+    },
+    /// A name that is neither a parameter of the model nor a setting.
+    #[error(
+        "{place}: \"{key}\" is neither a parameter of the model nor a setting; {}",
+        match nearest.as_deref() {
+            Some(name) => format!("did you mean \"{name}\"?"),
+            None => "`deltazero model check FILE` lists the parameters".to_owned(),
+        }
+    )]
+    NotOfModel {
+        /// Where.
+        place: Place,
+        /// The name.
+        key: Box<str>,
+        /// The most similar one, if one is similar.
         nearest: Option<Box<str>>,
     },
     /// A key that exists, but not for one joint.

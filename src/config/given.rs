@@ -59,6 +59,12 @@ impl Given {
         }
     }
 
+    /// The entry of this name, where it is a table that has it.
+    pub(super) fn entry(&self, name: &str) -> Option<&Self> {
+        let Datum::Table(entries) = &self.datum else { return None };
+        entries.iter().find(|(own, _)| own == name).map(|(_, given)| given)
+    }
+
     /// The complaint that it is of the wrong type.
     pub(super) fn wrong_type(&self, key: &str, expected: &str) -> ConfigError {
         ConfigError::WrongType {

@@ -30,6 +30,7 @@ mod error;
 mod given;
 mod keys;
 mod kind;
+mod model;
 mod nearest;
 mod parts;
 mod print;
@@ -64,6 +65,8 @@ pub use words::{AXES, ContactLaw, Curvature, FrictionLaw, METHODS, ReadingName};
 
 use crate::mechanisms::Chosen;
 use given::Given;
+use model::Model;
+pub use model::TABLES as MODEL_TABLES;
 use settings::Settings;
 pub use settings::{MOST_ROWS, ROW_BYTES};
 
@@ -112,11 +115,26 @@ impl Config {
     /// The first complaint: an unreadable file, its syntax, an unknown key, a wrong type, a value
     /// out of range or an unknown word, values that do not go together.
     pub fn load(file: Option<&Path>, sets: &[String]) -> Result<Self, ConfigError> {
+        Self::load_with(None, file, sets)
+    }
+
+    /// The same with a model from a file in the place of a mechanism: its settings come before those of the
+    /// configuration, and its parameters are keys.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), and what is wrong with the model.
+    pub fn load_with(
+        model: Option<&Path>,
+        file: Option<&Path>,
+        sets: &[String],
+    ) -> Result<Self, ConfigError> {
         let mut settings = Settings::defaults()?;
+        if let Some(path) = model {
+            settings.take_model(Model::read(path)?)?;
+        }
         if let Some(path) = file {
             let text = toml_source::read(path)?;
-            let given = toml_source::document(&path.display().to_string(), &text)?;
-            settings.apply("", &given)?;
+            settings.apply_all(&toml_source::document(&path.display().to_string(), &text)?)?;
         }
         for argument in sets {
             let (key, given) = toml_source::assignment(argument)?;
@@ -160,7 +178,8 @@ impl Config {
             keys()
                 .any(|key| key.table().unwrap_or(key.path) == name && self.mechanism.entry.has(key))
         };
-        all.retain(|name, _| JOINTS.contains(&name.as_str()) || used(name));
+        let is_own = |name: &str| self.mechanism.tables.contains_key(name);
+        all.retain(|name, _| JOINTS.contains(&name.as_str()) || used(name) || is_own(name));
         let mut all = Value::Object(all);
         all.sort_all_objects();
         all
@@ -186,7 +205,7 @@ impl Config {
     /// As [`load`](Self::load).
     pub fn from_json(value: &Value) -> Result<Self, ConfigError> {
         let mut settings = Settings::defaults()?;
-        settings.apply("", &Given::from_json(value))?;
+        settings.apply_all(&Given::from_json(value))?;
         settings.config()
     }
 }

@@ -29,6 +29,11 @@ pub(super) fn nearest_key(path: &str, table: bool) -> Option<String> {
             all.into_iter().map(|key| key.path.to_owned()).collect()
         }
     };
+    nearest_of(path, candidates)
+}
+
+/// The path most like `path`, or whose last segment is most like its own.
+pub(super) fn nearest_of(path: &str, candidates: Vec<String>) -> Option<String> {
     let given = path.to_lowercase();
     let score = |candidate: &String| {
         let last = similarity(last_segment(&given), last_segment(candidate));

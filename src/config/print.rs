@@ -3,8 +3,9 @@
 use serde_json::{Map, Value};
 
 use super::error::Place;
+use super::given::is_bare_key;
 use super::keys::{DefaultValue, JOINT_TABLES, JOINTS, Key, keys};
-use super::{Config, toml_source};
+use super::{Config, model, toml_source};
 use crate::mechanisms::{Entry, MECHANISMS};
 
 const HEAD: &str = "\
@@ -115,8 +116,22 @@ impl Config {
     /// back to the same bits.
     pub fn commented_toml(&self) -> String {
         let Entry { name, about, .. } = self.mechanism.entry;
-        let head = format!("# A configuration of deltazero, of the mechanism {name}: {about}.\n");
-        commented(&head, self.mechanism.entry, Some(self))
+        let tables = &self.mechanism.tables;
+        let [model, parameters] = model::TABLES.map(|name| tables.get(name));
+        let head = match model {
+            Some(model) => {
+                let file = model["name"].as_str().unwrap_or_default();
+                format!(
+                    "# Settings of deltazero and parameters of a model, to be given with --model {file}.\n"
+                )
+            }
+            None => format!("# A configuration of deltazero, of the mechanism {name}: {about}.\n"),
+        };
+        let mut text = commented(&head, self.mechanism.entry, Some(self));
+        if let Some(Value::Object(own)) = parameters {
+            write_table(&mut text, model::TABLES[1], own);
+        }
+        text
     }
 
     /// All of it as a TOML file, tables and keys in alphabetical order; [`load`](Self::load) reads it
@@ -137,6 +152,7 @@ fn write_table(out: &mut String, path: &str, table: &Map<String, Value>) {
         *out += &format!("\n[{path}]\n");
     }
     for (name, value) in values {
+        let name = if is_bare_key(name) { name.clone() } else { format!("\"{name}\"") };
         *out += &format!("{name} = {value}\n");
     }
     for (name, value) in tables {

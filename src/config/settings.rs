@@ -4,15 +4,17 @@ use std::collections::BTreeMap;
 
 use deltazero_solvers::Method;
 use deltazero_study::setting::{Digits, Events};
+use deltazero_text::Parameter;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use super::error::{ConfigError, Place};
 use super::given::{Datum, Given, excerpt};
 use super::keys::{DefaultValue, JOINT_TABLES, JOINTS, Key, find, keys, names_in, one_joint};
-use super::nearest::nearest_key;
+use super::model::{self, Model};
+use super::nearest::{nearest_key, nearest_of};
 use super::toml_source;
-use super::{Atol, Config, FrictionLaw, JointConfig};
+use super::{Atol, Config, FrictionLaw, JointConfig, Run};
 use crate::mechanisms::{Chosen, Entry, Misfit};
 
 /// Most rows of `trajectory.csv`, all joints together: 1 GB of it, and 0.9 GB of memory (measured on Table 1).
@@ -24,9 +26,31 @@ pub const ROW_BYTES: f64 = 200.0;
 /// Largest number of fixed steps of a run, 1e12: some three days.
 const MOST_STEPS: f64 = 1e12;
 
+/// The table of a configuration that holds the values of a model's parameters.
+const PARAMETERS: &str = model::TABLES[1];
+
+/// What a path leads to.
+enum Target<'a> {
+    /// A parameter of the model.
+    Parameter(&'a Parameter),
+    /// A key.
+    Key(&'static Key),
+    /// A table of keys.
+    Table,
+    /// Nothing.
+    Nothing,
+}
+
+/// Where the value of a parameter is kept.
+fn parameter_path(name: &str) -> String {
+    format!("{PARAMETERS}.{name}")
+}
+
 /// Checked values by path, each with the place it came from.
 pub(super) struct Settings {
     values: BTreeMap<String, (Value, Place)>,
+    /// The model from a file that is integrated in place of a mechanism; its parameters are keys.
+    model: Option<Model>,
 }
 
 impl Settings {
@@ -35,13 +59,56 @@ impl Settings {
     /// # Errors
     /// A default that is not TOML or not of its key's kind; a test excludes it.
     pub(super) fn defaults() -> Result<Self, ConfigError> {
-        let mut settings = Self { values: BTreeMap::new() };
+        let mut settings = Self { values: BTreeMap::new(), model: None };
         for key in keys() {
             if let DefaultValue::Toml(text) = key.default {
                 settings.apply(key.path, &toml_source::value(text, Place::Default)?)?;
             }
         }
         Ok(settings)
+    }
+
+    /// Sets all that a document has, and the model that it carries.
+    ///
+    /// # Errors
+    /// The first complaint.
+    pub(super) fn apply_all(&mut self, given: &Given) -> Result<(), ConfigError> {
+        if let Some(model) = Model::carried_by(given)? {
+            self.take_model(model)?;
+        }
+        self.apply("", given)
+    }
+
+    /// Puts a model from a file in the place of the mechanism, with the settings that the file holds.
+    ///
+    /// # Errors
+    /// A setting that is none.
+    pub(super) fn take_model(&mut self, model: Model) -> Result<(), ConfigError> {
+        let settings = model.settings()?;
+        self.model = Some(model);
+        settings.iter().try_for_each(|(path, given)| self.apply(path, given))
+    }
+
+    /// What is integrated, once its own defaults are in the place of what was not given.
+    ///
+    /// # Errors
+    /// As [`defaults`](Self::defaults), and what is wrong with a model at the values of its parameters.
+    fn chosen(&mut self) -> Result<Chosen, ConfigError> {
+        let Some(model) = self.model.clone() else {
+            let entry = self.for_mechanism()?;
+            return self.mechanism(entry);
+        };
+        let t_end: f64 = self.part::<Run>("run")?.t_end;
+        for (path, text) in model::defaults(t_end) {
+            if self.place(path) == Place::Default {
+                self.apply(path, &toml_source::value(&text, Place::Default)?)?;
+            }
+        }
+        let value = |name: &str| {
+            let (value, _) = self.values.get(&parameter_path(name))?;
+            Some((name.to_owned(), value.as_f64()?))
+        };
+        model.chosen(&model.names().filter_map(value).collect::<Vec<_>>())
     }
 
     /// Puts the defaults of the mechanism in the place of what was not given.
@@ -83,25 +150,67 @@ impl Settings {
         if first.as_ref().is_some_and(|(first, _)| *first <= line) {
             return;
         }
-        match (find(path), &given.datum) {
-            (Some(key), _) => match key.kind.check(path, key.unit, given) {
-                Ok(value) => {
-                    self.values.insert(path.to_owned(), (value, given.place.clone()));
-                }
-                Err(complaint) => *first = Some((line, complaint)),
-            },
-            (None, Datum::Table(entries)) if path.is_empty() => {
-                for (name, entry) in entries {
-                    self.walk(name, entry, first);
-                }
+        let checked = match (self.target(path), &given.datum) {
+            (Target::Parameter(parameter), _) => model::value_of(parameter, given)
+                .map(|value| (parameter_path(&parameter.name), value)),
+            (Target::Key(key), _) => {
+                key.kind.check(path, key.unit, given).map(|value| (path.to_owned(), value))
             }
-            (None, Datum::Table(entries)) if names_in(path).is_some() => {
+            (Target::Table, Datum::Table(entries)) => {
                 for (name, entry) in entries {
-                    self.walk(&format!("{path}.{name}"), entry, first);
+                    if !self.is_carried(path, name) {
+                        let at = if path.is_empty() { "" } else { "." };
+                        self.walk(&format!("{path}{at}{name}"), entry, first);
+                    }
                 }
+                return;
             }
-            _ => *first = Some((line, not_a_key(path, given))),
+            (Target::Table | Target::Nothing, _) => Err(self.not_a_key(path, given)),
+        };
+        match checked {
+            Ok((path, value)) => {
+                self.values.insert(path, (value, given.place.clone()));
+            }
+            Err(complaint) => *first = Some((line, complaint)),
         }
+    }
+
+    /// What a path leads to.
+    fn target(&self, path: &str) -> Target<'_> {
+        if let Some(model) = &self.model {
+            let name = path.strip_prefix(PARAMETERS).and_then(|rest| rest.strip_prefix('.'));
+            if let Some(parameter) = model.parameter(name.unwrap_or(path)) {
+                return Target::Parameter(parameter);
+            }
+        }
+        let is_used = |table: &str| self.model.is_none() || model::SETTINGS.contains(&table);
+        match find(path) {
+            Some(key) if is_used(key.table().unwrap_or(key.path)) => Target::Key(key),
+            None if path.is_empty() || names_in(path).is_some() && is_used(path) => Target::Table,
+            None if self.model.is_some() && path == PARAMETERS => Target::Table,
+            _ => Target::Nothing,
+        }
+    }
+
+    /// Whether an entry of the root is how a configuration carries its model, and no setting.
+    fn is_carried(&self, path: &str, name: &str) -> bool {
+        self.model.is_some() && path.is_empty() && ["mechanism", "model"].contains(&name)
+    }
+
+    /// The complaint about a path that is no key, or about a table that is none.
+    fn not_a_key(&self, path: &str, given: &Given) -> ConfigError {
+        let Some(model) = self.model.as_ref().filter(|_| !path.is_empty()) else {
+            return not_a_key(path, given);
+        };
+        if self.model.is_some() && names_in(path).is_some() && model::SETTINGS.contains(&path) {
+            return not_a_key(path, given);
+        }
+        let settings =
+            keys().filter(|key| key.table().is_some_and(|own| model::SETTINGS.contains(&own)));
+        let names = model.names().chain(settings.map(|key| key.path));
+        let nearest = nearest_of(path, names.map(str::to_owned).collect());
+        let (place, key) = (given.place.clone(), excerpt(path).into());
+        ConfigError::NotOfModel { place, key, nearest: nearest.map(Into::into) }
     }
 
     /// The typed configuration.
@@ -109,9 +218,8 @@ impl Settings {
     /// # Errors
     /// Values that do not go together.
     pub(super) fn config(&mut self) -> Result<Config, ConfigError> {
-        let entry = self.for_mechanism()?;
         let config = Config {
-            mechanism: self.mechanism(entry)?,
+            mechanism: self.chosen()?,
             reading: self.part("reading")?,
             bays: self.part("bays")?,
             strut: self.part("strut")?,
@@ -127,8 +235,8 @@ impl Settings {
         Ok(config)
     }
 
-    /// What the mechanism cannot have: a key at the root that is another's, where it is not at its default, and values
-    /// that do not go together. A table of another mechanism is not used.
+    /// What the mechanism cannot have: a key of another one, at the root or set by an argument, where it is not at its
+    /// default, and values that do not go together. A table of another mechanism in a file is not used.
     fn check_mechanism(&self, config: &Config) -> Result<(), ConfigError> {
         let entry = config.mechanism.entry;
         let refused = |key: &str, found: String, against: &str, reason: String| {
@@ -148,7 +256,9 @@ impl Settings {
                 let reason = "only a mechanism of two joints has such keys; give the key without joint1 or joint2";
                 return refused(path, value, "mechanism", reason.to_owned());
             }
-            let is_foreign = find(path).is_some_and(|key| key.table().is_none() && !entry.has(key));
+            // A file may hold the tables of other mechanisms; who sets a key means this one.
+            let is_meant = |key: &Key| key.table().is_none() || matches!(place, Place::Set(_));
+            let is_foreign = find(path).is_some_and(|key| is_meant(key) && !entry.has(key));
             if is_given && is_foreign && !self.is_default(path) {
                 let reason = format!(
                     "the mechanism has no such key; `deltazero config --set mechanism={}` lists those that it has",

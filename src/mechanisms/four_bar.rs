@@ -166,7 +166,7 @@ impl Mechanism for FourBar {
         "Mechanism `four-bar`".to_owned()
     }
 
-    fn lead(&self) -> &'static str {
+    fn lead(&self) -> &str {
         "The pin of a coupler rattles in the bush of a rocker: free flight, then contact through a stiff spring, with \
          friction; each change is an event, the zero crossing of the penetration δ."
     }

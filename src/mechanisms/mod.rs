@@ -12,6 +12,7 @@ pub mod rocking_block;
 mod runs;
 mod slider_crank;
 pub mod strut;
+pub(crate) mod text;
 
 use std::fmt;
 use std::ops::Deref;
@@ -80,7 +81,8 @@ impl Entry {
     /// Whether it uses a key.
     pub fn has(&self, key: &Key) -> bool {
         let table = key.table().unwrap_or(key.path);
-        OF_ALL.contains(&table)
+        // A model from a file is not chosen by the key `mechanism`.
+        OF_ALL.contains(&table) && (key.path != "mechanism" || Self::named(self.name).is_some())
             || self.uses.contains(&table)
             || self.keys.iter().any(|own| own.path == key.path)
     }
@@ -149,7 +151,7 @@ pub trait Mechanism: Send + Sync {
     fn title(&self, config: &Config) -> String;
 
     /// What moves, in a sentence or two, for the head of a report.
-    fn lead(&self) -> &'static str;
+    fn lead(&self) -> &str;
 
     /// Names and what they are, for a report.
     fn facts(&self, config: &Config) -> Vec<(String, String)>;

@@ -148,7 +148,7 @@ impl Mechanism for SliderCrank {
         "Mechanism `slider-crank`".to_owned()
     }
 
-    fn lead(&self) -> &'static str {
+    fn lead(&self) -> &str {
         "The pin of a rod rattles in the bush of its slider: free flight, then contact through a stiff spring, with \
          friction; each change is an event, the zero crossing of the penetration δ."
     }

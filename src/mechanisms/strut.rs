@@ -121,7 +121,7 @@ impl Mechanism for Struts {
         }
     }
 
-    fn lead(&self) -> &'static str {
+    fn lead(&self) -> &str {
         "A pin rattles in a bush with clearance: free flight, then contact through a stiff spring, with friction; each \
          change is an event, the zero crossing of the penetration δ."
     }

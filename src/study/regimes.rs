@@ -236,19 +236,23 @@ pub fn of_map(cells: &[Cell], reading: ReadingName, accuracy: f64) -> Vec<&Cell>
     cells.iter().filter(|cell| cell.reading == reading && cell.accuracy == accuracy).collect()
 }
 
-/// The cells of one site, one an accuracy.
-fn cells(config: &Config, site: &Site, stop: &AtomicBool) -> Vec<Cell> {
-    let own = site.config(config);
-    let plan = MapPlan {
-        t_end: own.run.t_end,
-        times: sample_times(&own),
+/// What every contest of a map has.
+pub fn map_plan(config: &Config) -> MapPlan {
+    MapPlan {
+        t_end: config.run.t_end,
+        times: sample_times(config),
         accuracies: config.regimes.accuracy.clone(),
         rules: rules(config),
         max_events: config.regimes.max_events,
-        max_rhs: own.study.max_rhs,
-        max_seconds: own.study.max_seconds,
-    };
+        max_rhs: config.study.max_rhs,
+        max_seconds: config.study.max_seconds,
+    }
+}
+
+/// The cells of one site, one an accuracy.
+fn cells(config: &Config, site: &Site, stop: &AtomicBool) -> Vec<Cell> {
+    let own = site.config(config);
     let Site { reading, stiffness, damping_ratio } = *site;
     let cell = |contest| Cell { reading, stiffness, damping_ratio, contest };
-    contested(own.mechanism.subject(&own), &plan, stop).into_iter().map(cell).collect()
+    contested(own.mechanism.subject(&own), &map_plan(config), stop).into_iter().map(cell).collect()
 }

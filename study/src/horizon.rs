@@ -108,8 +108,8 @@ impl TightRuns {
             let name = &part.sites[site];
             let place = if name.is_empty() { String::new() } else { format!("{name}: ") };
             let message = format!(
-                "{place}from t = {t:e} s on the run has another sequence of events than runs at rounding ({} for {} up \
-                 to {until:e} s): it has lost a contact or made one up, or one grazes; take a tighter tolerance or \
+                "{place}from t = {t:.6e} s on the run has another sequence of events than runs at rounding ({} for {} up \
+                 to {until:.6e} s): it has lost a contact or made one up, or one grazes; take a tighter tolerance or \
                  another method",
                 count(own),
                 count(tight)

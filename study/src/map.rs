@@ -1,6 +1,6 @@
 //! Where does which method win? The contest over a grid of two parameters of a model, at several accuracies.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
@@ -190,7 +190,7 @@ pub fn contested(subject: Subject, plan: &MapPlan, stop: &AtomicBool) -> Vec<Con
 }
 
 /// A parameter of a model with the values that a map has of it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapAxis {
     /// Name.
     pub name: String,
@@ -217,11 +217,12 @@ impl MapAxis {
 }
 
 /// A cell of a map.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapCell {
     /// The two parameters.
     pub at: [f64; 2],
     /// The contest there.
+    #[serde(flatten)]
     pub contest: Contested,
 }
 
@@ -240,20 +241,34 @@ impl Map {
         axes: [MapAxis; 2],
         plan: &MapPlan,
         threads: usize,
-        of: impl Fn([f64; 2]) -> Subject + Sync,
+        of: impl Fn([f64; 2]) -> Subject,
     ) -> Self {
-        let stop = AtomicBool::new(false);
-        let pairs: Vec<[f64; 2]> = axes[0]
-            .values
-            .iter()
-            .flat_map(|x| axes[1].values.iter().map(move |y| [*x, *y]))
-            .collect();
-        let contests = in_parallel(&pairs, threads, |at| contested(of(*at), plan, &stop));
-        let cell = |(at, contests): (&[f64; 2], Vec<Contested>)| {
-            let at = *at;
-            contests.into_iter().map(move |contest| MapCell { at, contest }).collect::<Vec<_>>()
+        let up = &axes[1].values;
+        let pairs = axes[0].values.iter().flat_map(|x| up.iter().map(move |y| [*x, *y]));
+        let subjects: Vec<_> = pairs.map(|at| (at, of(at))).collect();
+        Self::of(axes, &subjects, plan, threads, &AtomicBool::new(false), &|| ())
+    }
+
+    /// The same of subjects that are made already, each with its values of the two parameters; `shown` hears of each
+    /// that is done. Once `stop` is set, the rest is left out.
+    pub fn of(
+        axes: [MapAxis; 2],
+        subjects: &[([f64; 2], Subject)],
+        plan: &MapPlan,
+        threads: usize,
+        stop: &AtomicBool,
+        shown: &(dyn Fn() + Sync),
+    ) -> Self {
+        let cells = |(at, subject): &([f64; 2], Subject)| {
+            if stop.load(Ordering::Relaxed) {
+                return Vec::new();
+            }
+            let contests = contested(subject.clone(), plan, stop).into_iter();
+            let cells = contests.map(|contest| MapCell { at: *at, contest }).collect();
+            shown();
+            cells
         };
-        let cells = pairs.iter().zip(contests).flat_map(cell).collect();
+        let cells = in_parallel(subjects, threads, cells).into_iter().flatten().collect();
         Self { axes, cells }
     }
 }

@@ -7,6 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::run::{ModeChange, OwnRun, Setting, no_such_run};
 
+/// States that a summary tells.
+const MOST_IN_BRIEF: usize = 8;
+
 /// A state, or something computed from the states.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
@@ -293,7 +296,7 @@ pub trait Problem: System<Mode: Send + Sync> + Send + Sync {
         (0..self.n_sites()).for_each(|site| row(site, y.as_ref()));
     }
 
-    /// A state in some words, for a summary: by default each number with its unit.
+    /// A state in some words, for a summary: by default each number with its unit, of very many the first.
     fn in_brief(&self, y: &Self::State<f64>) -> String {
         let states = self.states();
         let words = states.iter().zip(y.as_ref()).map(|(state, y)| {
@@ -301,7 +304,11 @@ pub trait Problem: System<Mode: Send + Sync> + Send + Sync {
                 if state.unit.is_empty() { String::new() } else { format!(" {}", state.unit) };
             format!("{} = {y:.6e}{unit}", state.name)
         });
-        words.collect::<Vec<_>>().join(", ")
+        let mut text = words.take(MOST_IN_BRIEF).collect::<Vec<_>>().join(", ");
+        if states.len() > MOST_IN_BRIEF {
+            text += &format!(", … ({} states)", states.len());
+        }
+        text
     }
 
     /// Whether the contact that begins between these modes is slower than the least speed of impact that its law

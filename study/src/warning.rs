@@ -14,6 +14,8 @@ pub enum Code {
     Events,
     /// Very many events.
     Chatter,
+    /// Equations that are not smooth past the surface of their mode.
+    NotSmooth,
     /// A contact law that delivers another restitution than it is asked for.
     Restitution,
     /// The energy of a run does not balance.
@@ -39,6 +41,7 @@ impl Code {
             Self::Grazing => "grazing",
             Self::Events => "events",
             Self::Chatter => "chatter",
+            Self::NotSmooth => "not_smooth",
             Self::Restitution => "restitution",
             Self::Energy => "energy",
             Self::Dissipation => "dissipation",

@@ -12,6 +12,7 @@ mod failure;
 mod interrupt;
 mod listings;
 mod mechanisms;
+mod models;
 mod output;
 mod recommend;
 mod regimes;

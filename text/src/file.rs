@@ -2,6 +2,8 @@
 
 use toml::de::DeTable;
 
+use deltazero_study::{Part, Subject};
+
 use crate::compile::{Compiled, compile};
 use crate::declarations::{Declarations, PartDeclaration, SETTINGS, declarations};
 use crate::names::Names;
@@ -109,6 +111,11 @@ impl ModelFile {
         &self.file.name
     }
 
+    /// What messages call the file.
+    pub fn file_name(&self) -> &str {
+        &self.source.name
+    }
+
     /// Sentences about the model.
     pub fn about(&self) -> &str {
         &self.file.about
@@ -143,6 +150,15 @@ impl ModelFile {
             Ok(parts) => Ok(parts.into_iter().map(|part| part.model).collect()),
             Err(complaint) => Err(self.source.error(complaint)),
         }
+    }
+
+    /// The [models](Self::models) as what a study is about.
+    ///
+    /// # Errors
+    /// As [`models`](Self::models).
+    pub fn subject(&self, values: &[(String, f64)]) -> Result<Subject, Report> {
+        let parts = self.models(values)?.into_iter().map(Part::new).collect();
+        Ok(Subject { parts })
     }
 
     fn compiled(&self, values: &[(String, f64)]) -> Checked<Vec<Compiled>> {

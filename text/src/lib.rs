@@ -13,6 +13,7 @@ mod functions;
 mod graph;
 mod layout;
 mod mode;
+pub mod models;
 mod names;
 mod problem;
 mod report;

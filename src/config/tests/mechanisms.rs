@@ -51,6 +51,10 @@ fn a_table_of_another_mechanism_is_not_used_and_a_key_of_its_own_at_the_root_ref
     let message = refusal("bays = 2\nmechanism = 'rocking-block'");
     let start = "bad.toml:1: bays = 2 does not go with mechanism = rocking-block: the mechanism has no such key";
     assert!(message.starts_with(start), "{message}");
+    let set = ["mechanism=rocking-block", "friction.coefficient=0.2"].map(str::to_owned);
+    let message = Config::load(None, &set).unwrap_err().to_string();
+    let start = "--set friction.coefficient=0.2: friction.coefficient = 0.2 does not go with mechanism = rocking-block";
+    assert!(message.starts_with(start), "{message}");
 }
 
 #[test]

@@ -98,7 +98,7 @@ impl Mechanism for Parameters {
         "Mechanism `cam-follower`".to_owned()
     }
 
-    fn lead(&self) -> &'static str {
+    fn lead(&self) -> &str {
         "A follower on a spring rides on a turning cam, lifts off where the spring is too weak, flies, lands and bounces; each \
          change is an event, the zero crossing of the gap or of the contact force."
     }

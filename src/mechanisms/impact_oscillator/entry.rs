@@ -125,7 +125,7 @@ impl Mechanism for ImpactOscillator {
         "Mechanism `impact-oscillator`".to_owned()
     }
 
-    fn lead(&self) -> &'static str {
+    fn lead(&self) -> &str {
         "A driven mass on a spring hits a rigid stop and bounces; where bounces accumulate it rests there until the force lets \
          it go. Each impact is an event, the zero crossing of the distance."
     }

@@ -112,7 +112,7 @@ impl Mechanism for RockingBlock {
         "Mechanism `rocking-block`".to_owned()
     }
 
-    fn lead(&self) -> &'static str {
+    fn lead(&self) -> &str {
         "A rigid block rocks from one corner of its base to the other and loses energy at each impact; where impacts accumulate \
          it comes to rest. Each impact is an event, the zero crossing of the tilt."
     }

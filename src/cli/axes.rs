@@ -1,0 +1,154 @@
+//! `deltazero regimes --axis …`: the contest over any two keys of a configuration, or parameters of a model.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use deltazero::figures::map::winners;
+use deltazero::report::regimes::map_csv;
+use deltazero::studied::{map_markdown, map_table};
+use deltazero::study::regimes::map_plan;
+use deltazero_study::Subject;
+use deltazero_study::map::{Map, MapAxis};
+use serde_json::json;
+
+use super::output::{Output, hash};
+use super::progress::Bar;
+use super::regimes::RegimesArgs;
+use super::{Failure, note_left_out, print, say, warn};
+
+/// Most values of an axis.
+const MOST: usize = 1000;
+
+/// Runs the contest in every cell of the two axes, and writes the map.
+pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let axes = axes(&args.axis)?;
+    let mut config = args.run.load()?;
+    // All cells are looked at before the first is run: a value out of range is told at once.
+    let mut subjects = Vec::new();
+    for x in &axes[0].values {
+        for y in &axes[1].values {
+            subjects.push(([*x, *y], subject(args, &axes, [*x, *y])?));
+        }
+    }
+    let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out/map"));
+    let asked = json!({ "config": config.to_json(), "axes": args.axis });
+    let output = Output::open(&dir, hash("map", &asked), args.run.force)?;
+    if let Some(threads) = args.threads {
+        config.regimes.threads = usize::from(threads);
+    }
+    note_left_out(&config, &config.contest.events, args.run.quiet);
+    warn(&config.mechanism.warnings(&config), args.run.quiet);
+
+    let (n, done) = (subjects.len(), AtomicUsize::new(0));
+    let bar = Bar::new(args.run.quiet);
+    bar.show_part(0, n, String::new());
+    bar.tick();
+    let shown = || bar.show_part(done.fetch_add(1, Ordering::Relaxed) + 1, n, String::new());
+    let plan = map_plan(&config);
+    let map = Map::of(axes, &subjects, &plan, config.regimes.threads, stop, &shown);
+    drop(bar);
+    if stop.load(Ordering::Relaxed) {
+        return Err(Failure::Interrupted(
+            "a map over --axis keeps nothing; give the command again",
+        ));
+    }
+    let table = map_table(&map);
+    let pictures = output.draw(&[winners(&map)])?;
+    output.write("map.csv", map_csv(&map).as_bytes())?;
+    output.write("map.md", map_markdown(&map, &pictures).as_bytes())?;
+    let record = json!({
+        "hash": output.hash,
+        "version": env!("CARGO_PKG_VERSION"),
+        "config": config.to_json(),
+        "axes": map.axes,
+        "cells": map.cells,
+    });
+    output.write("map.json", format!("{record:#}\n").as_bytes())?;
+    print(&if args.run.json { format!("{record:#}\n") } else { table })?;
+    if !args.run.quiet {
+        say(&format!("written to {}: map.md, map.csv, map.json, figures/", output.path()));
+    }
+    Ok(())
+}
+
+/// The subject of a cell.
+fn subject(args: &RegimesArgs, axes: &[MapAxis; 2], at: [f64; 2]) -> Result<Subject, Failure> {
+    let set = |(axis, value): (&MapAxis, f64)| format!("{}={value:?}", axis.name);
+    let config = args.run.from.load_with(&axes.iter().zip(at).map(set).collect::<Vec<_>>())?;
+    Ok(config.mechanism.subject(&config))
+}
+
+/// The two axes, each `NAME=v1,v2,…` or `NAME=a:b:n`: n values from a to b, each the same factor above the one before.
+fn axes(given: &[String]) -> Result<[MapAxis; 2], Failure> {
+    let axes: Vec<MapAxis> = given.iter().map(|text| axis(text)).collect::<Result<_, _>>()?;
+    let found = axes.len();
+    let axes: [MapAxis; 2] = axes.try_into().map_err(|_| {
+        Failure::Usage(format!("--axis is given {found} times: a map has two axes"))
+    })?;
+    if axes[0].name == axes[1].name {
+        let name = &axes[0].name;
+        return Err(Failure::Usage(format!("--axis {name} is given twice: axes differ")));
+    }
+    Ok(axes)
+}
+
+fn axis(text: &str) -> Result<MapAxis, Failure> {
+    let refuse = |why: &str| {
+        let forms = "expected NAME=1e5,1e6,1e7 or NAME=1e5:1e10:6, which is logarithmic";
+        Failure::Usage(format!("--axis {text}: {why}; {forms}"))
+    };
+    let (name, values) = text.split_once('=').ok_or_else(|| refuse("no ="))?;
+    let number = |text: &str| {
+        let x: f64 = text.trim().parse().ok()?;
+        x.is_finite().then_some(x)
+    };
+    let mut values = match values.split(':').collect::<Vec<_>>()[..] {
+        [list] => list.split(',').map(number).collect::<Option<Vec<f64>>>(),
+        [from, to, n] => match (number(from), number(to), n.trim().parse::<usize>()) {
+            (Some(from), Some(to), Ok(n)) if from > 0.0 && to > from && (2..=MOST).contains(&n) => {
+                let at = |k: usize| from * (to / from).powf(k as f64 / (n - 1) as f64);
+                Some((0..n).map(at).collect())
+            }
+            (Some(_), Some(_), Ok(_)) => {
+                return Err(refuse("a:b:n needs 0 < a < b and n from 2 to 1000"));
+            }
+            _ => None,
+        },
+        _ => None,
+    }
+    .ok_or_else(|| refuse("not numbers"))?;
+    values.sort_by(f64::total_cmp);
+    values.dedup();
+    if values.len() > MOST {
+        return Err(refuse("more than 1000 values"));
+    }
+    Ok(MapAxis::new(name.trim(), "", &values))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn values(text: &str) -> Vec<f64> {
+        axis(text).map(|axis| axis.values).unwrap_or_default()
+    }
+
+    #[test]
+    fn an_axis_is_a_list_or_a_logarithmic_range() {
+        assert_eq!(values("K=3, 1,2,2"), [1.0, 2.0, 3.0]);
+        let log = values("K=1e5:1e8:4");
+        assert_eq!(log.len(), 4);
+        assert!(log.iter().zip([1e5, 1e6, 1e7, 1e8]).all(|(a, b)| (a / b - 1.0).abs() < 1e-12));
+        for wrong in ["K", "K=", "K=a", "K=1:2", "K=0:1:3", "K=2:1:3", "K=1:2:1", "K=nan"] {
+            assert!(axis(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_map_has_two_axes_that_differ() {
+        let axes = |list: &[&str]| axes(&list.iter().map(|s| (*s).to_owned()).collect::<Vec<_>>());
+        assert!(axes(&["a=1", "b=2"]).is_ok());
+        assert!(axes(&["a=1"]).is_err() && axes(&["a=1", "a=2"]).is_err());
+        assert!(axes(&["a=1", "b=1", "c=1"]).is_err());
+    }
+}

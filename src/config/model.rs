@@ -1,0 +1,122 @@
+//! A model from a file among the settings: its parameters are keys, and so are the settings that the file holds.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use deltazero_text::{ModelFile, Parameter};
+use serde_json::Value;
+
+use super::error::ConfigError;
+use super::given::{Datum, Given};
+use super::kind::Kind;
+use super::range::{End, Range};
+use super::toml_source;
+use crate::mechanisms::Chosen;
+
+/// The tables of a configuration that hold a model and the values of its parameters.
+pub const TABLES: [&str; 2] = ["model", "parameters"];
+
+/// Tables of a model file that are settings of a run, not of the model.
+pub(super) const SETTINGS: [&str; 5] = ["run", "solver", "study", "contest", "regimes"];
+
+/// A model file, read.
+#[derive(Clone)]
+pub(super) struct Model {
+    file: Arc<ModelFile>,
+    text: String,
+}
+
+impl Model {
+    /// The file at `path`.
+    ///
+    /// # Errors
+    /// It cannot be read, or is no model.
+    pub(super) fn read(path: &Path) -> Result<Self, ConfigError> {
+        Self::new(&path.display().to_string(), toml_source::read(path)?)
+    }
+
+    fn new(name: &str, text: String) -> Result<Self, ConfigError> {
+        let file = ModelFile::parse(name, &text).map_err(refused)?;
+        Ok(Self { file: Arc::new(file), text })
+    }
+
+    /// The model that a configuration carries in its table `model`, if it carries one.
+    ///
+    /// # Errors
+    /// It is no model.
+    pub(super) fn carried_by(given: &Given) -> Result<Option<Self>, ConfigError> {
+        let Some(table) = given.entry("model") else { return Ok(None) };
+        let word = |name| match table.entry(name).map(|given| &given.datum) {
+            Some(Datum::Word(word)) => Ok(word.clone()),
+            _ => Err(table.wrong_type("model", "a table with the words name and text")),
+        };
+        Self::new(&word("name")?, word("text")?).map(Some)
+    }
+
+    /// The settings that the file holds.
+    ///
+    /// # Errors
+    /// The text is not TOML; a [`ModelFile`] is.
+    pub(super) fn settings(&self) -> Result<Vec<(String, Given)>, ConfigError> {
+        let document = toml_source::document(self.file.file_name(), &self.text)?;
+        let Datum::Table(entries) = document.datum else { return Ok(Vec::new()) };
+        let own = entries.into_iter().filter_map(|(name, given)| match name.as_str() {
+            "t_end" => Some(("run.t_end".to_owned(), given)),
+            name if SETTINGS.contains(&name) => Some((name.to_owned(), given)),
+            _ => None,
+        });
+        Ok(own.collect())
+    }
+
+    /// The parameter of this name.
+    pub(super) fn parameter(&self, name: &str) -> Option<&Parameter> {
+        // A name that TOML needs quotes for is quoted in a path.
+        let name = name.trim_matches('\'');
+        self.file.parameters().iter().find(|parameter| parameter.name == name)
+    }
+
+    /// Names of the parameters.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.file.parameters().iter().map(|parameter| parameter.name.as_str())
+    }
+
+    /// What is integrated with these values of parameters.
+    ///
+    /// # Errors
+    /// What is wrong with the model at these values.
+    pub(super) fn chosen(&self, values: &[(String, f64)]) -> Result<Chosen, ConfigError> {
+        Chosen::text(&self.file, &self.text, values).map_err(refused)
+    }
+}
+
+/// The value given to a parameter.
+///
+/// # Errors
+/// No number, or one that the parameter does not take.
+pub(super) fn value_of(parameter: &Parameter, given: &Given) -> Result<Value, ConfigError> {
+    let own = &parameter.range;
+    let end = |closed: Option<f64>, open: Option<f64>| match (closed, open) {
+        (Some(bound), _) => End::Closed(bound),
+        (None, Some(bound)) => End::Open(bound),
+        (None, None) => End::Free,
+    };
+    let range = Range { low: end(own.min, own.above), high: end(own.max, own.below) };
+    Kind::Number(range).check(&parameter.name, &parameter.unit, given)
+}
+
+fn refused(report: deltazero_text::Report) -> ConfigError {
+    // The command line says itself that it is an error.
+    let text = report.to_string();
+    let text = text.trim_end();
+    ConfigError::Model { report: text.strip_prefix("error: ").unwrap_or(text).into() }
+}
+
+/// Defaults of settings that a model has no size for: shares of the end of its runs. Path and value.
+pub(super) fn defaults(t_end: f64) -> [(&'static str, String); 3] {
+    let steps = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5].map(|part| format!("{:e}", part * t_end));
+    [
+        ("run.sample", format!("{:e}", t_end / 500.0)),
+        ("solver.step", format!("{:e}", 1e-4 * t_end)),
+        ("study.steps", format!("[{}]", steps.join(", "))),
+    ]
+}

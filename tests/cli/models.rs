@@ -1,0 +1,124 @@
+//! Models from text files, by the same commands as mechanisms.
+
+use deltazero_text::models::MODELS;
+use serde_json::{Value, json};
+
+use super::{Scratch, number};
+
+/// A directory that holds a model.
+fn with_model(name: &str) -> (Scratch, String) {
+    let scratch = Scratch::new();
+    let text = scratch.succeed(&["model", "new", name]).stdout;
+    let file = format!("{name}.toml");
+    std::fs::write(scratch.path(&file), text).unwrap();
+    (scratch, file)
+}
+
+#[test]
+fn every_model_is_listed_printed_checked_and_simulated() {
+    let list = Scratch::new().succeed(&["model", "list"]).stdout;
+    assert!(MODELS.len() > 12, "{list}");
+    for model in MODELS {
+        let line = list.lines().find(|line| line.starts_with(&format!("{} ", model.name)));
+        assert!(line.is_some_and(|line| line.trim_end().len() > 40), "{}: {list}", model.name);
+        let (scratch, file) = with_model(model.name);
+        let checked = scratch.succeed(&["model", "check", &file]);
+        assert!(checked.stdout.contains("Parameters: "), "{}", checked.stdout);
+        let simulate = ["simulate", "--model", &file, "--no-horizon", "--out", "out"];
+        let tight = ["--set", "solver.method=radau5", "--set", "solver.rtol=1e-8"];
+        let ran = scratch.succeed(&[&simulate[..], &tight].concat());
+        let run = scratch.json("out/run.json");
+        assert!(run["outcome"] == "finished" || run["outcome"] == "stopped", "{}", ran.stdout);
+        assert_eq!(run["config"]["model"]["text"], json!(model.text), "{}", model.name);
+        let trajectory = scratch.table("out/trajectory.csv");
+        assert!(trajectory.rows.len() >= 100, "{}: {}", model.name, trajectory.rows.len());
+    }
+}
+
+#[test]
+fn a_model_has_a_study_a_recommendation_and_a_map_over_two_of_its_parameters() {
+    let (scratch, file) = with_model("mass_against_stop");
+    let sets = [
+        "study.methods=[\"rk45\",\"radau5\"]",
+        "study.rtol=[1e-7]",
+        "study.repeats=1",
+        "contest.methods=[\"rk45\",\"dop853\"]",
+        "contest.repeats=1",
+        "regimes.accuracy=[1e-5]",
+        "run.t_end=0.05",
+    ];
+    let with = |args: &[&str]| {
+        let sets = sets.iter().flat_map(|set| ["--set", set]);
+        let args: Vec<&str> = args.iter().copied().chain(["--model", &file]).chain(sets).collect();
+        scratch.succeed(&args)
+    };
+    with(&["study", "--out", "out"]);
+    for row in &scratch.table("out/study.csv").rows {
+        let right = ["status", "missed", "spurious"].map(|column| row[column].as_str());
+        assert_eq!(right, ["ok", "0", "0"], "{row:?}");
+        assert!(number(row, "e") < 1e-3, "{row:?}");
+    }
+    let page = scratch.text("out/report.html");
+    assert!(page.contains("ass against a stop") && page.contains("zeta = "), "{page}");
+    scratch.succeed(&["report", "out"]);
+    let answer = with(&["recommend", "--json", "--accuracy", "1e-5"]).stdout;
+    let answer: Value = serde_json::from_str(&answer).unwrap();
+    assert!(answer["method"].is_string(), "{answer}");
+    let axes = ["--axis", "K=1e6:1e8:2", "--axis", "zeta=0,0.1"];
+    with(&[&["regimes", "--out", "map"][..], &axes].concat());
+    let map = scratch.table("map/map.csv");
+    assert_eq!(map.rows.len(), 4);
+    for row in &map.rows {
+        assert!(row["status"] == "ok" && number(row, "K") >= 1e6, "{row:?}");
+    }
+    assert_eq!(scratch.files("map/figures"), ["winners.png", "winners.svg"]);
+}
+
+#[test]
+fn a_parameter_is_set_as_a_key_is_and_the_printed_settings_read_back() {
+    let (scratch, file) = with_model("mass_against_stop");
+    let set = ["--set", "K=1e6", "--set", "parameters.zeta=0.2", "--set", "solver.rtol=1e-9"];
+    let model = ["--model", &file];
+    let printed = scratch.succeed(&[&["config"][..], &model, &set].concat()).stdout;
+    std::fs::write(scratch.path("my.toml"), printed).unwrap();
+    scratch.succeed(&[&["simulate", "--out", "set"][..], &model, &set].concat());
+    scratch.succeed(&[&["simulate", "my.toml", "--out", "file"][..], &model].concat());
+    let [set, file] = ["set", "file"].map(|dir| scratch.json(&format!("{dir}/run.json")));
+    assert_eq!(set["config"]["parameters"]["K"], 1e6);
+    assert_eq!(set["config"], file["config"]);
+    let trajectories = ["set", "file"].map(|dir| scratch.text(&format!("{dir}/trajectory.csv")));
+    assert_eq!(trajectories[0], trajectories[1]);
+}
+
+#[test]
+fn what_is_wrong_with_a_model_or_its_values_is_said_with_its_place() {
+    let (scratch, file) = with_model("mass_against_stop");
+    let text = scratch.text(&file);
+    std::fs::write(scratch.path("wrong.toml"), text.replacen("K*x", "k*x", 1)).unwrap();
+    for (args, words) in [
+        (&["--model", "wrong.toml"][..], &["wrong.toml", "`k`", "^"][..]),
+        (&["--model", &file, "--set", "Q=1"], &["--set Q=1", "\"Q\"", "parameter of the model"]),
+        (&["--model", &file, "--set", "zetta=1"], &["did you mean \"zeta\""]),
+        (&["--model", &file, "--set", "solver.rtoll=1"], &["did you mean \"solver.rtol\""]),
+        (&["--model", &file, "--set", "K=-1"], &["--set K=-1", "out of range", "greater than 0"]),
+        (&["--model", &file, "--set", "bays=3"], &["bays"]),
+        (&["--model", "none.toml"], &["none.toml", "cannot read"]),
+    ] {
+        let ran = scratch.run(&[&["simulate"][..], args].concat());
+        assert_eq!(ran.code, Some(2), "{args:?}: {}", ran.stderr);
+        for word in words {
+            assert!(ran.stderr.contains(word), "{word}: {}", ran.stderr);
+        }
+    }
+    for (axes, words) in [
+        (&["--axis", "K=1,2"][..], "a map has two axes"),
+        (&["--axis", "K=1,2", "--axis", "Q=1,2"], "parameter of the model"),
+        (&["--axis", "K=-1,2", "--axis", "zeta=0,1"], "out of range"),
+    ] {
+        let ran = scratch.run(&[&["regimes", "--model", &file][..], axes].concat());
+        assert_eq!(ran.code, Some(2), "{axes:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(words), "{words}: {}", ran.stderr);
+    }
+    let ran = scratch.run(&["model", "new", "bouncing_bal"]);
+    assert!(ran.code == Some(2) && ran.stderr.contains("bouncing_ball"), "{}", ran.stderr);
+}
