@@ -1,6 +1,7 @@
 //! From declarations to tapes: the model of one part.
 
 mod mode;
+mod told;
 
 pub(crate) use mode::role;
 
@@ -14,6 +15,7 @@ use crate::expand::Expander;
 use crate::layout::Layout;
 use crate::names::{Meaning, Names};
 use crate::report::{Checked, Complaint};
+use crate::sparsity::Sparsity;
 use crate::system::{Model, TextModel};
 
 /// A model with what is to be warned of.
@@ -39,17 +41,24 @@ pub(crate) fn compile(
         .map(|value| expander.number(&value.value, "the start of a discrete value"));
     let discrete = discrete.collect::<Checked<Vec<_>>>()?;
     let (mut modes, mut warnings) = (Vec::new(), Vec::new());
-    let mut failures = Vec::new();
+    let (mut tried, mut rates) = (Vec::new(), Vec::new());
     for i in 0..file.modes.len() {
         expander.enter(i);
-        failures.push(mode::try_definitions(&mut expander, i));
-        modes.push(mode::mode(&mut expander, i, &mut warnings)?);
+        tried.push(mode::try_definitions(&mut expander, i));
+        let (mode, of_mode) = mode::mode(&mut expander, i, &mut warnings)?;
+        modes.push(mode);
+        rates.push(of_mode);
     }
-    check_definitions(file, failures)?;
+    check_definitions(file, tried)?;
     let first_mode = file.mode.as_ref().map_or(Ok(0), |mode| names.mode(mode))?;
     let model = Model {
         part: part.map_or(String::new(), |part| part.name.value.clone()),
         states: states(&expander, &scales),
+        groups: groups(&expander),
+        observables: observables(&mut expander)?,
+        sparsity: Sparsity::new(&expander.graph, &rates),
+        unit_of_time: file.t_end.map_or(1.0, |(t_end, _)| t_end.min(1.0)),
+        is_autonomous: !rates.iter().any(|rates| expander.graph.is_of_time(rates)),
         starts,
         scales,
         discrete,
@@ -69,6 +78,20 @@ fn states(expander: &Expander<'_>, scales: &[f64]) -> Vec<Quantity> {
     });
     let names = layout.names(file).into_iter().zip(units).zip(scales);
     names.map(|((name, unit), scale)| Quantity::new(name, unit.to_owned(), *scale)).collect()
+}
+
+/// The group of each state.
+fn groups(expander: &Expander<'_>) -> Vec<Option<String>> {
+    let states = expander.file.states.iter().enumerate();
+    let groups = states
+        .map(|(i, state)| std::iter::repeat_n(state.group.clone(), expander.layout.range(i).len()));
+    groups.flatten().collect()
+}
+
+/// The observables as a study knows them.
+fn observables(expander: &mut Expander<'_>) -> Checked<Vec<Quantity>> {
+    let all = told::observables(expander)?.into_iter();
+    Ok(all.map(|(name, unit)| Quantity::new(name, unit, 1.0)).collect())
 }
 
 /// The lengths of vectors.
@@ -140,14 +163,15 @@ fn scales(expander: &mut Expander<'_>, starts: &[f64]) -> Checked<Vec<f64>> {
     Ok(scales)
 }
 
-/// Complains about a definition that holds in no mode.
-fn check_definitions(file: &Declarations, failures: Vec<Vec<Option<Complaint>>>) -> Checked<()> {
+/// Complains about a definition that can be made in no mode.
+fn check_definitions(file: &Declarations, mut tried: Vec<Vec<Option<Checked<()>>>>) -> Checked<()> {
     for i in 0..file.definitions.len() {
-        let mut of_modes = failures.iter().map(|of_mode| of_mode.get(i).cloned().flatten());
-        if of_modes.clone().all(|failure| failure.is_some())
-            && let Some(Some(first)) = of_modes.next()
+        let of_modes = tried.iter_mut().filter_map(|of_mode| of_mode[i].take());
+        let of_modes: Vec<_> = of_modes.collect();
+        if of_modes.iter().all(Result::is_err)
+            && let Some(first) = of_modes.into_iter().next()
         {
-            return Err(first);
+            first?;
         }
     }
     Ok(())

@@ -165,7 +165,7 @@ pub(crate) fn declarations(text: &str, table: &DeTable<'_>) -> Checked<Declarati
         about: words("about")?,
         source: words("source")?,
         mode: file.read("mode", Entry::text)?,
-        t_end: file.read("t_end", |entry| Ok((entry.number()?, entry.key_span)))?,
+        t_end: file.read("t_end", t_end)?,
         parameters: each(file.table("parameters")?, parameter)?,
         definitions: each(file.table("definitions")?, definition)?,
         states: each(file.table("states")?, state)?,
@@ -191,6 +191,13 @@ pub(crate) fn declarations(text: &str, table: &DeTable<'_>) -> Checked<Declarati
         return Err(Complaint::new(whole, "a model has at least one state and one mode"));
     }
     Ok(all)
+}
+
+fn t_end(entry: Entry<'_>) -> Checked<(f64, Span)> {
+    match entry.number()? {
+        t_end if t_end > 0.0 => Ok((t_end, entry.key_span)),
+        _ => Err(Complaint::new(entry.span, "`t_end` is above zero")),
+    }
 }
 
 fn each<'a, T>(entries: Vec<Entry<'a>>, read: impl Fn(Entry<'a>) -> Checked<T>) -> Checked<Vec<T>> {

@@ -41,8 +41,9 @@ pub(crate) struct Expander<'a> {
     pub(crate) used_own: bool,
     mode: Option<usize>,
     indices: Vec<(String, i64)>,
-    /// Definitions that are expanded, with their index.
-    known: HashMap<(Meaning, i64, Outside), Id>,
+    /// Definitions that are expanded, with their index,
+    /// and whether they are made of a definition of the mode itself.
+    known: HashMap<(Meaning, i64, Outside), (Id, bool)>,
     /// Definitions that are being expanded.
     open: Vec<(Meaning, i64)>,
     depth: usize,
@@ -237,7 +238,6 @@ impl<'a> Expander<'a> {
             }
             Meaning::OfMode(i) => {
                 let file = self.file;
-                self.used_own = true;
                 let mode = self.mode.unwrap_or_default();
                 return self.definition(&file.modes[mode].definitions[i], meaning, at, span);
             }
@@ -321,7 +321,8 @@ impl<'a> Expander<'a> {
         };
         let own = at.map_or(0, |(_, i)| i);
         if let Some(node) = self.known.get(&(meaning, own, self.outside)) {
-            return Ok(*node);
+            self.used_own |= node.1;
+            return Ok(node.0);
         }
         if !self.exists(definition) {
             return match self.outside {
@@ -336,6 +337,7 @@ impl<'a> Expander<'a> {
         if self.open.contains(&(meaning, own)) {
             return Err(self.circle((meaning, own), definition, span));
         }
+        let used_own = std::mem::take(&mut self.used_own);
         self.open.push((meaning, own));
         let node = self.with_no_index(|expander| match at {
             None => expander.node(&definition.value),
@@ -345,11 +347,14 @@ impl<'a> Expander<'a> {
         });
         self.open.pop();
         let node = node?;
-        self.known.insert((meaning, own, self.outside), node);
+        let uses = self.used_own || matches!(meaning, Meaning::OfMode(_));
+        self.used_own = used_own || uses;
+        self.known.insert((meaning, own, self.outside), (node, uses));
         Ok(node)
     }
 
-    fn exists(&self, definition: &Definition) -> bool {
+    /// Whether a definition exists in this mode.
+    pub(crate) fn exists(&self, definition: &Definition) -> bool {
         match (&definition.of, self.mode) {
             (Some(of), Some(mode)) => {
                 let here = &self.file.modes[mode].name.value;

@@ -85,10 +85,10 @@ impl ModelFile {
             Complaint::new(error.span().map_or(start, Span::from), error.message())
         };
         let table = DeTable::parse(text).map_err(not_toml)?;
-        let file = declarations(text, table.get_ref())?;
+        let mut file = declarations(text, table.get_ref())?;
         let mut settings: toml::Table = text.parse().map_err(not_toml)?;
         settings.retain(|key, _| SETTINGS.contains(&key));
-        add_t_end(&mut settings, &file)?;
+        add_t_end(&mut settings, &mut file)?;
         let names = Names::new(&file)?;
         let parameters = parameters(&file)?;
         let mut checked = Self {
@@ -237,18 +237,27 @@ fn parameters(file: &Declarations) -> Checked<Vec<Parameter>> {
     file.parameters.iter().map(parameter).collect()
 }
 
-/// Writes `t_end` of the top to the table `run`.
-fn add_t_end(settings: &mut toml::Table, file: &Declarations) -> Checked<()> {
-    let Some((t_end, span)) = file.t_end else { return Ok(()) };
+/// Writes `t_end` of the top to the table `run`, or that of the table to the file.
+fn add_t_end(settings: &mut toml::Table, file: &mut Declarations) -> Checked<()> {
     let run = settings.entry("run").or_insert_with(|| toml::Table::new().into());
-    match run.as_table_mut() {
-        Some(run) if !run.contains_key("t_end") => {
+    let Some(run) = run.as_table_mut() else { return Ok(()) };
+    match (file.t_end, run.get("t_end")) {
+        (Some((_, span)), Some(_)) => {
+            let message = "`t_end` is short for `run.t_end`, which is given too";
+            return Err(Complaint::new(span, message));
+        }
+        (Some((t_end, _)), None) => {
             run.insert("t_end".to_owned(), t_end.into());
-            Ok(())
         }
-        Some(_) => {
-            Err(Complaint::new(span, "`t_end` is short for `run.t_end`, which is given too"))
+        (None, Some(t_end)) => {
+            let number = t_end.as_float().or(t_end.as_integer().map(|t_end| t_end as f64));
+            let nowhere = Span { start: 0, end: 0 };
+            file.t_end = number.filter(|t_end| *t_end > 0.0).map(|t_end| (t_end, nowhere));
         }
-        None => Ok(()),
+        (None, None) => {}
     }
+    if run.is_empty() {
+        settings.remove("run");
+    }
+    Ok(())
 }

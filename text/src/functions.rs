@@ -6,6 +6,8 @@
 use deltazero_solvers::Real;
 use deltazero_solvers::real::{Function, Functions};
 
+use crate::extended::{exponential, is_extended, logarithm, over, quotient, raised, root};
+
 /// A function of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Elementary {
@@ -26,12 +28,12 @@ impl Elementary {
     /// Its value.
     pub(crate) fn of<S: Real>(self, x: S) -> S {
         match self {
-            Self::Sqrt => x.sqrt(),
+            Self::Sqrt => root(x),
             Self::Sin => x.sin_cos().0,
             Self::Cos => x.sin_cos().1,
-            Self::Exp => x.exp(),
-            Self::Ln => x.ln(),
-            Self::Log10 => x.ln() / S::cst(10.0).ln(),
+            Self::Exp => exponential(x),
+            Self::Ln => logarithm(x),
+            Self::Log10 => quotient(logarithm(x), logarithm(S::cst(10.0))),
             Self::Sinh => x.outlined(&Sinh),
             Self::Cosh => x.outlined(&Cosh),
             Self::Tanh => x.outlined(&Tanh),
@@ -71,18 +73,13 @@ pub(crate) fn larger<S: Real>(a: S, b: S) -> S {
 /// `xᵖ` for a number p that is not whole: above one it is continued past zero as an odd function, −(−x)ᵖ, because a
 /// law of contact `F = K δⁿ` is evaluated a little beyond its surface; below one it is NaN there.
 pub(crate) fn power<S: Real>(x: S, p: f64) -> S {
-    if p > 1.0 && x.value() < 0.0 { -(-x).powf(p) } else { x.powf(p) }
+    if p > 1.0 && x.value() < 0.0 { -raised(-x, p) } else { raised(x, p) }
 }
 
 /// The angle of the point (x, y).
 pub(crate) fn arc_tangent<S: Real>(y: S, x: S) -> S {
     let [angle] = S::all_outlined([y, x], &ArcTangent);
     angle
-}
-
-/// Whether numbers of this kind have more digits than f64.
-fn is_extended<S: Real>() -> bool {
-    (S::cst(1.0) + f64::EPSILON / 16.0 - 1.0).value() != 0.0
 }
 
 /// Magnitude below which sinh is summed as a series, because its exponentials cancel.
@@ -95,7 +92,7 @@ struct Sinh;
 impl Function for Sinh {
     fn of<S: Real>(&self, x: S) -> S {
         if x.value().abs() > SMALL {
-            let (up, down) = (x.exp(), (-x).exp());
+            let (up, down) = (exponential(x), exponential(-x));
             return (up - down) * 0.5;
         }
         // x (1 + x²/(2·3) (1 + x²/(4·5) (1 + …)))
@@ -103,7 +100,7 @@ impl Function for Sinh {
         let mut sum = square * 0.0 + 1.0;
         for n in (1..=SINH_TERMS).rev() {
             let n = 2.0 * f64::from(n);
-            sum = square * sum / (n * (n + 1.0)) + 1.0;
+            sum = over(square * sum, n * (n + 1.0)) + 1.0;
         }
         x * sum
     }
@@ -113,7 +110,12 @@ struct Cosh;
 
 impl Function for Cosh {
     fn of<S: Real>(&self, x: S) -> S {
-        (x.exp() + (-x).exp()) * 0.5
+        if x.value().abs() > SMALL {
+            return (exponential(x) + exponential(-x)) * 0.5;
+        }
+        // 1 + 2 sinh²(x/2), whose derivative is right near zero too.
+        let sinh = Sinh.of(x * 0.5);
+        sinh * sinh * 2.0 + 1.0
     }
 }
 
@@ -123,12 +125,12 @@ impl Function for Tanh {
     fn of<S: Real>(&self, x: S) -> S {
         if x.value().abs() <= SMALL {
             let sinh = Sinh.of(x);
-            return sinh / (sinh * sinh + 1.0).sqrt();
+            return quotient(sinh, root(sinh * sinh + 1.0));
         }
         // (1 − q)/(1 + q) with q = e^(−2|x|), which cannot overflow.
         let is_below = x.value() < 0.0;
-        let q = (if is_below { x * 2.0 } else { x * -2.0 }).exp();
-        let tanh = (-q + 1.0) / (q + 1.0);
+        let q = exponential(if is_below { x * 2.0 } else { x * -2.0 });
+        let tanh = quotient(-q + 1.0, q + 1.0);
         if is_below { -tanh } else { tanh }
     }
 }
@@ -147,7 +149,7 @@ impl Functions<2, 1> for ArcTangent {
             return [S::cst(angle)];
         }
         let (sin, cos) = S::cst(angle).sin_cos();
-        let z = (y * cos - x * sin) / (x * cos + y * sin);
+        let z = quotient(y * cos - x * sin, x * cos + y * sin);
         // In plain precision the value of z is the rounding error of this formula.
         let z = if is_extended::<S>() { z } else { z - z.value() };
         // atan z = z (1 − z²/3 + z⁴/5 − …)
@@ -164,5 +166,5 @@ impl Functions<2, 1> for ArcTangent {
 /// One step of Horner's scheme for `Σ (−w)ⁿ/(2n + 1)`, whose term n is `(2n − 1)/(2n + 1)` times the one before.
 fn sum_step<S: Real>(sum: S, n: u32) -> S {
     let n = f64::from(n);
-    sum * (2.0 * n - 1.0) / (2.0 * n + 1.0)
+    over(sum * (2.0 * n - 1.0), 2.0 * n + 1.0)
 }

@@ -269,6 +269,11 @@ impl Graph {
         used
     }
 
+    /// Whether one of the nodes is of the time itself.
+    pub(crate) fn is_of_time(&self, ids: &[Id]) -> bool {
+        self.known(Node::Time).is_some_and(|time| self.used_by(ids.iter()).contains(&time))
+    }
+
     /// Whether the node changes within a mode.
     pub(crate) fn varies(&self, id: Id) -> bool {
         let is_moving = |id: &Id| matches!(self.node(*id), Node::Time | Node::State(_));

@@ -1,13 +1,14 @@
 //! A hybrid system from a text file.
-#![allow(dead_code, reason = "what is told of a model comes next")]
 
 mod bounds;
 mod compile;
 mod declarations;
+mod derivative;
 mod document;
 mod evaluate;
 mod expand;
 mod expression;
+mod extended;
 mod file;
 mod functions;
 mod graph;
@@ -17,6 +18,7 @@ pub mod models;
 mod names;
 mod problem;
 mod report;
+mod sparsity;
 mod system;
 mod tape;
 mod token;

@@ -1,13 +1,32 @@
 //! The compiled model as a [`Problem`].
 
-use deltazero_solvers::{Record, Vector};
-use deltazero_study::problem::{Problem, Quantity, Role};
+use std::borrow::Cow;
+
+use deltazero_solvers::{Real, Record, System, Vector};
+use deltazero_study::problem::{
+    EndName, Energy, Group, GroupScale, Laws, Power, Problem, Quantity, Role, Touch,
+};
 use deltazero_study::run::{OwnRun, extended};
 
 use crate::compile::role;
+use crate::evaluate::Inputs;
 use crate::mode::Mode;
-use crate::system::TextModel;
+use crate::system::{TextModel, Told};
+use crate::tape::Tape;
 use crate::vector::Numbers;
+
+impl TextModel {
+    fn told(&self, mode: &Mode) -> &Told {
+        &self.0.modes[usize::from(mode.number)].told
+    }
+}
+
+/// `N` results of a tape; none where it has none.
+fn results<S: Real, const N: usize>(tape: &Tape, mode: &Mode, t: S, y: &[S]) -> Option<[S; N]> {
+    let mut all = [S::cst(0.0); N];
+    tape.run(&Inputs { t, y, held: &mode.held }, &mut all);
+    (tape.first_outputs.len() == N).then_some(all)
+}
 
 impl Problem for TextModel {
     fn start(&self) -> Numbers<f64> {
@@ -18,6 +37,26 @@ impl Problem for TextModel {
         self.0.states.clone()
     }
 
+    /// States of one group are one vector; each of the others is a group of its own.
+    fn groups(&self) -> Vec<Group> {
+        let mut groups: Vec<Group> = Vec::new();
+        for (i, (state, name)) in self.0.states.iter().zip(&self.0.groups).enumerate() {
+            let own =
+                name.as_ref().and_then(|name| groups.iter_mut().find(|group| group.name == *name));
+            match own {
+                Some(group) => group.states.push(i),
+                None => groups.push(Group {
+                    name: name.as_ref().map_or(state.name.clone(), |name| Cow::Owned(name.clone())),
+                    unit: state.unit.clone(),
+                    states: vec![i],
+                    scale: GroupScale::Largest,
+                    site: 0,
+                }),
+            }
+        }
+        groups
+    }
+
     fn name(&self) -> String {
         self.0.part.clone()
     }
@@ -26,8 +65,76 @@ impl Problem for TextModel {
         role(self.0.modes[usize::from(mode.number)].role)
     }
 
+    /// The span of a run where it is shorter than a second.
+    fn unit_of_time(&self) -> f64 {
+        self.0.unit_of_time
+    }
+
+    fn starts_on_surface(&self) -> bool {
+        let (start, n) = (self.start(), self.n_guards());
+        let mode = self.initial_mode(0.0, &start);
+        let [mut g, mut bounds] = [(); 2].map(|()| Numbers::from_fn(n, |_| 0.0));
+        self.guards(mode, 0.0, &start, &mut g);
+        self.guard_bounds(mode, 0.0, &start, &mut bounds);
+        g.as_ref().iter().zip(bounds.as_ref()).any(|(g, bound)| g.abs() <= *bound)
+    }
+
+    fn touch<S: Real>(&self, mode: &Mode, t: S, y: &Numbers<S>, _site: usize) -> Option<Touch<S>> {
+        let [depth, rate, force] = results(&self.told(mode).touch, mode, t, y.as_ref())?;
+        Some(Touch { depth, rate, force })
+    }
+
+    fn energies(&self, mode: &Mode, t: f64, y: &Numbers<f64>) -> Option<Energy> {
+        let [kinetic, elastic] = results(&self.told(mode).energy, mode, t, y.as_ref())?;
+        Some(Energy { kinetic, elastic })
+    }
+
+    fn powers(&self, mode: &Mode, t: f64, y: &Numbers<f64>) -> Option<Power> {
+        self.energies(mode, t, y)?;
+        let [drive, damping, friction] = results(&self.told(mode).power, mode, t, y.as_ref())?;
+        Some(Power { drive, damping, friction })
+    }
+
+    /// Whether an event between these modes sets a state.
+    fn takes_energy(&self, before: &Mode, after: &Mode) -> bool {
+        let transitions = &self.0.modes[usize::from(before.number)].transitions;
+        transitions.iter().flat_map(|transition| transition.settings()).any(|setting| {
+            setting.leads_to(usize::from(before.number)) == usize::from(after.number)
+                && setting.sets_states()
+        })
+    }
+
     fn mode_name(&self, mode: &Mode, _site: usize) -> String {
         self.name_of(*mode).to_owned()
+    }
+
+    fn columns(&self, _site: usize) -> Vec<Quantity> {
+        self.0.states.iter().chain(&self.0.observables).cloned().collect()
+    }
+
+    fn rows(&self, mode: &Mode, t: f64, y: &Numbers<f64>, row: &mut dyn FnMut(usize, &[f64])) {
+        let n = y.as_ref().len();
+        let mut all = vec![0.0; n + self.0.observables.len()];
+        let (states, observables) = all.split_at_mut(n);
+        states.copy_from_slice(y.as_ref());
+        let inputs = Inputs { t, y: y.as_ref(), held: &mode.held };
+        self.told(mode).observables.run(&inputs, observables);
+        row(0, &all);
+    }
+
+    fn end_name(&self) -> EndName {
+        EndName { key: "stopped", words: "stopped" }
+    }
+
+    /// Energy balances where it is given.
+    fn laws(&self) -> Laws {
+        let is_given = self.0.modes.iter().any(|mode| !mode.told.energy.first_outputs.is_empty());
+        Laws {
+            balances: is_given,
+            damping_takes: is_given,
+            friction_takes: is_given,
+            deepest: None,
+        }
     }
 
     fn integrate_extended(

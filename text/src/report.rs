@@ -67,6 +67,11 @@ impl Complaint {
         self
     }
 
+    /// The same with a way out, unless it has one.
+    pub(crate) fn or_help(self, help: &str) -> Self {
+        if self.0.help.is_some() { self } else { self.help(help) }
+    }
+
     /// The same with another place that has to do with it.
     pub(crate) fn and(mut self, span: Span, label: impl Into<String>) -> Self {
         self.0.others.push((span, label.into()));

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use deltazero_solvers::{Next, Real, System};
+use deltazero_solvers::{Next, Real, System, Vector};
 use deltazero_study::problem::Quantity;
+use num_dual::Dual64;
 
 use crate::bounds::guard_bounds;
 use crate::compile::Target;
@@ -11,6 +12,7 @@ use crate::declarations::ModeRole;
 use crate::evaluate::Inputs;
 use crate::layout::MOST_HELD;
 use crate::mode::Mode;
+use crate::sparsity::{Column, Sparsity};
 use crate::tape::Tape;
 use crate::vector::Numbers;
 
@@ -25,6 +27,14 @@ pub(crate) struct Model {
     pub(crate) states: Vec<Quantity>,
     pub(crate) starts: Vec<f64>,
     pub(crate) scales: Vec<f64>,
+    /// The group of each state that is in one.
+    pub(crate) groups: Vec<Option<String>>,
+    pub(crate) observables: Vec<Quantity>,
+    pub(crate) sparsity: Sparsity,
+    /// In what its time is counted [s].
+    pub(crate) unit_of_time: f64,
+    /// Whether no rate is of the time itself.
+    pub(crate) is_autonomous: bool,
     /// Starts of the discrete values.
     pub(crate) discrete: Vec<f64>,
     pub(crate) n_guards: usize,
@@ -45,6 +55,19 @@ pub(crate) struct CompiledMode {
     pub(crate) keep: Tape,
     /// What follows each guard.
     pub(crate) transitions: Vec<Transition>,
+    pub(crate) told: Told,
+}
+
+/// What is told of a mode: each tape has no results where the file says nothing.
+#[derive(Debug)]
+pub(crate) struct Told {
+    /// Depth, its rate, force.
+    pub(crate) touch: Tape,
+    /// Kinetic, elastic.
+    pub(crate) energy: Tape,
+    /// Of the drive, of damping, of friction.
+    pub(crate) power: Tape,
+    pub(crate) observables: Tape,
 }
 
 /// What follows an event.
@@ -62,6 +85,28 @@ pub(crate) struct Setting {
     pub(crate) tape: Tape,
     pub(crate) targets: Vec<Target>,
     pub(crate) goal: Goal,
+}
+
+impl Transition {
+    /// What the event sets, and what its rest does.
+    pub(crate) fn settings(&self) -> impl Iterator<Item = &Setting> {
+        std::iter::once(&self.next).chain(&self.rest)
+    }
+}
+
+impl Setting {
+    /// The number of the mode that follows the mode `before`; that of no mode where the run stops.
+    pub(crate) fn leads_to(&self, before: usize) -> usize {
+        match self.goal {
+            Goal::Enter(mode) => mode,
+            Goal::Stay => before,
+            Goal::Stop => usize::MAX,
+        }
+    }
+
+    pub(crate) fn sets_states(&self) -> bool {
+        self.targets.iter().any(|target| matches!(target, Target::State(_)))
+    }
 }
 
 /// Where an event leads.
@@ -165,6 +210,54 @@ impl System for TextModel {
 
     fn guard_bounds(&self, mode: Mode, t: f64, y: &Numbers<f64>, bounds: &mut Numbers<f64>) {
         guard_bounds(&self.0, mode, t, y.as_ref(), bounds.as_mut());
+    }
+
+    /// By dual numbers, all columns of a group at once.
+    fn jacobian(
+        &self,
+        mode: Mode,
+        t: f64,
+        y: &Numbers<f64>,
+        mut entry: impl FnMut(usize, usize, f64),
+    ) {
+        let (y, t) = (y.as_ref(), Dual64::from_re(t));
+        let mut seeded = Numbers::from_fn(y.len(), |i| Dual64::from_re(y[i]));
+        let mut dydt = seeded.clone();
+        match &self.0.sparsity {
+            Sparsity::Known(groups) => {
+                for group in groups {
+                    group.iter().for_each(|column| seeded.as_mut()[column.column].eps = 1.0);
+                    self.rhs(mode, t, &seeded, &mut dydt);
+                    for Column { column, rows } in group {
+                        seeded.as_mut()[*column].eps = 0.0;
+                        for i in rows {
+                            entry(*i as usize, *column, dydt.as_ref()[*i as usize].eps);
+                        }
+                    }
+                }
+            }
+            Sparsity::Full => {
+                for j in 0..y.len() {
+                    seeded.as_mut()[j].eps = 1.0;
+                    self.rhs(mode, t, &seeded, &mut dydt);
+                    seeded.as_mut()[j].eps = 0.0;
+                    dydt.as_ref().iter().enumerate().for_each(|(i, d)| entry(i, j, d.eps));
+                }
+            }
+        }
+    }
+
+    fn time_derivative(&self, mode: Mode, t: f64, y: &Numbers<f64>, dfdt: &mut Numbers<f64>) {
+        if self.0.is_autonomous {
+            return dfdt.as_mut().fill(0.0);
+        }
+        let y = y.as_ref();
+        let y = Numbers::from_fn(y.len(), |i| Dual64::from_re(y[i]));
+        let mut dydt = y.clone();
+        self.rhs(mode, Dual64::new(t, 1.0), &y, &mut dydt);
+        for (dfdt, d) in dfdt.as_mut().iter_mut().zip(dydt.as_ref()) {
+            *dfdt = d.eps;
+        }
     }
 
     fn transition<S: Real>(

@@ -1,5 +1,6 @@
 //! One mode: its rates, guards, transitions and what is told of it.
 
+use super::told::told;
 use super::{Assignment, Target, assignments, instances, within};
 use crate::declarations::{Definition, EventDeclaration, Follows, ModeRole};
 use crate::expand::Expander;
@@ -13,13 +14,20 @@ use crate::tape::Tape;
 /// What is told beside a warning of a kink.
 const KINK: &str = "where it has its kink, a step sees two smooth pieces as one: two modes with an event between them are exact";
 
-/// Expands every definition, so that long recursions are built from their start. Returns what is wrong with each.
-pub(super) fn try_definitions(expander: &mut Expander<'_>, mode: usize) -> Vec<Option<Complaint>> {
+/// Expands every definition, so that long recursions are built from their start. Returns what became of the common
+/// ones; none of those that do not exist in this mode.
+pub(super) fn try_definitions(
+    expander: &mut Expander<'_>,
+    mode: usize,
+) -> Vec<Option<Checked<()>>> {
     let file = expander.file;
-    let own = file.modes[mode].definitions.iter().map(|own| (own, true));
-    let all = file.definitions.iter().map(|common| (common, false)).chain(own);
-    let failures = all.map(|(definition, _)| try_definition(expander, definition).err());
-    failures.take(file.definitions.len()).collect()
+    let all = file.definitions.iter().chain(&file.modes[mode].definitions);
+    let tried = all.map(|definition| {
+        expander.exists(definition).then(|| try_definition(expander, definition))
+    });
+    let mut tried: Vec<_> = tried.collect();
+    tried.truncate(file.definitions.len());
+    tried
 }
 
 fn try_definition(expander: &mut Expander<'_>, definition: &Definition) -> Checked<()> {
@@ -34,7 +42,7 @@ pub(super) fn mode(
     expander: &mut Expander<'_>,
     number: usize,
     warnings: &mut Vec<Complaint>,
-) -> Checked<CompiledMode> {
+) -> Checked<(CompiledMode, Vec<Id>)> {
     let declared = &expander.file.modes[number];
     let rates = rates(expander, number)?;
     let mut guards = Vec::new();
@@ -57,14 +65,17 @@ pub(super) fn mode(
     warn_of_kinks(expander, &rates, &guards, warnings);
     let keep = declared.keep.iter().map(|kept| expander.node(&kept.value));
     let keep = keep.collect::<Checked<Vec<_>>>()?;
-    Ok(CompiledMode {
+    let told = told(expander, number, &rates)?;
+    let mode = CompiledMode {
         name: declared.name.value.clone(),
         role: declared.role,
         tape: Tape::of_two(&expander.graph, &rates, &guards),
         guards: Tape::of(&expander.graph, &guards),
         keep: Tape::of(&expander.graph, &keep),
         transitions,
-    })
+        told,
+    };
+    Ok((mode, rates))
 }
 
 /// The rate of each state.

@@ -1,0 +1,129 @@
+//! What is told of a mode beside its motion: contact, energies, powers, observables.
+
+use super::instances;
+use crate::declarations::{Declarations, Definition, ModeRole};
+use crate::derivative::along_flow;
+use crate::expand::{Expander, Outside};
+use crate::expression::Expression;
+use crate::graph::Id;
+use crate::names::Meaning;
+use crate::report::Checked;
+use crate::system::Told;
+use crate::tape::Tape;
+
+/// Compiles what is told of a mode with these rates.
+pub(super) fn told(expander: &mut Expander<'_>, mode: usize, rates: &[Id]) -> Checked<Told> {
+    expander.outside = Outside::Zero;
+    let told = told_within(expander, mode, rates);
+    expander.outside = Outside::Refused;
+    told
+}
+
+fn told_within(expander: &mut Expander<'_>, mode: usize, rates: &[Id]) -> Checked<Told> {
+    let touch = touch(expander, mode, rates)?;
+    let energy = energy(expander, mode)?;
+    let mut power = Vec::new();
+    for own in &expander.file.power {
+        power.push(optional(expander, own.as_ref())?);
+    }
+    let observables = observed(expander, mode)?;
+    let graph = &expander.graph;
+    Ok(Told {
+        touch: Tape::of(graph, &touch),
+        energy: Tape::of(graph, &energy),
+        power: Tape::of(graph, &power),
+        observables: Tape::of(graph, &observables),
+    })
+}
+
+fn optional(expander: &mut Expander<'_>, formula: Option<&Expression>) -> Checked<Id> {
+    match formula {
+        Some(formula) => expander.node(formula),
+        None => Ok(expander.graph.constant(0.0)),
+    }
+}
+
+/// Depth, its rate along the flow, and the force, which counts in contact alone.
+fn touch(expander: &mut Expander<'_>, mode: usize, rates: &[Id]) -> Checked<Vec<Id>> {
+    let file = expander.file;
+    let Some([depth, force]) = &file.contact else { return Ok(Vec::new()) };
+    let depth = expander.node(depth)?;
+    let rate = along_flow(&mut expander.graph, depth, rates);
+    let force = if file.modes[mode].role == ModeRole::Free {
+        expander.graph.constant(0.0)
+    } else {
+        expander.node(force)?
+    };
+    Ok(vec![depth, rate, force])
+}
+
+/// Kinetic and elastic energy. The elastic one counts in contact, and where the mode's own definitions make it.
+fn energy(expander: &mut Expander<'_>, mode: usize) -> Checked<Vec<Id>> {
+    let file = expander.file;
+    let Some([kinetic, elastic]) = &file.energy else { return Ok(Vec::new()) };
+    let kinetic = optional(expander, kinetic.as_ref())?;
+    expander.used_own = false;
+    let elastic = optional(expander, elastic.as_ref());
+    let is_free = file.modes[mode].role == ModeRole::Free;
+    let has_contact = file.modes.iter().any(|mode| mode.role != ModeRole::Free);
+    let elastic = match elastic {
+        // A formula that is wrong shows in contact.
+        Err(complaint) if !(is_free && has_contact) => return Err(complaint),
+        Ok(elastic) if !is_free || expander.used_own => elastic,
+        _ => expander.graph.constant(0.0),
+    };
+    Ok(vec![kinetic, elastic])
+}
+
+/// Every definition that is an observable: those of all modes, then those that stand in modes alone.
+fn observable(file: &Declarations) -> Vec<&Definition> {
+    let of_modes = file.modes.iter().flat_map(|mode| &mode.definitions);
+    let mut all: Vec<&Definition> = Vec::new();
+    for definition in file.definitions.iter().chain(of_modes) {
+        let is_new = all.iter().all(|known| known.name.value != definition.name.value);
+        if definition.is_observable && is_new {
+            all.push(definition);
+        }
+    }
+    all
+}
+
+/// The observables in a mode; zero is one that does not exist there.
+fn observed(expander: &mut Expander<'_>, mode: usize) -> Checked<Vec<Id>> {
+    let (file, mut all) = (expander.file, Vec::new());
+    for definition in observable(file) {
+        let name = &definition.name;
+        let meaning = expander.names.meaning(&name.value, name.span, Some(mode));
+        let is_here = matches!(meaning, Ok(Meaning::Common(_) | Meaning::OfMode(_)));
+        for index in instances(expander, definition)? {
+            let at = index.map(|i| (i, name.span));
+            all.push(if is_here {
+                let node = expander.named(&name.value, at, name.span);
+                node.map_err(|complaint| complaint.or_help(OF))?
+            } else {
+                expander.graph.constant(0.0)
+            });
+        }
+    }
+    Ok(all)
+}
+
+/// What is told where an observable cannot be made in a mode.
+const OF: &str = "an observable is told in all modes; `of = [\"a mode\"]` says where it exists";
+
+/// Names and units of the observables.
+pub(super) fn observables(expander: &mut Expander<'_>) -> Checked<Vec<(String, String)>> {
+    let (file, mut all) = (expander.file, Vec::new());
+    for definition in observable(file) {
+        let Definition { name, unit, .. } = definition;
+        let unit = unit.as_ref().map_or(String::new(), |unit| unit.value.clone());
+        for index in instances(expander, definition)? {
+            let name = match index {
+                None => name.value.clone(),
+                Some(i) => format!("{}[{i}]", name.value),
+            };
+            all.push((name, unit.clone()));
+        }
+    }
+    Ok(all)
+}

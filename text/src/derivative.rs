@@ -1,0 +1,109 @@
+//! The derivative of a formula along the flow, as a formula.
+
+use std::collections::HashMap;
+
+use crate::functions::Elementary;
+use crate::graph::{Graph, Id, Node};
+
+/// `dg/dt = ∂g/∂t + Σ ∂g/∂x_i ẋ_i`, where the rates of all states are given.
+pub(crate) fn along_flow(graph: &mut Graph, of: Id, rates: &[Id]) -> Id {
+    let mut nodes: Vec<Id> = graph.used_by([of].iter()).into_iter().collect();
+    // Operands have smaller numbers, so they come first.
+    nodes.sort_unstable();
+    let mut derivatives = HashMap::with_capacity(nodes.len());
+    for id in nodes {
+        let derivative = derivative(graph, id, rates, &derivatives);
+        derivatives.insert(id, derivative);
+    }
+    derivatives.get(&of).copied().unwrap_or(of)
+}
+
+fn derivative(graph: &mut Graph, id: Id, rates: &[Id], known: &HashMap<Id, Id>) -> Id {
+    let rate = |a: Id| known.get(&a).copied().unwrap_or(a);
+    match graph.node(id) {
+        Node::Constant(_) | Node::Held(_) => graph.constant(0.0),
+        Node::Time => graph.constant(1.0),
+        Node::State(i) => rates[i as usize],
+        Node::Negative(a) => graph.negative(rate(a)),
+        Node::Add(a, b) => graph.add(rate(a), rate(b)),
+        Node::Subtract(a, b) => graph.subtract(rate(a), rate(b)),
+        Node::Multiply(a, b) => {
+            let [first, second] = [graph.multiply(rate(a), b), graph.multiply(a, rate(b))];
+            graph.add(first, second)
+        }
+        // (a/b)˙ = (ȧ − (a/b) ḃ)/b
+        Node::Divide(a, b) => {
+            let less = graph.multiply(id, rate(b));
+            let over = graph.subtract(rate(a), less);
+            graph.divide(over, b)
+        }
+        Node::Elementary(function, a) => {
+            let slope = slope(graph, function, a, id);
+            graph.multiply(slope, rate(a))
+        }
+        // (x ẏ − y ẋ)/(x² + y²)
+        Node::ArcTangent(y, x) => {
+            let [first, second] = [graph.multiply(x, rate(y)), graph.multiply(y, rate(x))];
+            let over = graph.subtract(first, second);
+            let squares = [graph.multiply(x, x), graph.multiply(y, y)];
+            let under = graph.add(squares[0], squares[1]);
+            graph.divide(over, under)
+        }
+        Node::Smaller(a, b) => {
+            let gap = graph.subtract(a, b);
+            chosen(graph, gap, rate(a), rate(b))
+        }
+        Node::Larger(a, b) => {
+            let gap = graph.subtract(b, a);
+            chosen(graph, gap, rate(a), rate(b))
+        }
+        // p aᵖ/a would divide by zero at the surface of a contact.
+        Node::Power(a, p) => {
+            let p = f64::from_bits(p);
+            let [factor, exponent] = [graph.constant(p), graph.constant(p - 1.0)];
+            let base = if p > 1.0 { graph.elementary(Elementary::Abs, a) } else { a };
+            let power = graph.power(base, exponent);
+            let slope = graph.multiply(factor, power);
+            graph.multiply(slope, rate(a))
+        }
+    }
+}
+
+/// `a` where the gap is below zero, `b` where it is above: `(a + b)/2 + sign(gap) (b − a)/2`.
+fn chosen(graph: &mut Graph, gap: Id, a: Id, b: Id) -> Id {
+    let (half, sign) = (graph.constant(0.5), graph.elementary(Elementary::Sign, gap));
+    let [sum, difference] = [graph.add(a, b), graph.subtract(b, a)];
+    let [middle, side] = [sum, difference].map(|x| graph.multiply(x, half));
+    let side = graph.multiply(sign, side);
+    graph.add(middle, side)
+}
+
+/// `f′(a)`, where `f(a)` is `value`.
+fn slope(graph: &mut Graph, function: Elementary, a: Id, value: Id) -> Id {
+    let one = graph.constant(1.0);
+    match function {
+        Elementary::Sqrt => {
+            let half = graph.constant(0.5);
+            graph.divide(half, value)
+        }
+        Elementary::Sin => graph.elementary(Elementary::Cos, a),
+        Elementary::Cos => {
+            let sin = graph.elementary(Elementary::Sin, a);
+            graph.negative(sin)
+        }
+        Elementary::Exp => value,
+        Elementary::Ln => graph.divide(one, a),
+        Elementary::Log10 => {
+            let factor = graph.constant(std::f64::consts::LOG10_E);
+            graph.divide(factor, a)
+        }
+        Elementary::Sinh => graph.elementary(Elementary::Cosh, a),
+        Elementary::Cosh => graph.elementary(Elementary::Sinh, a),
+        Elementary::Tanh => {
+            let square = graph.multiply(value, value);
+            graph.subtract(one, square)
+        }
+        Elementary::Abs => graph.elementary(Elementary::Sign, a),
+        Elementary::Sign => graph.constant(0.0),
+    }
+}

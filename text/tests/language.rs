@@ -1,0 +1,265 @@
+//! What a file may say, and what is said of a file that is wrong.
+#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
+
+use deltazero_solvers::taylor::expand::begins_with_rhs;
+use deltazero_solvers::{Control, Integration, Method, Next, Outcome, System, Tolerance, Vector};
+use deltazero_study::Problem;
+use deltazero_study::problem::Role;
+use deltazero_text::{ModelFile, Numbers, TextModel};
+use num_dual::Dual64;
+
+/// Masses in a row between springs, the last of which hits a stop and is pushed.
+const ROW: &str = include_str!("models/row.toml");
+
+fn file(text: &str) -> ModelFile {
+    ModelFile::parse("model.toml", text).unwrap_or_else(|report| panic!("{report}"))
+}
+
+fn model(text: &str) -> TextModel {
+    file(text).models(&[]).unwrap().remove(0)
+}
+
+fn modes(model: &TextModel) -> [deltazero_text::Mode; 2] {
+    let y = Problem::start(model);
+    let first = model.initial_mode(0.0, &y);
+    let Next::Mode(second) = model.transition(first, 0, 0.0, &mut y.clone()) else { panic!() };
+    [first, second]
+}
+
+#[test]
+fn a_row_of_masses_is_what_it_says() {
+    let model = model(ROW);
+    assert_eq!((model.dim(), model.n_guards()), (12, 6));
+    let names: Vec<_> = model.states().into_iter().map(|state| state.name).collect();
+    assert_eq!((&*names[0], &*names[11]), ("x[1]", "v[6]"));
+    let columns = model.columns(0);
+    let names: Vec<&str> = columns[12..].iter().map(|column| &*column.name).collect();
+    assert_eq!(names, ["S[1]", "S[2]", "S[3]", "S[4]", "S[5]", "total", "F"]);
+    assert_eq!(model.groups().len(), 7);
+    assert_eq!(model.unit_of_time(), 0.5);
+    let y = Numbers::from_fn(12, |i| if i < 6 { 0.002 * (i * i) as f64 } else { 0.1 * i as f64 });
+    let [free, hit] = modes(&model);
+    assert_eq!((model.role(&free, 0), model.role(&hit, 0)), (Role::Free, Role::Contact));
+    let mut dydt = y.clone();
+    model.rhs(hit, 0.25, &y, &mut dydt);
+    let x = &y.as_ref()[..6];
+    let push = 2.0 * libm::sin(0.75);
+    let last = (push - 1e4 * (x[5] - 0.01) - 100.0 * (x[5] - x[4])) / 0.5;
+    assert_eq!(dydt.as_ref()[0], y.as_ref()[6]);
+    assert!((dydt.as_ref()[11] - last).abs() < 1e-12 * last.abs());
+    let second = 100.0 * (x[2] - 2.0 * x[1] + x[0]) / 0.5;
+    assert!((dydt.as_ref()[7] - second).abs() < 1e-12);
+    let touch = model.touch(&hit, 0.25, &y, 0).unwrap();
+    assert_eq!(touch.rate, y.as_ref()[11]);
+    assert!((touch.force - 1e4 * (x[5] - 0.01)).abs() < 1e-10);
+    assert_eq!(model.touch(&free, 0.25, &y, 0).unwrap().force, 0.0);
+    let [of_free, of_hit] = [free, hit].map(|mode| model.energies(&mode, 0.25, &y).unwrap());
+    assert_eq!(of_free.elastic, 0.0);
+    assert!((of_hit.elastic - 5e3 * (x[5] - 0.01) * (x[5] - 0.01)).abs() < 1e-12);
+    assert_eq!(model.event_name(free, 0), Some("hits"));
+}
+
+#[test]
+fn operations_of_guards_follow_those_of_rates() {
+    for text in [ROW] {
+        let model = model(text);
+        let y = Numbers::from_fn(model.dim(), |i| 0.3 + 0.1 * i as f64);
+        for mode in modes(&model) {
+            assert!(begins_with_rhs(&model, &mode, 0.1, &y));
+        }
+    }
+}
+
+#[test]
+fn the_jacobian_is_that_of_single_columns() {
+    for n in [2, 6, 40] {
+        let model = file(ROW).models(&[("n".to_owned(), f64::from(n))]).unwrap().remove(0);
+        let y = Numbers::from_fn(model.dim(), |i| 0.3 + 0.1 * i as f64);
+        for mode in modes(&model) {
+            let mut found = vec![0.0; model.dim() * model.dim()];
+            model.jacobian(mode, 0.1, &y, |i, j, entry| found[i * model.dim() + j] = entry);
+            for j in 0..model.dim() {
+                let seeded = Numbers::from_fn(model.dim(), |i| {
+                    Dual64::new(y.as_ref()[i], f64::from(u8::from(i == j)))
+                });
+                let mut dydt = seeded.clone();
+                model.rhs(mode, Dual64::from_re(0.1), &seeded, &mut dydt);
+                for (i, d) in dydt.as_ref().iter().enumerate() {
+                    assert_eq!(found[i * model.dim() + j], d.eps, "{n}: {i}, {j}");
+                }
+            }
+            let mut dfdt = y.clone();
+            model.time_derivative(mode, 0.1, &y, &mut dfdt);
+            let last = dfdt.as_ref()[model.dim() - 1];
+            assert!((last - 2.0 * 3.0 * libm::cos(0.3) / 0.5).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_row_of_masses_runs_through_its_contacts() {
+    let model = model(ROW);
+    let tolerance = Tolerance { rtol: 1e-10, atol: vec![1e-12; 12] };
+    let mut solver =
+        Method::named("dop853").unwrap().solver(&model, Control::Adaptive(tolerance)).unwrap();
+    let mut run = Integration::new(&model, 0.0, Problem::start(&model));
+    assert_eq!(run.run(0.9, &mut *solver, &mut ()), Ok(Outcome::Finished));
+    assert!(run.stats.n_events > 2);
+}
+
+#[test]
+fn parts_differ_in_parameters_and_starts() {
+    let text = "[parameters]\nphi = 1\n[states]\nx = { start = \"phi\" }\n[modes.a]\nrates = { x = \"-phi*x\" }\n\
+        [parts.AB]\nphi = 2\n[parts.BC]\nphi = 3\nstart = { x = 7 }\n";
+    let file = file(text);
+    let models = file.models(&[]).unwrap();
+    assert_eq!(models.iter().map(Problem::name).collect::<Vec<_>>(), ["AB", "BC"]);
+    assert_eq!(Problem::start(&models[0]).as_ref(), [2.0]);
+    assert_eq!(Problem::start(&models[1]).as_ref(), [7.0]);
+    let error = file.models(&[("phi".to_owned(), 1.0)]).unwrap_err();
+    assert_eq!(error.message(), "`phi` is set by each part and cannot be set for all");
+}
+
+#[test]
+fn events_set_all_at_once_and_modes_hold_values() {
+    let text = "[parameters]\ne = 0.5\n[states]\nx = -1\nv = 2\n[discrete]\nk = 0\n[rates]\nx = \"v\"\nv = \"k\"\n\
+        [modes.a]\nevents = [{ when = \"x > 0\", set = { x = \"v\", v = \"x - e*v\", k = \"k + 1\" }, to = \"b\" }]\n\
+        [modes.b]\nkeep = { v0 = \"v\" }\nrates = { v = \"v0 + k\" }\nevents = [{ when = \"x > 100\", stop = true }]\n";
+    let model = model(text);
+    let mut y = Numbers::from_fn(2, |i| [0.25, 2.0][i]);
+    let first = model.initial_mode(0.0, &Problem::start(&model));
+    let Next::Mode(second) = model.transition(first, 0, 0.0, &mut y) else { panic!() };
+    assert_eq!(y.as_ref(), [2.0, -0.75]);
+    assert_eq!(format!("{second:?}"), "b");
+    let mut dydt = y.clone();
+    model.rhs(second, 0.0, &y, &mut dydt);
+    assert_eq!(dydt.as_ref(), [-0.75, 0.25]);
+    assert_eq!(model.transition(second, 0, 0.0, &mut y), Next::Stop);
+    assert!(model.takes_energy(&first, &second) && !model.takes_energy(&second, &first));
+}
+
+/// A model with one formula that is wrong.
+fn with_rate(rate: &str) -> String {
+    format!(
+        "[parameters]\nmass = 2\nn = 3\n[definitions]\na = \"b + 1\"\nb = \"a\"\n[states]\nx = 1\ny = {{ length = \"n\" }}\n\
+        [rates]\ny = 0\n[modes.flight]\nrates = {{ x = \"{rate}\" }}\n"
+    )
+}
+
+/// A formula with what is said of it, and of what part.
+const WRONG: &[(&str, &str, &str)] = &[
+    ("2x", "an operator is missing before this", "x"),
+    ("x**2", "`**` is no operator", "**"),
+    ("mas*x", "nothing here is called `mas`", "mas"),
+    ("sin x", "an operator is missing before this", "x"),
+    ("sin*x", "nothing here is called `sin`", "sin"),
+    ("foo(x)", "no function is called `foo`", "foo(x)"),
+    ("atan2(x)", "`atan2` has 2 arguments, not 1", "atan2(x)"),
+    ("(x", "`)` is missing here", ""),
+    ("x)", "this parenthesis was never opened", ")"),
+    ("x +", "the formula ends here without its last operand", ""),
+    ("x · 2", "`·` has no meaning in an expression", "·"),
+    ("y", "`y` is a vector of 3 states", "y"),
+    ("y[4]", "`y` has no index 4", "4"),
+    ("y[1.5]", "an index is a whole number, and this is 1.5", "1.5"),
+    ("y[x]", "an index is a formula of parameters and indices alone", "x"),
+    ("x[1]", "`x` is one number and has no index", "1"),
+    ("a", "`a` is defined by itself", ""),
+    ("1/0", "this is inf with these parameters, which is no number", "1/0"),
+    ("x > 1", "a comparison does not stand here", ">"),
+    ("sum(n in 1..3, n)", "`n` has two meanings", "n in 1..3"),
+    (
+        "if(x > 1, 1, 2)",
+        "each side of the condition of `if` is a formula of parameters and indices alone",
+        "x",
+    ),
+    ("x and 2", "the condition of an event is one comparison", "and"),
+    ("1e999", "`1e999` is beyond the largest number", "1e999"),
+    ("", "a formula is missing here", ""),
+];
+
+#[test]
+fn what_is_wrong_is_said_with_its_place() {
+    for (rate, message, place) in WRONG {
+        let text = with_rate(rate);
+        let report = ModelFile::parse("wrong.toml", &text).unwrap_err();
+        assert_eq!(report.message(), *message, "{rate}\n{report}");
+        if !place.is_empty() {
+            assert_eq!(&text[report.span()], *place, "{rate}\n{report}");
+        }
+        assert!(report.to_string().contains("wrong.toml:"), "{report}");
+    }
+}
+
+/// Whole files with what is said of them.
+const WRONG_FILES: &[(&str, &str)] = &[
+    ("[states]\nx = 1\n[modes.a]\n", "`x` has no rate in the mode `a`"),
+    ("[state]\nx = 1\n", "no key `state` is known here"),
+    ("[states]\nx = 1\n[modes.a]\nrates = { x = 1, z = 2 }\n", "nothing here is called `z`"),
+    (
+        "[states]\nx = 1\n[modes.a]\nrates = { x = 1 }\nevents = [{ when = \"x == 1\", stop = true }]",
+        "an event is no equality",
+    ),
+    (
+        "[states]\nx = 1\n[modes.a]\nrates = { x = 1 }\nevents = [{ when = \"x > 1 and x < 2\", stop = true }]",
+        "the condition of an event is one comparison",
+    ),
+    (
+        "[states]\nx = 1\n[modes.a]\nrates = { x = 1 }\nevents = [{ when = \"x > 1\", to = \"B\" }]\n[modes.b]\nrates = { x = 1 }",
+        "no mode is called `B`",
+    ),
+    (
+        "[states]\nx = 1\n[modes.a]\nrates = { x = 1 }\nevents = [{ when = \"x > 1\" }]",
+        "nothing follows this event",
+    ),
+    ("[states]\nx = 1\n[modes.a\n", "unclosed table, expected `]`"),
+    ("mode = \"b\"\n[states]\nx = 1\n[modes.a]\nrates = { x = 1 }\n", "no mode is called `b`"),
+    (
+        "[parameters]\nk = { value = 1, above = 1 }\n[states]\nx = 1\n[modes.a]\nrates = { x = 1 }\n",
+        "`k` must be above 1",
+    ),
+    (
+        "[states]\nsin = 1\n[modes.a]\nrates = { sin = 1 }\n",
+        "`sin` has a meaning of its own in a formula",
+    ),
+];
+
+#[test]
+fn files_that_are_wrong_are_refused() {
+    for (text, message) in WRONG_FILES {
+        let report = ModelFile::parse("wrong.toml", text).unwrap_err();
+        assert_eq!(report.message(), *message, "{text}\n{report}");
+    }
+}
+
+#[test]
+fn a_report_shows_the_line_and_the_nearest_name() {
+    let report = ModelFile::parse("wrong.toml", &with_rate("x/mas")).unwrap_err();
+    let expected = "\
+error: nothing here is called `mas`
+  --> wrong.toml:13:18
+   |
+13 | rates = { x = \"x/mas\" }
+   |                  ^^^
+   |
+   = help: did you mean `mass`?";
+    assert_eq!(report.to_string(), expected);
+    assert_eq!(report.line_and_column(), (13, 18));
+}
+
+#[test]
+fn kinks_of_what_moves_are_warned_of() {
+    let text = "[parameters]\nk = -4\n[states]\nx = 1\n[modes.a]\nrates = { x = \"-abs(x) + abs(k) + sqrt(1 + x^2)\" }\n";
+    let file = file(text);
+    let warnings = file.warnings();
+    assert_eq!(warnings.len(), 1);
+    assert_eq!(&text[warnings[0].span()], "abs(x)");
+}
+
+#[test]
+fn settings_of_the_program_are_handed_on() {
+    let file = file(&format!("{ROW}\n[solver]\nmethod = \"rk45\"\n"));
+    assert_eq!(file.settings()["solver"]["method"].as_str(), Some("rk45"));
+    assert_eq!(file.settings()["run"]["t_end"].as_float(), Some(0.5));
+    assert_eq!(file.parameters()[0].range.max, Some(1000.0));
+}

@@ -1,0 +1,192 @@
+//! No text makes the parser panic, hang or take much memory.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test panics to fail and tells figures")]
+
+use std::time::{Duration, Instant};
+
+use deltazero_solvers::{System, Vector};
+use deltazero_study::Problem;
+use deltazero_text::{ModelFile, Numbers};
+use fastrand::Rng;
+
+const MODELS: [&str; 2] = [include_str!("models/row.toml"), include_str!("models/stop.toml")];
+
+/// Pieces that are put in, besides pieces of the models themselves.
+const PIECES: &[&str] = &[
+    "\"",
+    "'",
+    "(",
+    ")",
+    "[",
+    "]",
+    "{",
+    "}",
+    "=",
+    ",",
+    "^",
+    "..",
+    "-",
+    "1e308",
+    "99999",
+    "0",
+    "-1",
+    "1e-320",
+    "i",
+    "n",
+    "t",
+    "pi",
+    "sum(j in 1..99999, j)",
+    "if(i < n, 1, 2)",
+    "x[i]",
+    "F",
+    "((((((((((",
+    "x^x^x^x^x^x",
+    "for = \"k in 1..99999\"",
+    "atan2(",
+    "\n",
+    "\u{3b4}",
+    "\u{fe0f}",
+    "\r",
+    "\\u0041",
+    "\"\"\"",
+    "true",
+    "length = 100000",
+    "log(x[1])",
+    "1/0",
+    "^0.5",
+];
+
+/// Words, numbers and signs of a text.
+fn tokens(text: &str) -> Vec<&str> {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let (mut all, mut rest) = (Vec::new(), text);
+    while let Some(first) = rest.chars().next() {
+        let length = if is_word(first) {
+            rest.find(|c| !is_word(c)).unwrap_or(rest.len())
+        } else {
+            first.len_utf8()
+        };
+        all.push(&rest[..length]);
+        rest = &rest[length..];
+    }
+    all
+}
+
+fn with_other_bytes(rng: &mut Rng, text: &str) -> String {
+    let mut bytes = text.as_bytes().to_vec();
+    for _ in 0..rng.usize(1..6) {
+        let at = rng.usize(0..bytes.len());
+        match rng.u8(0..3) {
+            0 => bytes[at] = rng.u8(..),
+            1 => bytes.insert(at, rng.u8(32..127)),
+            _ => drop(bytes.remove(at)),
+        }
+    }
+    String::from_utf8_lossy(&bytes).into_owned()
+}
+
+fn with_other_tokens(rng: &mut Rng, text: &str) -> String {
+    let mut all = tokens(text);
+    for _ in 0..rng.usize(1..5) {
+        let (at, from) = (rng.usize(0..all.len()), rng.usize(0..all.len()));
+        let piece = if rng.bool() { all[from] } else { PIECES[rng.usize(0..PIECES.len())] };
+        match rng.u8(0..4) {
+            0 => all[at] = piece,
+            1 => all.insert(at, piece),
+            2 => drop(all.remove(at)),
+            _ => {
+                let end = (at + rng.usize(1..20)).min(all.len());
+                let copy = all[at..end].to_vec();
+                all.splice(from..from, copy);
+            }
+        }
+    }
+    all.concat()
+}
+
+/// Parses a text, and evaluates every function of its models once.
+fn try_out(text: &str) -> bool {
+    let file = match ModelFile::parse("mutant.toml", text) {
+        Ok(file) => file,
+        Err(report) => {
+            assert!(!report.to_string().is_empty());
+            return false;
+        }
+    };
+    assert!(file.warnings().iter().all(|warning| !warning.to_string().is_empty()));
+    for model in file.models(&[]).unwrap() {
+        let y = Problem::start(&model);
+        let mode = model.initial_mode(0.0, &y);
+        let mut dydt = y.clone();
+        let [mut g, mut bounds] = [(); 2].map(|()| Numbers::from_fn(model.n_guards(), |_| 0.0));
+        model.rhs_with_guards(mode, 0.0, &y, &mut dydt, &mut g);
+        model.guard_bounds(mode, 0.0, &y, &mut bounds);
+        assert!(bounds.as_ref().iter().all(|bound| bound.is_nan() || *bound > 0.0), "{text}");
+        for guard in 0..model.n_guards().min(3) {
+            model.transition(mode, guard, 0.0, &mut y.clone());
+            model.accumulation(mode, guard, 0.0, &mut y.clone());
+        }
+        model.touch(&mode, 0.0, &y, 0);
+        model.powers(&mode, 0.0, &y);
+        model.rows(&mode, 0.0, &y, &mut |_, _| {});
+        if model.dim() < 100 {
+            model.jacobian(mode, 0.0, &y, |_, _, _| {});
+        }
+    }
+    true
+}
+
+fn mutate(n: usize, seed: u64) {
+    let mut rng = Rng::with_seed(seed);
+    let (mut n_valid, mut longest) = (0, Duration::ZERO);
+    for i in 0..n {
+        let text = MODELS[i % MODELS.len()];
+        let mutant = if rng.u8(0..3) == 0 {
+            with_other_bytes(&mut rng, text)
+        } else {
+            with_other_tokens(&mut rng, text)
+        };
+        let start = Instant::now();
+        n_valid += usize::from(try_out(&mutant));
+        let took = start.elapsed();
+        assert!(took < Duration::from_secs(20), "{took:?} for\n{mutant}");
+        longest = longest.max(took);
+    }
+    println!("{n_valid} of {n} are models; the longest took {longest:?}");
+    assert!(n_valid > n / 100);
+}
+
+#[test]
+fn models_as_they_are_pass() {
+    assert!(MODELS.iter().all(|text| try_out(text)));
+}
+
+#[test]
+fn mutated_models_are_refused_or_run() {
+    mutate(20_000, 1);
+}
+
+/// By hand: `cargo test --release -p deltazero-text --test mutations -- --ignored --nocapture`.
+#[test]
+#[ignore = "takes minutes"]
+fn a_million_mutated_models_are_refused_or_run() {
+    mutate(1_000_000, 2);
+}
+
+#[test]
+fn deep_and_long_formulas_are_refused_or_built() {
+    let model = |rate: &str| format!("[states]\nx = 1\n[modes.a]\nrates = {{ x = \"{rate}\" }}\n");
+    let deep = |n: usize| format!("{}x{}", "(".repeat(n), ")".repeat(n));
+    assert!(try_out(&model(&deep(90))));
+    assert!(!try_out(&model(&deep(5000))));
+    assert!(!try_out(&model(&format!("{}x", "-".repeat(5000)))));
+    assert!(!try_out(&model(&format!("{}x", "x^".repeat(5000)))));
+    assert!(try_out(&model(&format!("{}x", "x+".repeat(100_000)))));
+    assert!(!try_out(&model(&format!("{}x", "x+".repeat(1_000_000)))));
+    assert!(!try_out(&model("sum(i in 1..99999, sum(j in 1..99999, x*i*j))")));
+    let chain = |n: usize| {
+        let formulas: String = (1..n).map(|i| format!("d{i} = \"d{}*x + 1\"\n", i + 1)).collect();
+        format!("[definitions]\n{formulas}d{n} = \"x\"\n{}", model("d1"))
+    };
+    assert!(try_out(&chain(150)));
+    try_out(&chain(10_000));
+}
