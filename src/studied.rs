@@ -15,6 +15,7 @@ use deltazero_study::steps::StepTables;
 use deltazero_study::work_precision::WorkPrecision;
 use deltazero_study::{Plan, Subject, work_precision};
 
+use crate::figures::map::in_short;
 use crate::figures::{self, Drawing, Picture};
 use crate::report::simulation::motion_csv;
 use crate::report::{self, About, Provenance};
@@ -96,8 +97,8 @@ pub fn map_table(map: &Map) -> String {
     let mut text = format!("| {x} | {y} | e at most | winner | setting | its e | time [ms] |\n");
     text += "|---|---|---|---|---|---|---|\n";
     for cell in &map.cells {
-        let ([x, y], contest) = (cell.at, &cell.contest);
-        let _ = write!(text, "| {x:e} | {y:e} | {:e} | ", contest.accuracy);
+        let ([x, y], contest) = (cell.at.map(in_short), &cell.contest);
+        let _ = write!(text, "| {x} | {y} | {:e} | ", contest.accuracy);
         let _ = match contest.winner() {
             Some(first) => writeln!(
                 text,

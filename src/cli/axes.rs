@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use deltazero::config::find;
 use deltazero::figures::map::winners;
 use deltazero::report::regimes::map_csv;
 use deltazero::studied::{map_markdown, map_table};
@@ -21,8 +22,12 @@ const MOST: usize = 1000;
 
 /// Runs the contest in every cell of the two axes, and writes the map.
 pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let axes = axes(&args.axis)?;
+    let mut axes = axes(&args.axis)?;
     let mut config = args.run.load()?;
+    for axis in &mut axes {
+        let of_key = find(&axis.name).map(|key| key.unit);
+        axis.unit = config.mechanism.unit_of(&axis.name).or(of_key).unwrap_or_default().to_owned();
+    }
     // All cells are looked at before the first is run: a value out of range is told at once.
     let mut subjects = Vec::new();
     for x in &axes[0].values {

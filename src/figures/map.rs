@@ -62,6 +62,15 @@ pub fn winners(map: &Map) -> Drawing {
     Drawing { name: "winners", caption, figure }
 }
 
+/// A value of an axis, as one would write it.
+pub fn in_short(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e4).contains(&value.abs()) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
+}
+
 fn panel(map: &Map, accuracy: f64) -> Panel {
     let [x, y] = &map.axes;
     let at = |at: [f64; 2]| {
@@ -76,8 +85,8 @@ fn panel(map: &Map, accuracy: f64) -> Panel {
         title: format!("e ≤ {accuracy:e}"),
         x_label: x.label(),
         y_label: y.label(),
-        columns: x.values.iter().map(|value| format!("{value:e}")).collect(),
-        rows: rows().map(|value| format!("{value:e}")).collect(),
+        columns: x.values.iter().copied().map(in_short).collect(),
+        rows: rows().copied().map(in_short).collect(),
         cells: winner_colors(grid.into_iter()),
         texts,
     }

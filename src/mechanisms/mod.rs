@@ -156,6 +156,11 @@ pub trait Mechanism: Send + Sync {
     /// Names and what they are, for a report.
     fn facts(&self, config: &Config) -> Vec<(String, String)>;
 
+    /// The unit of a parameter of its own that is no key of the configuration, if it has one.
+    fn unit_of(&self, _parameter: &str) -> Option<&str> {
+        None
+    }
+
     /// Columns of `study.csv` before all others, the same in every row: name, meaning and value.
     fn leading(&self, _config: &Config) -> Vec<(&'static str, &'static str, String)> {
         Vec::new()

@@ -102,6 +102,12 @@ impl Mechanism for Text {
         facts
     }
 
+    fn unit_of(&self, parameter: &str) -> Option<&str> {
+        let name = parameter.trim_start_matches("parameters.");
+        let own = self.file.parameters().iter().find(|own| own.name == name)?;
+        Some(&own.unit)
+    }
+
     fn warnings(&self, _config: &Config) -> Vec<Warning> {
         let warning = |report: deltazero_text::Report| {
             let text = report.to_string();

@@ -126,7 +126,7 @@ fn start<P: Problem>(problem: &P, y: &P::State<f64>) -> Result<(), ProblemError>
                 finite("the penetration", touch.depth)?;
                 finite("the contact force", touch.force)?;
             }
-            None if problem.role(&mode, site).is_contact() => {
+            None if problem.tells_forces() && problem.role(&mode, site).is_contact() => {
                 return Err(ProblemError::NoForce { site });
             }
             None => {}

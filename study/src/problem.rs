@@ -237,6 +237,12 @@ pub trait Problem: System<Mode: Send + Sync> + Send + Sync {
         1.0
     }
 
+    /// Whether a mode that is a contact has a [force](Self::touch): by default it must. A model of rigid contacts, or of
+    /// friction alone, has none to tell.
+    fn tells_forces(&self) -> bool {
+        true
+    }
+
     /// The contact at a site; none where there is none that a force is known of, in no mode.
     fn touch<S: Real>(
         &self,

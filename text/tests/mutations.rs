@@ -1,5 +1,9 @@
 //! No text makes the parser panic, hang or take much memory.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test panics to fail and tells figures")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test panics to fail and tells figures"
+)]
 
 use std::time::{Duration, Instant};
 

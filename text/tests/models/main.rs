@@ -1,0 +1,47 @@
+//! Every model that comes with the crate, against a truth of its own: a closed form, a conserved quantity, a published
+//! value, or the same problem in Rust.
+#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
+
+mod arcs;
+mod bouncing;
+mod carts;
+mod contacts;
+mod friction;
+mod hunt_crossley;
+mod impacts;
+mod joint;
+mod oscillator;
+mod rocking;
+mod runs;
+mod switching;
+
+use runs::{NAMES, file};
+
+#[test]
+fn every_file_is_a_model_that_says_what_it_is_and_where_it_is_from() {
+    let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/models")).unwrap();
+    let mut found: Vec<String> = folder
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .map(|name| name.trim_end_matches(".toml").to_owned())
+        .collect();
+    found.sort();
+    assert_eq!(found, NAMES);
+    for name in NAMES {
+        let file = file(name);
+        let words = [file.name(), file.about(), file.source()];
+        assert!(words.iter().all(|words| !words.is_empty()), "{name}");
+        let parts = file.models(&[]).unwrap().len();
+        assert_eq!(parts, if name == "paper_joint" { 2 } else { 1 }, "{name}");
+        for parameter in file.parameters() {
+            assert!(!parameter.about.is_empty(), "{name}: {}", parameter.name);
+        }
+    }
+}
+
+#[test]
+fn no_model_needs_a_warning() {
+    for name in NAMES {
+        let warnings: Vec<String> = file(name).warnings().iter().map(ToString::to_string).collect();
+        assert!(warnings.is_empty(), "{name}: {}", warnings.join("\n"));
+    }
+}
