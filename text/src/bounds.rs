@@ -8,8 +8,6 @@ use num_dual::Dual64;
 use crate::evaluate::Inputs;
 use crate::mode::Mode;
 use crate::system::Model;
-use crate::vector::Numbers;
-use deltazero_solvers::Vector;
 
 /// Half the spacing of numbers next to one.
 const UNIT: f64 = 0.5 * f64::EPSILON;
@@ -31,11 +29,11 @@ pub(crate) fn guard_bounds(model: &Model, mode: Mode, t: f64, y: &[f64], bounds:
         let least = LEAST * model.scales[i];
         Bounded { value: y[i], bound: OF_STATE * (y[i].abs() + least) }
     };
-    let states = Numbers::from_fn(n, state);
+    let states: Vec<Bounded> = (0..n).map(state).collect();
     let time = Bounded { value: t, bound: UNIT * t.abs() };
     let n_own = mode_of.guards.first_outputs.len();
     let mut own = vec![Bounded::cst(0.0); n_own];
-    let inputs = Inputs { t: time, y: states.as_ref(), held: &mode.held };
+    let inputs = Inputs { t: time, y: &states, held: &mode.held };
     mode_of.guards.run(&inputs, &mut own);
     let rates = rates(model, mode, t, y);
     for ((bound, guard), rate) in bounds.iter_mut().zip(&own).zip(rates) {
@@ -48,9 +46,9 @@ fn rates(model: &Model, mode: Mode, t: f64, y: &[f64]) -> Vec<f64> {
     let mode_of = &model.modes[usize::from(mode.number)];
     let mut slopes = vec![0.0; y.len()];
     mode_of.tape.run(&Inputs { t, y, held: &mode.held }, &mut slopes);
-    let along = Numbers::from_fn(y.len(), |i| Dual64::new(y[i], slopes[i]));
+    let along: Vec<_> = y.iter().zip(slopes).map(|(y, slope)| Dual64::new(*y, slope)).collect();
     let mut rates = vec![Dual64::from_re(0.0); mode_of.guards.first_outputs.len()];
-    let inputs = Inputs { t: Dual64::new(t, 1.0), y: along.as_ref(), held: &mode.held };
+    let inputs = Inputs { t: Dual64::new(t, 1.0), y: &along, held: &mode.held };
     mode_of.guards.run(&inputs, &mut rates);
     let finite = |rate: f64| if rate.is_finite() { rate } else { 0.0 };
     rates.into_iter().map(|rate| finite(rate.eps)).collect()

@@ -5,8 +5,6 @@ mod told;
 
 pub(crate) use mode::role;
 
-use std::sync::Arc;
-
 use deltazero_study::problem::Quantity;
 
 use crate::declarations::{Declarations, Definition, Equation, PartDeclaration};
@@ -66,7 +64,7 @@ pub(crate) fn compile(
         first_mode,
         modes,
     };
-    Ok(Compiled { model: TextModel(Arc::new(model)), warnings })
+    Ok(Compiled { model: TextModel::new(model), warnings })
 }
 
 /// The states as a study knows them.

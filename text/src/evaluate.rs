@@ -36,7 +36,8 @@ impl Tape {
     fn run_in<S: Real>(&self, inputs: &Inputs<'_, S>, first: &mut [S], second: Option<&mut [S]>) {
         let zero = S::cst(0.0);
         match self.n_registers {
-            0..=8 => self.run_with(&mut Few([zero; 8]), inputs, first, second),
+            0..=4 => self.run_with(&mut Few([zero; 4]), inputs, first, second),
+            5..=8 => self.run_with(&mut Few([zero; 8]), inputs, first, second),
             9..=16 => self.run_with(&mut Few([zero; 16]), inputs, first, second),
             17..=64 => self.run_with(&mut Few([zero; 64]), inputs, first, second),
             n => self.run_with(&mut Many(vec![zero; n]), inputs, first, second),

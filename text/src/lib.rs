@@ -28,4 +28,4 @@ pub use file::{ModelFile, Parameter, Range};
 pub use mode::Mode;
 pub use report::Report;
 pub use system::TextModel;
-pub use vector::Numbers;
+pub use vector::{Any, Family, Few};

@@ -13,9 +13,9 @@ use crate::evaluate::Inputs;
 use crate::mode::Mode;
 use crate::system::{TextModel, Told};
 use crate::tape::Tape;
-use crate::vector::Numbers;
+use crate::vector::Family;
 
-impl TextModel {
+impl<F: Family> TextModel<F> {
     fn told(&self, mode: &Mode) -> &Told {
         &self.0.modes[usize::from(mode.number)].told
     }
@@ -28,9 +28,9 @@ fn results<S: Real, const N: usize>(tape: &Tape, mode: &Mode, t: S, y: &[S]) -> 
     (tape.first_outputs.len() == N).then_some(all)
 }
 
-impl Problem for TextModel {
-    fn start(&self) -> Numbers<f64> {
-        Numbers::from_fn(self.0.starts.len(), |i| self.0.starts[i])
+impl<F: Family> Problem for TextModel<F> {
+    fn start(&self) -> F::State<f64> {
+        F::State::<f64>::from_fn(self.0.starts.len(), |i| self.0.starts[i])
     }
 
     fn states(&self) -> Vec<Quantity> {
@@ -73,23 +73,23 @@ impl Problem for TextModel {
     fn starts_on_surface(&self) -> bool {
         let (start, n) = (self.start(), self.n_guards());
         let mode = self.initial_mode(0.0, &start);
-        let [mut g, mut bounds] = [(); 2].map(|()| Numbers::from_fn(n, |_| 0.0));
+        let [mut g, mut bounds] = [(); 2].map(|()| vec![0.0; n]);
         self.guards(mode, 0.0, &start, &mut g);
         self.guard_bounds(mode, 0.0, &start, &mut bounds);
-        g.as_ref().iter().zip(bounds.as_ref()).any(|(g, bound)| g.abs() <= *bound)
+        g.iter().zip(&bounds).any(|(g, bound)| g.abs() <= *bound)
     }
 
-    fn touch<S: Real>(&self, mode: &Mode, t: S, y: &Numbers<S>, _site: usize) -> Option<Touch<S>> {
+    fn touch<S: Real>(&self, mode: &Mode, t: S, y: &F::State<S>, _site: usize) -> Option<Touch<S>> {
         let [depth, rate, force] = results(&self.told(mode).touch, mode, t, y.as_ref())?;
         Some(Touch { depth, rate, force })
     }
 
-    fn energies(&self, mode: &Mode, t: f64, y: &Numbers<f64>) -> Option<Energy> {
+    fn energies(&self, mode: &Mode, t: f64, y: &F::State<f64>) -> Option<Energy> {
         let [kinetic, elastic] = results(&self.told(mode).energy, mode, t, y.as_ref())?;
         Some(Energy { kinetic, elastic })
     }
 
-    fn powers(&self, mode: &Mode, t: f64, y: &Numbers<f64>) -> Option<Power> {
+    fn powers(&self, mode: &Mode, t: f64, y: &F::State<f64>) -> Option<Power> {
         self.energies(mode, t, y)?;
         let [drive, damping, friction] = results(&self.told(mode).power, mode, t, y.as_ref())?;
         Some(Power { drive, damping, friction })
@@ -112,7 +112,7 @@ impl Problem for TextModel {
         self.0.states.iter().chain(&self.0.observables).cloned().collect()
     }
 
-    fn rows(&self, mode: &Mode, t: f64, y: &Numbers<f64>, row: &mut dyn FnMut(usize, &[f64])) {
+    fn rows(&self, mode: &Mode, t: f64, y: &F::State<f64>, row: &mut dyn FnMut(usize, &[f64])) {
         let n = y.as_ref().len();
         let mut all = vec![0.0; n + self.0.observables.len()];
         let (states, observables) = all.split_at_mut(n);
@@ -140,7 +140,7 @@ impl Problem for TextModel {
     fn integrate_extended(
         &self,
         rtol: f64,
-        y0: Numbers<f64>,
+        y0: F::State<f64>,
         t_end: f64,
         record: &mut dyn Record<Self>,
     ) -> OwnRun<Self> {

@@ -1,5 +1,6 @@
 //! The compiled model as a [`System`].
 
+use std::marker::PhantomData;
 use std::sync::Arc;
 
 use deltazero_solvers::{Next, Real, System, Vector};
@@ -14,11 +15,11 @@ use crate::layout::MOST_HELD;
 use crate::mode::Mode;
 use crate::sparsity::{Column, Sparsity};
 use crate::tape::Tape;
-use crate::vector::Numbers;
+use crate::vector::{Any, Family, Few};
 
 /// A model from a file, compiled with the values of its parameters; one part of it where the file has parts.
 #[derive(Clone, Debug)]
-pub struct TextModel(pub(crate) Arc<Model>);
+pub struct TextModel<F: Family = Any>(pub(crate) Arc<Model>, PhantomData<F>);
 
 /// What a compiled model is.
 #[derive(Debug)]
@@ -118,7 +119,7 @@ pub(crate) enum Goal {
 }
 
 impl Model {
-    fn mode(&self, mode: Mode) -> &CompiledMode {
+    fn mode(&self, mode: &Mode) -> &CompiledMode {
         &self.modes[usize::from(mode.number)]
     }
 
@@ -160,10 +161,10 @@ impl Model {
     }
 }
 
-impl System for TextModel {
+impl<F: Family> System for TextModel<F> {
     type Mode = Mode;
-    type State<S: Real> = Numbers<S>;
-    type Guards<S: Real> = Numbers<S>;
+    type State<S: Real> = F::State<S>;
+    type Guards<S: Real> = Vec<S>;
 
     fn dim(&self) -> usize {
         self.0.starts.len()
@@ -173,7 +174,7 @@ impl System for TextModel {
         self.0.n_guards
     }
 
-    fn initial_mode(&self, t: f64, y: &Numbers<f64>) -> Mode {
+    fn initial_mode(&self, t: f64, y: &F::State<f64>) -> Mode {
         let (model, mut held) = (&self.0, [0.0; MOST_HELD]);
         held[..model.discrete.len()].copy_from_slice(&model.discrete);
         let none = Mode::new(model.first_mode, "", held, model.first_mode as u16);
@@ -181,14 +182,14 @@ impl System for TextModel {
     }
 
     #[inline]
-    fn rhs<S: Real>(&self, mode: Mode, t: S, y: &Numbers<S>, dydt: &mut Numbers<S>) {
+    fn rhs<S: Real>(&self, mode: Mode, t: S, y: &F::State<S>, dydt: &mut F::State<S>) {
         let inputs = Inputs { t, y: y.as_ref(), held: &mode.held };
-        self.0.mode(mode).tape.run(&inputs, dydt.as_mut());
+        self.0.mode(&mode).tape.run(&inputs, dydt.as_mut());
     }
 
-    fn guards<S: Real>(&self, mode: Mode, t: S, y: &Numbers<S>, g: &mut Numbers<S>) {
-        let tape = &self.0.mode(mode).guards;
-        let (own, unused) = g.as_mut().split_at_mut(tape.first_outputs.len());
+    fn guards<S: Real>(&self, mode: Mode, t: S, y: &F::State<S>, g: &mut Vec<S>) {
+        let tape = &self.0.mode(&mode).guards;
+        let (own, unused) = g.split_at_mut(tape.first_outputs.len());
         tape.run(&Inputs { t, y: y.as_ref(), held: &mode.held }, own);
         unused.fill(S::cst(1.0));
     }
@@ -197,19 +198,19 @@ impl System for TextModel {
         &self,
         mode: Mode,
         t: S,
-        y: &Numbers<S>,
-        dydt: &mut Numbers<S>,
-        g: &mut Numbers<S>,
+        y: &F::State<S>,
+        dydt: &mut F::State<S>,
+        g: &mut Vec<S>,
     ) {
-        let tape = &self.0.mode(mode).tape;
-        let (own, unused) = g.as_mut().split_at_mut(tape.second_outputs.len());
+        let tape = &self.0.mode(&mode).tape;
+        let (own, unused) = g.split_at_mut(tape.second_outputs.len());
         let inputs = Inputs { t, y: y.as_ref(), held: &mode.held };
         tape.run_both(&inputs, dydt.as_mut(), own);
         unused.fill(S::cst(1.0));
     }
 
-    fn guard_bounds(&self, mode: Mode, t: f64, y: &Numbers<f64>, bounds: &mut Numbers<f64>) {
-        guard_bounds(&self.0, mode, t, y.as_ref(), bounds.as_mut());
+    fn guard_bounds(&self, mode: Mode, t: f64, y: &F::State<f64>, bounds: &mut Vec<f64>) {
+        guard_bounds(&self.0, mode, t, y.as_ref(), bounds);
     }
 
     /// By dual numbers, all columns of a group at once.
@@ -217,11 +218,11 @@ impl System for TextModel {
         &self,
         mode: Mode,
         t: f64,
-        y: &Numbers<f64>,
+        y: &F::State<f64>,
         mut entry: impl FnMut(usize, usize, f64),
     ) {
         let (y, t) = (y.as_ref(), Dual64::from_re(t));
-        let mut seeded = Numbers::from_fn(y.len(), |i| Dual64::from_re(y[i]));
+        let mut seeded = F::State::<Dual64>::from_fn(y.len(), |i| Dual64::from_re(y[i]));
         let mut dydt = seeded.clone();
         match &self.0.sparsity {
             Sparsity::Known(groups) => {
@@ -247,12 +248,12 @@ impl System for TextModel {
         }
     }
 
-    fn time_derivative(&self, mode: Mode, t: f64, y: &Numbers<f64>, dfdt: &mut Numbers<f64>) {
+    fn time_derivative(&self, mode: Mode, t: f64, y: &F::State<f64>, dfdt: &mut F::State<f64>) {
         if self.0.is_autonomous {
             return dfdt.as_mut().fill(0.0);
         }
         let y = y.as_ref();
-        let y = Numbers::from_fn(y.len(), |i| Dual64::from_re(y[i]));
+        let y = F::State::<Dual64>::from_fn(y.len(), |i| Dual64::from_re(y[i]));
         let mut dydt = y.clone();
         self.rhs(mode, Dual64::new(t, 1.0), &y, &mut dydt);
         for (dfdt, d) in dfdt.as_mut().iter_mut().zip(dydt.as_ref()) {
@@ -265,19 +266,25 @@ impl System for TextModel {
         mode: Mode,
         guard: usize,
         t: S,
-        y: &mut Numbers<S>,
+        y: &mut F::State<S>,
     ) -> Next<Mode> {
-        match self.0.mode(mode).transitions.get(guard) {
+        match self.0.mode(&mode).transitions.get(guard) {
             Some(transition) => self.0.set(&transition.next, mode, t, y.as_mut()),
             None => Next::Mode(mode),
         }
     }
 
     /// What the event itself says of its rest, or else the first event of the present mode that says something.
-    fn accumulation(&self, mode: Mode, guard: usize, t: f64, y: &mut Numbers<f64>) -> Option<Mode> {
+    fn accumulation(
+        &self,
+        mode: Mode,
+        guard: usize,
+        t: f64,
+        y: &mut F::State<f64>,
+    ) -> Option<Mode> {
         let before = &self.0.modes[usize::from(mode.before)].transitions;
         let own = before.get(guard).and_then(|transition| transition.rest.as_ref());
-        let mut others = self.0.mode(mode).transitions.iter();
+        let mut others = self.0.mode(&mode).transitions.iter();
         let rest = own.or_else(|| others.find_map(|transition| transition.rest.as_ref()))?;
         match self.0.set(rest, mode, t, y.as_mut()) {
             Next::Mode(mode) => Some(mode),
@@ -287,6 +294,17 @@ impl System for TextModel {
 }
 
 impl TextModel {
+    /// The same model with its states in an array, if it has `N` states.
+    pub fn few<const N: usize>(&self) -> Option<TextModel<Few<N>>> {
+        (self.dim() == N && N > 0).then(|| TextModel(self.0.clone(), PhantomData))
+    }
+}
+
+impl<F: Family> TextModel<F> {
+    pub(crate) fn new(model: Model) -> Self {
+        Self(Arc::new(model), PhantomData)
+    }
+
     /// The name of the part; empty where the file has none.
     pub fn part(&self) -> &str {
         &self.0.part
@@ -294,11 +312,11 @@ impl TextModel {
 
     /// The name of a mode of this model.
     pub fn name_of(&self, mode: Mode) -> &str {
-        &self.0.mode(mode).name
+        &self.0.mode(&mode).name
     }
 
     /// The name of an event, by the mode that it ends and the number of its guard.
     pub fn event_name(&self, mode: Mode, guard: usize) -> Option<&str> {
-        self.0.mode(mode).transitions.get(guard)?.name.as_deref()
+        self.0.mode(&mode).transitions.get(guard)?.name.as_deref()
     }
 }

@@ -99,7 +99,7 @@ fn run<P: System>(
 
 fn expect_equal<P: Problem>(text: &str, exact: &P, t_end: f64, scale: [f64; 2]) {
     let text = model(text);
-    assert_eq!(Problem::start(&text).as_ref(), exact.start().as_ref());
+    assert_eq!(Problem::start(&text)[..], *exact.start().as_ref());
     for method in METHODS {
         let mut worst = 0.0_f64;
         let (end, events) = run(&text, Problem::start(&text), method, t_end);

@@ -5,9 +5,9 @@ use std::f64::consts::LOG2_E;
 
 use deltazero_solvers::taylor::ExtendedIntegration;
 use deltazero_solvers::taylor::expand::begins_with_rhs;
-use deltazero_solvers::{Control, Integration, Method, Outcome, System, Tolerance, Vector};
+use deltazero_solvers::{Control, Integration, Method, Outcome, System, Tolerance};
 use deltazero_study::Problem;
-use deltazero_text::{ModelFile, Numbers, TextModel};
+use deltazero_text::{ModelFile, TextModel};
 use num_dual::Dual64;
 use twofloat::TwoFloat;
 
@@ -31,6 +31,10 @@ const INTEGRALS: &[(&str, (f64, f64))] = &[
     ("ln(1 + t)*exp(-t)", (0.20842739522915107, -1.0330060493687625e-17)),
     ("-(1 + t)^2^0.5", (-1.793664136789918, -8.681206417321786e-17)),
 ];
+
+fn vector<S>(n: usize, entry: impl FnMut(usize) -> S) -> Vec<S> {
+    (0..n).map(entry).collect()
+}
 
 fn model(formulas: &[&str]) -> TextModel {
     let states: String = (0..formulas.len()).map(|i| format!("x{i} = 0.0\n")).collect();
@@ -59,7 +63,7 @@ fn integrals_by_series_and_by_stages_have_their_closed_forms() {
         let steps = run.stats.n_accepted;
         println!("{name}: {steps} steps");
         assert!(steps < most_steps, "{name}: {steps} steps");
-        for ((formula, exact), found) in INTEGRALS.iter().zip(run.point.y.as_ref()) {
+        for ((formula, exact), found) in INTEGRALS.iter().zip(&run.point.y) {
             let error = (found - exact.0).abs();
             println!("{name}: {formula} {error:e}");
             assert!(error < 1e-13, "{name}: {formula} is {found}, off by {error:e}");
@@ -76,7 +80,7 @@ fn integrals_in_extended_precision_have_their_closed_forms() {
     assert_eq!(run.run(1.0, &mut ()), Ok(Outcome::Finished));
     println!("{} steps", run.stats.n_accepted);
     assert!(run.stats.n_accepted < 40, "{} steps", run.stats.n_accepted);
-    for ((formula, exact), found) in INTEGRALS.iter().zip(run.state().as_ref()) {
+    for ((formula, exact), found) in INTEGRALS.iter().zip(run.state()) {
         let exact = TwoFloat::new_add(exact.0, exact.1);
         let error = (*found - exact).abs().hi();
         println!("{formula} {error:e}");
@@ -118,16 +122,16 @@ fn values_and_derivatives_have_their_closed_forms() {
     let n = model.dim();
     let mut worst = [0.0_f64; 2];
     for x in POINTS {
-        let y = Numbers::from_fn(n, |_| Dual64::new(x, 1.0));
+        let y = vector(n, |_| Dual64::new(x, 1.0));
         let mut dual = y.clone();
         let mode = model.initial_mode(0.0, &Problem::start(&model));
         model.rhs(mode, Dual64::from_re(0.0), &y, &mut dual);
-        let (plain_y, mut plain) = (Numbers::from_fn(n, |_| x), Numbers::from_fn(n, |_| 0.0));
+        let (plain_y, mut plain) = (vector(n, |_| x), vector(n, |_| 0.0));
         model.rhs(mode, 0.0, &plain_y, &mut plain);
         for (i, (formula, exact)) in CLOSED.iter().enumerate() {
-            let found = dual.as_ref()[i];
+            let found = dual[i];
             // A quotient of dual numbers is rounded twice.
-            let apart = (found.re / plain.as_ref()[i] - 1.0).abs();
+            let apart = (found.re / plain[i] - 1.0).abs();
             assert!(apart < 1e-15, "{formula} at {x}: {apart:e}");
             for (k, (found, exact)) in [found.re, found.eps].into_iter().zip(exact(x)).enumerate() {
                 let error = (found - exact).abs() / exact.abs().max(1e-300);

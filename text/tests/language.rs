@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
 use deltazero_solvers::taylor::expand::begins_with_rhs;
-use deltazero_solvers::{Control, Integration, Method, Next, Outcome, System, Tolerance, Vector};
+use deltazero_solvers::{Control, Integration, Method, Next, Outcome, System, Tolerance};
 use deltazero_study::Problem;
 use deltazero_study::problem::Role;
-use deltazero_text::{ModelFile, Numbers, TextModel};
+use deltazero_text::{ModelFile, TextModel};
 use num_dual::Dual64;
 
 /// Masses in a row between springs, the last of which hits a stop and is pushed.
@@ -13,6 +13,10 @@ const ROW: &str = include_str!("models/row.toml");
 
 fn file(text: &str) -> ModelFile {
     ModelFile::parse("model.toml", text).unwrap_or_else(|report| panic!("{report}"))
+}
+
+fn vector<S>(n: usize, entry: impl FnMut(usize) -> S) -> Vec<S> {
+    (0..n).map(entry).collect()
 }
 
 fn model(text: &str) -> TextModel {
@@ -37,20 +41,20 @@ fn a_row_of_masses_is_what_it_says() {
     assert_eq!(names, ["S[1]", "S[2]", "S[3]", "S[4]", "S[5]", "total", "F"]);
     assert_eq!(model.groups().len(), 7);
     assert_eq!(model.unit_of_time(), 0.5);
-    let y = Numbers::from_fn(12, |i| if i < 6 { 0.002 * (i * i) as f64 } else { 0.1 * i as f64 });
+    let y = vector(12, |i| if i < 6 { 0.002 * (i * i) as f64 } else { 0.1 * i as f64 });
     let [free, hit] = modes(&model);
     assert_eq!((model.role(&free, 0), model.role(&hit, 0)), (Role::Free, Role::Contact));
     let mut dydt = y.clone();
     model.rhs(hit, 0.25, &y, &mut dydt);
-    let x = &y.as_ref()[..6];
+    let x = &y[..6];
     let push = 2.0 * libm::sin(0.75);
     let last = (push - 1e4 * (x[5] - 0.01) - 100.0 * (x[5] - x[4])) / 0.5;
-    assert_eq!(dydt.as_ref()[0], y.as_ref()[6]);
-    assert!((dydt.as_ref()[11] - last).abs() < 1e-12 * last.abs());
+    assert_eq!(dydt[0], y[6]);
+    assert!((dydt[11] - last).abs() < 1e-12 * last.abs());
     let second = 100.0 * (x[2] - 2.0 * x[1] + x[0]) / 0.5;
-    assert!((dydt.as_ref()[7] - second).abs() < 1e-12);
+    assert!((dydt[7] - second).abs() < 1e-12);
     let touch = model.touch(&hit, 0.25, &y, 0).unwrap();
-    assert_eq!(touch.rate, y.as_ref()[11]);
+    assert_eq!(touch.rate, y[11]);
     assert!((touch.force - 1e4 * (x[5] - 0.01)).abs() < 1e-10);
     assert_eq!(model.touch(&free, 0.25, &y, 0).unwrap().force, 0.0);
     let [of_free, of_hit] = [free, hit].map(|mode| model.energies(&mode, 0.25, &y).unwrap());
@@ -63,7 +67,7 @@ fn a_row_of_masses_is_what_it_says() {
 fn operations_of_guards_follow_those_of_rates() {
     for text in [ROW] {
         let model = model(text);
-        let y = Numbers::from_fn(model.dim(), |i| 0.3 + 0.1 * i as f64);
+        let y = vector(model.dim(), |i| 0.3 + 0.1 * i as f64);
         for mode in modes(&model) {
             assert!(begins_with_rhs(&model, &mode, 0.1, &y));
         }
@@ -74,23 +78,22 @@ fn operations_of_guards_follow_those_of_rates() {
 fn the_jacobian_is_that_of_single_columns() {
     for n in [2, 6, 40] {
         let model = file(ROW).models(&[("n".to_owned(), f64::from(n))]).unwrap().remove(0);
-        let y = Numbers::from_fn(model.dim(), |i| 0.3 + 0.1 * i as f64);
+        let y = vector(model.dim(), |i| 0.3 + 0.1 * i as f64);
         for mode in modes(&model) {
             let mut found = vec![0.0; model.dim() * model.dim()];
             model.jacobian(mode, 0.1, &y, |i, j, entry| found[i * model.dim() + j] = entry);
             for j in 0..model.dim() {
-                let seeded = Numbers::from_fn(model.dim(), |i| {
-                    Dual64::new(y.as_ref()[i], f64::from(u8::from(i == j)))
-                });
+                let seeded =
+                    vector(model.dim(), |i| Dual64::new(y[i], f64::from(u8::from(i == j))));
                 let mut dydt = seeded.clone();
                 model.rhs(mode, Dual64::from_re(0.1), &seeded, &mut dydt);
-                for (i, d) in dydt.as_ref().iter().enumerate() {
+                for (i, d) in dydt.iter().enumerate() {
                     assert_eq!(found[i * model.dim() + j], d.eps, "{n}: {i}, {j}");
                 }
             }
             let mut dfdt = y.clone();
             model.time_derivative(mode, 0.1, &y, &mut dfdt);
-            let last = dfdt.as_ref()[model.dim() - 1];
+            let last = dfdt[model.dim() - 1];
             assert!((last - 2.0 * 3.0 * libm::cos(0.3) / 0.5).abs() < 1e-12);
         }
     }
@@ -126,14 +129,14 @@ fn events_set_all_at_once_and_modes_hold_values() {
         [modes.a]\nevents = [{ when = \"x > 0\", set = { x = \"v\", v = \"x - e*v\", k = \"k + 1\" }, to = \"b\" }]\n\
         [modes.b]\nkeep = { v0 = \"v\" }\nrates = { v = \"v0 + k\" }\nevents = [{ when = \"x > 100\", stop = true }]\n";
     let model = model(text);
-    let mut y = Numbers::from_fn(2, |i| [0.25, 2.0][i]);
+    let mut y = vector(2, |i| [0.25, 2.0][i]);
     let first = model.initial_mode(0.0, &Problem::start(&model));
     let Next::Mode(second) = model.transition(first, 0, 0.0, &mut y) else { panic!() };
-    assert_eq!(y.as_ref(), [2.0, -0.75]);
+    assert_eq!(y, [2.0, -0.75]);
     assert_eq!(format!("{second:?}"), "b");
     let mut dydt = y.clone();
     model.rhs(second, 0.0, &y, &mut dydt);
-    assert_eq!(dydt.as_ref(), [-0.75, 0.25]);
+    assert_eq!(dydt, [-0.75, 0.25]);
     assert_eq!(model.transition(second, 0, 0.0, &mut y), Next::Stop);
     assert!(model.takes_energy(&first, &second) && !model.takes_energy(&second, &first));
 }

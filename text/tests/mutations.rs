@@ -7,9 +7,9 @@
 
 use std::time::{Duration, Instant};
 
-use deltazero_solvers::{System, Vector};
+use deltazero_solvers::System;
 use deltazero_study::Problem;
-use deltazero_text::{ModelFile, Numbers};
+use deltazero_text::ModelFile;
 use fastrand::Rng;
 
 const MODELS: [&str; 2] = [include_str!("models/row.toml"), include_str!("models/stop.toml")];
@@ -121,10 +121,10 @@ fn try_out(text: &str) -> bool {
         let y = Problem::start(&model);
         let mode = model.initial_mode(0.0, &y);
         let mut dydt = y.clone();
-        let [mut g, mut bounds] = [(); 2].map(|()| Numbers::from_fn(model.n_guards(), |_| 0.0));
+        let [mut g, mut bounds] = [(); 2].map(|()| vec![0.0; model.n_guards()]);
         model.rhs_with_guards(mode, 0.0, &y, &mut dydt, &mut g);
         model.guard_bounds(mode, 0.0, &y, &mut bounds);
-        assert!(bounds.as_ref().iter().all(|bound| bound.is_nan() || *bound > 0.0), "{text}");
+        assert!(bounds.iter().all(|bound| bound.is_nan() || *bound > 0.0), "{text}");
         for guard in 0..model.n_guards().min(3) {
             model.transition(mode, guard, 0.0, &mut y.clone());
             model.accumulation(mode, guard, 0.0, &mut y.clone());
