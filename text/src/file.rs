@@ -157,8 +157,7 @@ impl ModelFile {
     /// # Errors
     /// As [`models`](Self::models).
     pub fn subject(&self, values: &[(String, f64)]) -> Result<Subject, Report> {
-        let parts = self.models(values)?.into_iter().map(Part::new).collect();
-        Ok(Subject { parts })
+        Ok(Subject { parts: self.models(values)?.into_iter().map(part).collect() })
     }
 
     fn compiled(&self, values: &[(String, f64)]) -> Checked<Vec<Compiled>> {
@@ -216,6 +215,16 @@ impl ModelFile {
                 Err(Complaint::new(span, message))
             }
         }
+    }
+}
+
+/// A model as a part of a study, its states in an array where there are as many as most models have: two of a mass, six of a
+/// body in the plane. Each number costs half a minute of compiling.
+fn part(model: TextModel) -> Part {
+    match (model.few::<2>(), model.few::<6>()) {
+        (Some(two), _) => Part::new(two),
+        (_, Some(six)) => Part::new(six),
+        _ => Part::new(model),
     }
 }
 
