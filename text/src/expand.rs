@@ -18,6 +18,9 @@ const MOST_NODES: usize = 2_000_000;
 /// Parts of formulas that are expanded, each as often as it is, at most.
 const MOST_WORK: usize = 8_000_000;
 
+/// Values of an index, at most.
+const MOST_INDICES: i64 = 1_000_000;
+
 /// What a definition is outside the modes where it exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Outside {
@@ -39,6 +42,8 @@ pub(crate) struct Expander<'a> {
     pub(crate) kinks: HashMap<Id, (Span, &'static str)>,
     /// Whether a definition of the mode itself was used.
     pub(crate) used_own: bool,
+    /// Events so far.
+    pub(crate) n_events: usize,
     mode: Option<usize>,
     indices: Vec<(String, i64)>,
     /// Definitions that are expanded, with their index,
@@ -61,6 +66,7 @@ impl<'a> Expander<'a> {
             outside: Outside::Refused,
             kinks: HashMap::new(),
             used_own: false,
+            n_events: 0,
             mode: None,
             indices: Vec::new(),
             known: HashMap::new(),
@@ -184,7 +190,12 @@ impl<'a> Expander<'a> {
     /// The values of an index.
     pub(crate) fn range(&mut self, indices: &Indices) -> Checked<std::ops::RangeInclusive<i64>> {
         self.names.check_index(indices)?;
-        Ok(self.whole(&indices.first)?..=self.whole(&indices.last)?)
+        let (first, last) = (self.whole(&indices.first)?, self.whole(&indices.last)?);
+        if last - first >= MOST_INDICES {
+            let message = format!("an index has {MOST_INDICES} values at most");
+            return Err(Complaint::new(indices.span, message));
+        }
+        Ok(first..=last)
     }
 
     /// The number that a formula of parameters and indices is.

@@ -1,11 +1,12 @@
 //! A checked file: what the crate's users hold.
 
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 
 use deltazero_study::{Part, Subject};
 
 use crate::compile::{Compiled, compile};
 use crate::declarations::{Declarations, PartDeclaration, SETTINGS, declarations};
+use crate::dimensions::check_units;
 use crate::names::Names;
 use crate::report::{Checked, Complaint, Report, Source, Span};
 use crate::system::TextModel;
@@ -100,6 +101,7 @@ impl ModelFile {
             warnings: Vec::new(),
         };
         let of_parts = checked.compiled(&[])?;
+        check_units(&checked.file, &checked.names)?;
         checked.warnings = of_parts.into_iter().flat_map(|part| part.warnings).collect();
         checked.warnings.sort_by_key(|warning| warning.place());
         checked.warnings.dedup_by_key(|warning| warning.place());
@@ -134,6 +136,15 @@ impl ModelFile {
     /// The tables `run`, `solver`, `study`, `contest` and `regimes`, as given.
     pub fn settings(&self) -> &toml::Table {
         &self.settings
+    }
+
+    /// A complaint of the program about one of these settings, such as `["run", "t_end"]`, shown at its place in the file.
+    pub fn complaint(&self, keys: &[&str], message: &str) -> Report {
+        let span = DeTable::parse(&self.source.text)
+            .ok()
+            .and_then(|table| setting_span(table.get_ref(), keys))
+            .unwrap_or(Span { start: 0, end: 0 });
+        self.source.error(Complaint::new(span, message))
     }
 
     /// What is not wrong but should be looked at.
@@ -225,6 +236,19 @@ fn part(model: TextModel) -> Part {
         (Some(two), _) => Part::new(two),
         (_, Some(six)) => Part::new(six),
         _ => Part::new(model),
+    }
+}
+
+/// Where the value of a key is; where a part of its path is missing, the table before it.
+fn setting_span(table: &DeTable<'_>, keys: &[&str]) -> Option<Span> {
+    let (first, rest) = keys.split_first()?;
+    let (key, value) = table.iter().find(|(key, _)| key.get_ref() == *first)?;
+    match value.get_ref() {
+        DeValue::Table(inner) => {
+            let inner = setting_span(inner, rest);
+            Some(inner.unwrap_or_else(|| key.span().into()))
+        }
+        _ => Some(value.span().into()),
     }
 }
 

@@ -5,6 +5,10 @@ use crate::report::{Checked, Complaint};
 
 /// States of a model, at most.
 pub(crate) const MOST_STATES: usize = 100_000;
+/// Modes of a model, at most.
+pub(crate) const MOST_MODES: usize = 1000;
+/// Events of all modes, at most.
+pub(crate) const MOST_EVENTS: usize = 100_000;
 /// Values that a mode holds, at most.
 pub(crate) const MOST_HELD: usize = 8;
 
@@ -32,6 +36,10 @@ impl Layout {
                 let message = format!("a model has {MOST_STATES} states at most");
                 return Err(Complaint::new(state.name.span, message));
             }
+        }
+        if let Some(mode) = file.modes.get(MOST_MODES) {
+            let message = format!("a model has {MOST_MODES} modes at most");
+            return Err(Complaint::new(mode.name.span, message));
         }
         let n_discrete = file.discrete.len();
         let most_kept = file.modes.iter().max_by_key(|mode| mode.keep.len());

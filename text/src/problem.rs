@@ -79,6 +79,11 @@ impl<F: Family> Problem for TextModel<F> {
         g.iter().zip(&bounds).any(|(g, bound)| g.abs() <= *bound)
     }
 
+    /// Where the file has a table `contact`.
+    fn tells_forces(&self) -> bool {
+        self.0.modes.iter().any(|mode| !mode.told.touch.first_outputs.is_empty())
+    }
+
     fn touch<S: Real>(&self, mode: &Mode, t: S, y: &F::State<S>, _site: usize) -> Option<Touch<S>> {
         let [depth, rate, force] = results(&self.told(mode).touch, mode, t, y.as_ref())?;
         Some(Touch { depth, rate, force })

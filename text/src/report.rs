@@ -80,13 +80,16 @@ impl Complaint {
 
     /// The same with the nearest of the known names, or with all of them if none is near.
     pub(crate) fn nearest<'a>(self, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
-        let known: Vec<&str> = known.into_iter().take(MOST_NAMES).collect();
-        let similar = |other: &&str| strsim::normalized_damerau_levenshtein(name, other);
+        let mut known: Vec<&str> = known.into_iter().collect();
+        known.sort_unstable();
+        known.truncate(MOST_NAMES);
+        let similar = |other: &&str| match other.eq_ignore_ascii_case(name) {
+            true => 1.0,
+            false => strsim::normalized_damerau_levenshtein(name, other),
+        };
         let best = known.iter().max_by(|a, b| similar(a).total_cmp(&similar(b)));
         match best {
-            Some(best) if similar(best) >= NEAR || best.eq_ignore_ascii_case(name) => {
-                self.help(format!("did you mean `{best}`?"))
-            }
+            Some(best) if similar(best) >= NEAR => self.help(format!("did you mean `{best}`?")),
             Some(_) if known.len() <= FEW_NAMES => {
                 self.help(format!("known here: {}", known.join(", ")))
             }

@@ -194,6 +194,36 @@ fn what_is_wrong_is_said_with_its_place() {
     }
 }
 
+/// Equations of x [m], v [m/s] and F [N] with what is said of their units.
+const WRONG_UNITS: &[(&str, &str)] = &[
+    ("v = \"F\"", "the rate of `v` is in m s^-2, and this is in m kg s^-2"),
+    ("v = \"F/m + x\"", "these are added or subtracted, and their units differ"),
+    ("v = \"F/m\"\nx = \"x\"", "the rate of `x` is in m s^-1, and this is in m"),
+    ("v = \"sin(x)*F/m\"", "the argument of `sin` is a pure number, and this is in m"),
+    ("v = \"F/m*2^x\"", "an exponent is a pure number, and this is in m"),
+    ("v = \"F/m + min(x, v)/t\"", "these stand in one function, and their units differ"),
+    ("v = \"w/t\"", "the rate of `v` is in m s^-2, and this is in 0.001 m s^-2"),
+];
+
+#[test]
+fn units_of_both_sides_are_compared() {
+    let model = |rates: &str| {
+        format!(
+            "[parameters]\nm = {{ value = 2, unit = \"kg\" }}\nF = {{ value = 1, unit = \"N\" }}\n\
+             w = {{ value = 1, unit = \"mm/s\" }}\n[states]\nx = {{ start = 0, unit = \"m\" }}\n\
+             v = {{ start = 0, unit = \"m/s\" }}\n[rates]\nx = \"v\"\n[modes.a.rates]\n{rates}\n"
+        )
+    };
+    for right in ["F/m", "3*x", "F/m + 1", "sqrt(F^2)/m", "v/t*cos(v*t/x)", "abs(-F)/m", "0.001*w"]
+    {
+        file(&model(&format!("v = \"{right}\"")));
+    }
+    for (rates, message) in WRONG_UNITS {
+        let report = ModelFile::parse("units.toml", &model(rates)).unwrap_err();
+        assert_eq!(report.message(), *message, "{report}");
+    }
+}
+
 /// Whole files with what is said of them.
 const WRONG_FILES: &[(&str, &str)] = &[
     ("[states]\nx = 1\n[modes.a]\n", "`x` has no rate in the mode `a`"),
@@ -264,5 +294,7 @@ fn settings_of_the_program_are_handed_on() {
     let file = file(&format!("{ROW}\n[solver]\nmethod = \"rk45\"\n"));
     assert_eq!(file.settings()["solver"]["method"].as_str(), Some("rk45"));
     assert_eq!(file.settings()["run"]["t_end"].as_float(), Some(0.5));
+    let report = file.complaint(&["solver", "method"], "no method is called so");
+    assert_eq!(report.to_string().lines().nth(3).unwrap().trim_end(), "43 | method = \"rk45\"");
     assert_eq!(file.parameters()[0].range.max, Some(1000.0));
 }

@@ -6,6 +6,7 @@ use crate::declarations::{Definition, EventDeclaration, Follows, ModeRole};
 use crate::expand::Expander;
 use crate::expression::{Comparison, Relation};
 use crate::graph::Id;
+use crate::layout::MOST_EVENTS;
 use crate::names::Meaning;
 use crate::report::{Checked, Complaint};
 use crate::system::{CompiledMode, Goal, Setting, Transition};
@@ -58,6 +59,11 @@ pub(super) fn mode(
                 None => one_event(expander, event)?,
                 Some(i) => expander.with_index(name, i, |expander| one_event(expander, event))?,
             };
+            expander.n_events += 1;
+            if expander.n_events > MOST_EVENTS {
+                let message = format!("a model has {MOST_EVENTS} events at most");
+                return Err(Complaint::new(event.when.left.span, message));
+            }
             guards.push(guard);
             transitions.push(transition);
         }
