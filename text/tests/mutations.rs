@@ -41,6 +41,7 @@ const PIECES: &[&str] = &[
     "sum(j in 1..99999, j)",
     "if(i < n, 1, 2)",
     "x[i]",
+    "for = \"k in 1..900000000\"",
     "F",
     "((((((((((",
     "x^x^x^x^x^x",
@@ -187,6 +188,8 @@ fn deep_and_long_formulas_are_refused_or_built() {
     assert!(try_out(&model(&format!("{}x", "x+".repeat(100_000)))));
     assert!(!try_out(&model(&format!("{}x", "x+".repeat(1_000_000)))));
     assert!(!try_out(&model("sum(i in 1..99999, sum(j in 1..99999, x*i*j))")));
+    let events = "events = [{ for = \"i in 1..900000000\", when = \"x > i\", stop = true }]\n";
+    assert!(!try_out(&format!("{}{events}", model("1"))));
     let chain = |n: usize| {
         let formulas: String = (1..n).map(|i| format!("d{i} = \"d{}*x + 1\"\n", i + 1)).collect();
         format!("[definitions]\n{formulas}d{n} = \"x\"\n{}", model("d1"))
