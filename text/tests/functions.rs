@@ -54,19 +54,19 @@ fn integrals() -> TextModel {
 #[test]
 fn integrals_by_series_and_by_stages_have_their_closed_forms() {
     let model = integrals();
-    for (name, most_steps) in [("taylor", 40), ("dop853", 200), ("radau5", 4000)] {
+    // Measured: 8, 27 and 148 steps.
+    for (name, most_steps) in [("taylor", 16), ("dop853", 60), ("radau5", 300)] {
         let tolerance = Tolerance { rtol: 1e-13, atol: vec![1e-13; model.dim()] };
         let method = Method::named(name).unwrap();
         let mut solver = method.solver(&model, Control::Adaptive(tolerance)).unwrap();
         let mut run = Integration::new(&model, 0.0, Problem::start(&model));
         assert_eq!(run.run(1.0, &mut *solver, &mut ()), Ok(Outcome::Finished));
         let steps = run.stats.n_accepted;
-        println!("{name}: {steps} steps");
         assert!(steps < most_steps, "{name}: {steps} steps");
         for ((formula, exact), found) in INTEGRALS.iter().zip(&run.point.y) {
             let error = (found - exact.0).abs();
-            println!("{name}: {formula} {error:e}");
-            assert!(error < 1e-13, "{name}: {formula} is {found}, off by {error:e}");
+            // Measured: 2.7e-14 by series, 8.2e-14 by radau5.
+            assert!(error < 5e-13, "{name}: {formula} is {found}, off by {error:e}");
         }
     }
 }
@@ -78,13 +78,12 @@ fn integrals_in_extended_precision_have_their_closed_forms() {
     let tolerance = Tolerance { rtol: 1e-20, atol: vec![1e-20; model.dim()] };
     let mut run = ExtendedIntegration::new(&model, 0.0, &Problem::start(&model), tolerance);
     assert_eq!(run.run(1.0, &mut ()), Ok(Outcome::Finished));
-    println!("{} steps", run.stats.n_accepted);
-    assert!(run.stats.n_accepted < 40, "{} steps", run.stats.n_accepted);
+    assert!(run.stats.n_accepted < 26, "{} steps", run.stats.n_accepted);
     for ((formula, exact), found) in INTEGRALS.iter().zip(run.state()) {
         let exact = TwoFloat::new_add(exact.0, exact.1);
         let error = (*found - exact).abs().hi();
-        println!("{formula} {error:e}");
-        assert!(error < 1e-19, "{formula}: {error:e}");
+        // Measured: 7e-22, from the sine of twofloat.
+        assert!(error < 7e-21, "{formula}: {error:e}");
     }
 }
 
@@ -120,7 +119,6 @@ fn values_and_derivatives_have_their_closed_forms() {
     let formulas: Vec<_> = CLOSED.iter().map(|(formula, _)| *formula).collect();
     let model = model(&formulas);
     let n = model.dim();
-    let mut worst = [0.0_f64; 2];
     for x in POINTS {
         let y = vector(n, |_| Dual64::new(x, 1.0));
         let mut dual = y.clone();
@@ -133,14 +131,13 @@ fn values_and_derivatives_have_their_closed_forms() {
             // A quotient of dual numbers is rounded twice.
             let apart = (found.re / plain[i] - 1.0).abs();
             assert!(apart < 1e-15, "{formula} at {x}: {apart:e}");
-            for (k, (found, exact)) in [found.re, found.eps].into_iter().zip(exact(x)).enumerate() {
+            for (found, exact) in [found.re, found.eps].into_iter().zip(exact(x)) {
                 let error = (found - exact).abs() / exact.abs().max(1e-300);
                 let error = if exact == 0.0 { found.abs() } else { error };
-                worst[k] = worst[k].max(error);
-                assert!(error < 1e-14, "{formula} at {x}: {found} against {exact}");
+                // Measured: 4.9e-16.
+                assert!(error < 4.9e-15, "{formula} at {x}: {found} against {exact}");
             }
         }
         assert!(begins_with_rhs(&model, &mode, 0.0, &plain_y));
     }
-    println!("{worst:?}");
 }
