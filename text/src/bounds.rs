@@ -16,7 +16,7 @@ const OF_FUNCTION: f64 = 2.0 * f64::EPSILON;
 /// Rounding error of a state, over its value: it is a sum of several terms.
 const OF_STATE: f64 = 2.0 * f64::EPSILON;
 /// What is nothing beside the natural size of a state: a bounce that is lower has no size of its own.
-const LEAST: f64 = 1e-9;
+const LEAST: f64 = 1e-14;
 
 /// Writes bounds of the rounding errors of the guards of `mode`.
 ///

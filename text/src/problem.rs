@@ -100,8 +100,12 @@ impl<F: Family> Problem for TextModel<F> {
         Some(Power { drive, damping, friction })
     }
 
-    /// Whether an event between these modes sets a state.
+    /// Whether an event between these modes sets a state, or begins or ends a contact, which may then be dented.
     fn takes_energy(&self, before: &Mode, after: &Mode) -> bool {
+        let [was_contact, is_contact] = [before, after].map(|mode| self.role(mode, 0).is_contact());
+        if was_contact != is_contact {
+            return true;
+        }
         let transitions = &self.0.modes[usize::from(before.number)].transitions;
         transitions.iter().flat_map(|transition| transition.settings()).any(|setting| {
             setting.leads_to(usize::from(before.number)) == usize::from(after.number)

@@ -107,7 +107,7 @@ impl Run {
     ) -> Self {
         let method = setting.method.name;
         let (mut trajectory, mut y) = (Trajectory::on(grid), model.start());
-        y.as_mut().copy_from_slice(start);
+        y.copy_from_slice(start);
         let stop = AtomicBool::new(false);
         let limits = Limits { max_rhs: MOST_RHS, ..Limits::none(&stop) };
         let mut watch = limits.watch(Price::of_setting(setting));
@@ -129,8 +129,8 @@ impl Run {
             }
         }
         let samples = trajectory.samples.iter();
-        let samples = samples.map(|sample| (sample.t, sample.y.as_ref().to_vec())).collect();
-        let y = end.y.as_ref().to_vec();
+        let samples = samples.map(|sample| (sample.t, sample.y.clone())).collect();
+        let y = end.y.clone();
         Self { end, y, samples, changes }
     }
 
