@@ -51,6 +51,10 @@ pub(crate) fn compile(
     let first_mode = file.mode.as_ref().map_or(Ok(0), |mode| names.mode(mode))?;
     let model = Model {
         part: part.map_or(String::new(), |part| part.name.value.clone()),
+        part_number: part.and_then(|part| {
+            let own = |other: &PartDeclaration| other.name.value == part.name.value;
+            Some(1 + file.parts.iter().position(own)?)
+        }),
         states: states(&expander, &scales),
         groups: groups(&expander),
         observables: observables(&mut expander)?,

@@ -61,6 +61,11 @@ impl<F: Family> Problem for TextModel<F> {
         self.0.part.clone()
     }
 
+    /// The number of the part, where the file has several.
+    fn labels(&self, _site: usize) -> Vec<(&'static str, usize)> {
+        self.0.part_number.map(|number| ("part", number)).into_iter().collect()
+    }
+
     fn role(&self, mode: &Mode, _site: usize) -> Role {
         role(self.0.modes[usize::from(mode.number)].role)
     }

@@ -25,6 +25,8 @@ pub struct TextModel<F: Family = Any>(pub(crate) Arc<Model>, PhantomData<F>);
 #[derive(Debug)]
 pub(crate) struct Model {
     pub(crate) part: String,
+    /// Its number, from one, where the file has parts.
+    pub(crate) part_number: Option<usize>,
     pub(crate) states: Vec<Quantity>,
     pub(crate) starts: Vec<f64>,
     pub(crate) scales: Vec<f64>,

@@ -47,3 +47,12 @@ fn bounces_take_all_of_the_energy() {
     below("energy", (own.dissipated / energy - 1.0).abs(), 1e-14);
     assert_eq!(own.kinetic, 0.0);
 }
+
+#[test]
+fn a_ball_that_starts_a_hair_above_the_floor_comes_to_rest() {
+    for method in METHODS {
+        let run = Run::by(&model(NAME, &[("h", 1e-20)]), method, 1e-10, t_end(NAME));
+        assert!(run.times_of("rest").len() == 1 && run.y == [0.0, 0.0], "{method}");
+        assert!(run.changes.len() < 1000, "{method}: {}", run.changes.len());
+    }
+}
