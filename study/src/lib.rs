@@ -13,13 +13,14 @@
 //! | [`part`] | a subject: one problem or several, whatever their types |
 //! | [`setting`], [`plan`] | a method with its tolerance or step; the runs of a study |
 //! | [`run`] | one run, timed, within limits |
-//! | [`simulation`], [`motion`] | one run, and all that it tells; what a figure shows of it |
+//! | [`simulation`], [`motion`], [`brief`] | one run, and all that it tells; what a figure shows of it; its end in numbers |
 //! | [`mod@reference`] | the run that errors are measured against, and its own error and horizon |
 //! | [`errors`] | errors of states, events and contacts; where the work went |
 //! | [`energy_balance`], [`self_check`], [`horizon`] | what a run tells of itself |
 //! | [`mod@work_precision`], [`steps`] | the tables of a study |
 //! | [`selection`], [`map`] | which method reaches an accuracy at the least cost; over two parameters of a model |
 
+pub mod brief;
 pub mod check;
 pub mod columns;
 pub mod energy_balance;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use deltazero_solvers::{Grid, Trajectory};
 
+use crate::brief::{Brief, BriefShape, brief, shape};
 use crate::check::{ProblemError, check};
 use crate::errors::{ErrorScale, Largest};
 use crate::measured::{MeasuredPart, measure};
@@ -84,6 +85,12 @@ pub(crate) trait Runs: Send + Sync {
     /// All that a user may ask of one run.
     fn simulate(&self, asked: &Asked<'_>, brake: &mut dyn Brake) -> Simulation;
 
+    /// What a run in brief tells of.
+    fn brief_shape(&self) -> BriefShape;
+
+    /// One run, of which no more than its end and some numbers are kept.
+    fn brief(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> Brief;
+
     /// Every step.
     fn steps(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> (PartRun, Steps);
 }
@@ -142,6 +149,14 @@ impl<P: Problem> Runs for P {
 
     fn simulate(&self, asked: &Asked<'_>, brake: &mut dyn Brake) -> Simulation {
         simulate(self, asked, brake)
+    }
+
+    fn brief_shape(&self) -> BriefShape {
+        shape(self)
+    }
+
+    fn brief(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> Brief {
+        brief(self, setting, t_end, brake)
     }
 
     fn steps(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> (PartRun, Steps) {
@@ -230,6 +245,16 @@ impl Part {
     /// Runs it once, and tells all of the run.
     pub fn simulate(&self, asked: &Asked<'_>, brake: &mut dyn Brake) -> Simulation {
         self.runs.simulate(asked, brake)
+    }
+
+    /// What a run of it [in brief](Self::brief) tells of.
+    pub fn brief_shape(&self) -> BriefShape {
+        self.runs.brief_shape()
+    }
+
+    /// Runs it once at `setting` to `t_end`, and tells its end and some numbers alone.
+    pub fn brief(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> Brief {
+        self.runs.brief(setting, t_end, brake)
     }
 
     /// The scales of its errors, by these largest lengths.

@@ -1,0 +1,173 @@
+//! One run in brief: how it ended, with its events, contacts and energy in a few numbers.
+
+use std::ops::ControlFlow;
+
+use deltazero_solvers::{Accepted, Event, Needs, Record};
+
+use crate::energy_balance::{Balance, EnergyBalance};
+use crate::errors::contact_summary::ContactSummary;
+use crate::errors::contacts::Contacts;
+use crate::problem::{Problem, Quantity, change};
+use crate::run::{Brake, Braked, PartRun, Setting, integrate};
+use crate::stiffness::Stiffness;
+use crate::warning::Code;
+
+/// What a run in brief tells of, before it is made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BriefShape {
+    /// The columns of each site at the end.
+    pub columns: Vec<Vec<Quantity>>,
+    /// Whether it tells of contacts.
+    pub has_contacts: bool,
+    /// Whether it tells of energies.
+    pub has_energy: bool,
+}
+
+/// A run of one part in brief.
+#[derive(Clone, Debug)]
+pub struct Brief {
+    /// How it ended.
+    pub run: PartRun,
+    /// Each site.
+    pub sites: Vec<SiteBrief>,
+    /// Where the energy went, where the problem tells of it.
+    pub balance: Option<Balance>,
+    /// What to know before trusting it.
+    pub warnings: Vec<Code>,
+}
+
+/// A site in a run in brief.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SiteBrief {
+    /// The mode at the end.
+    pub mode: String,
+    /// What its columns have at the end.
+    pub values: Vec<f64>,
+    /// Its events that count, but for that of a start on a surface.
+    pub n_events: usize,
+    /// Its contacts, where the problem tells of any.
+    pub contacts: Option<ContactSummary>,
+}
+
+/// What a run of `problem` in brief tells of.
+pub(crate) fn shape<P: Problem>(problem: &P) -> BriefShape {
+    let (sites, start) = (0..problem.n_sites(), problem.start());
+    let mode = problem.initial_mode(0.0, &start);
+    BriefShape {
+        columns: sites.clone().map(|site| problem.columns(site)).collect(),
+        has_contacts: sites.clone().any(|k| problem.touch(&mode, 0.0, &start, k).is_some()),
+        has_energy: problem.energies(&mode, 0.0, &start).is_some(),
+    }
+}
+
+/// Runs `problem` from its start to `t_end`, and keeps nothing of the way but these numbers.
+pub(crate) fn brief<P: Problem>(
+    problem: &P,
+    setting: &Setting,
+    t_end: f64,
+    brake: &mut dyn Brake,
+) -> Brief {
+    let y0 = problem.start();
+    let audit =
+        (EnergyBalance::new(problem, setting.events, &y0), Stiffness::new(problem, &|_| {}));
+    let counts = (Counts::new(problem), Contacts::new(problem, setting.events));
+    let mut record = (audit, (Braked(brake), counts));
+    let run = integrate(problem, setting, y0, t_end, &mut record);
+    let ((balance, stiffness), (_, (counts, contacts))) = record;
+    let is_explicit = !setting.method.is_implicit() && !setting.method.chooses();
+    let mut warnings: Vec<Code> =
+        balance.check.warnings(setting.rtol()).into_iter().map(|warning| warning.code).collect();
+    warnings.extend(stiffness.warning().filter(|_| is_explicit).map(|warning| warning.code));
+    let contacts = contacts.lists();
+    let site = |(k, n_events): (usize, &usize)| SiteBrief {
+        mode: problem.mode_name(&run.mode, k),
+        values: Vec::new(),
+        // The event of a start on the surface has no digits.
+        n_events: n_events.saturating_sub(usize::from(problem.starts_on_surface())),
+        contacts: contacts.as_ref().map(|lists| ContactSummary::of(lists[k].iter())),
+    };
+    let mut sites: Vec<_> = counts.of_site.iter().enumerate().map(site).collect();
+    problem.rows(&run.mode, run.t, &run.y, &mut |k, values| {
+        if let Some(site) = sites.get_mut(k) {
+            site.values = values.to_vec();
+        }
+    });
+    let balance = balance.at(&run.mode, run.t, &run.y);
+    Brief { sites, balance, warnings, run: run.plain() }
+}
+
+/// A recorder of how many events that count each site has.
+struct Counts<'a, P> {
+    problem: &'a P,
+    of_site: Vec<usize>,
+}
+
+impl<'a, P: Problem> Counts<'a, P> {
+    fn new(problem: &'a P) -> Self {
+        Self { problem, of_site: vec![0; problem.n_sites()] }
+    }
+}
+
+impl<P: Problem> Record<P> for Counts<'_, P> {
+    fn step(&mut self, _: &Accepted<'_, P>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
+        let change = change(self.problem, event.t, event.guard, &event.before, &event.after);
+        if let Some((site, _)) = change {
+            self.of_site[site] += 1;
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+        Needs::Nothing
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use deltazero_solvers::problems::{CompliantBall, Exit};
+    use deltazero_solvers::{Grid, Method};
+
+    use super::*;
+    use crate::run::{Accuracy, Events, Limits, Price};
+    use crate::simulation::{Asked, simulate};
+
+    #[test]
+    fn a_run_in_brief_is_the_end_of_the_run_that_tells_all() {
+        let ball = CompliantBall {
+            mass: 6.0,
+            stiffness: 1e7,
+            damping: 20.0,
+            exit: Exit::Penetration,
+            gap: 2e-4,
+            start: [1e-4, -1e-3],
+        };
+        let method = Method::named("rk45").unwrap();
+        let accuracy = Accuracy::Rtol(1e-8, None);
+        let setting = Setting { method, events: Events::Located, accuracy };
+        let stop = AtomicBool::new(false);
+        let mut watch = Limits::none(&stop).watch(Price::PLAIN);
+        let brief = brief(&ball, &setting, 0.6, &mut watch);
+        let grid = Grid::Times(vec![0.6]);
+        let asked = Asked { setting: &setting, t_end: 0.6, grid, tell: &|_| {} };
+        let whole = simulate(&ball, &asked, &mut watch);
+        assert_eq!(brief.run.stats, whole.run.stats);
+        assert_eq!(brief.run.y, whole.run.y);
+        assert_eq!(brief.sites.iter().map(|site| site.n_events).sum::<usize>(), whole.n_events);
+        assert_eq!(brief.balance, whole.balance);
+        for ((own, site), list) in brief.sites.iter().zip(&whole.sites).zip(whole.contacts.unwrap())
+        {
+            assert_eq!(own.values, site.values);
+            assert_eq!(own.contacts, Some(ContactSummary::of(list.iter())));
+        }
+        let shape = shape(&ball);
+        let columns: Vec<_> = whole.sites.iter().map(|site| site.columns.clone()).collect();
+        assert_eq!(shape.columns, columns);
+        assert_eq!((shape.has_contacts, shape.has_energy), (true, brief.balance.is_some()));
+    }
+}
