@@ -43,6 +43,7 @@
 //! | [`mechanisms`] | the mechanisms, one a file: keys, problem, words |
 //! | [`run`] | one run of a mechanism, joint by joint |
 //! | [`study`] | what a configuration asks of the study, and the experiments on the paper's mechanism |
+//! | [`sweep`] | the runs of a plan, in parallel, kept on disk |
 //! | [`figures`] | the figures, each a function from a table to a chart |
 //! | [`report`] | tables to CSV, Markdown and an HTML page |
 //! | [`studied`] | a study of any subject, with all its files |
@@ -55,3 +56,4 @@ pub mod report;
 pub mod run;
 pub mod studied;
 pub mod study;
+pub mod sweep;

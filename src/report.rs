@@ -24,7 +24,7 @@ use deltazero_study::work_precision::{
 use crate::figures::Drawing;
 
 /// A number as it reads back to the same bits; empty for none.
-fn exact(x: Option<f64>) -> String {
+pub(crate) fn exact(x: Option<f64>) -> String {
     x.map_or_else(String::new, |x| format!("{x:e}"))
 }
 
@@ -38,7 +38,7 @@ fn rounded(x: Option<f64>, digits: usize) -> String {
 }
 
 /// Text as a field of a CSV file.
-fn field(text: &str) -> String {
+pub(crate) fn field(text: &str) -> String {
     if text.contains([',', '"', '\n']) {
         format!("\"{}\"", text.replace('"', "\"\""))
     } else {

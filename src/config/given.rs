@@ -12,18 +12,18 @@ const EXCERPT: usize = 60;
 
 /// A value with its place.
 #[derive(Clone, Debug)]
-pub(super) struct Given {
+pub(crate) struct Given {
     /// Line of its key, or of itself inside a list.
-    pub(super) place: Place,
+    pub(crate) place: Place,
     /// As written, on one line, shortened.
-    pub(super) text: String,
+    pub(crate) text: String,
     /// What it is.
-    pub(super) datum: Datum,
+    pub(crate) datum: Datum,
 }
 
 /// What a value is.
 #[derive(Clone, Debug)]
-pub(super) enum Datum {
+pub(crate) enum Datum {
     Boolean(bool),
     Integer(i64),
     Number(f64),
@@ -36,7 +36,7 @@ pub(super) enum Datum {
 
 impl Datum {
     /// The type, with article.
-    pub(super) fn type_name(&self) -> &'static str {
+    pub(crate) fn type_name(&self) -> &'static str {
         match self {
             Self::Boolean(_) => "a boolean",
             Self::Integer(_) => "an integer",
@@ -51,7 +51,7 @@ impl Datum {
 
 impl Given {
     /// The number that it is, from an integer as well.
-    pub(super) fn number(&self) -> Option<f64> {
+    pub(crate) fn number(&self) -> Option<f64> {
         match self.datum {
             Datum::Integer(i) => Some(i as f64),
             Datum::Number(x) => Some(x),
@@ -66,7 +66,7 @@ impl Given {
     }
 
     /// The complaint that it is of the wrong type.
-    pub(super) fn wrong_type(&self, key: &str, expected: &str) -> ConfigError {
+    pub(crate) fn wrong_type(&self, key: &str, expected: &str) -> ConfigError {
         ConfigError::WrongType {
             place: self.place.clone(),
             key: key.into(),

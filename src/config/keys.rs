@@ -534,7 +534,7 @@ pub fn find(path: &str) -> Option<&'static Key> {
 
 /// `joint2` and `contact.stiffness` of `joint2.contact.stiffness`; none for a path that is not of
 /// one joint.
-pub(super) fn one_joint(path: &str) -> Option<(&'static str, &str)> {
+pub(crate) fn one_joint(path: &str) -> Option<(&'static str, &str)> {
     JOINTS.iter().find_map(|joint| {
         let rest = path.strip_prefix(joint)?.strip_prefix('.')?;
         Some((*joint, rest))

@@ -36,7 +36,7 @@ impl Kind {
     ///
     /// # Errors
     /// A wrong type, a number out of range, an unknown word, a list of the wrong length.
-    pub(super) fn check(&self, key: &str, unit: &str, given: &Given) -> Result<Value, ConfigError> {
+    pub(crate) fn check(&self, key: &str, unit: &str, given: &Given) -> Result<Value, ConfigError> {
         match (self, &given.datum) {
             (Self::Number(range), Datum::Integer(_) | Datum::Number(_)) => {
                 let x = given.number().unwrap_or(f64::NAN);

@@ -38,6 +38,7 @@ mod range;
 mod schema;
 mod settings;
 mod toml_source;
+mod variants;
 mod words;
 
 #[cfg(test)]
@@ -61,14 +62,18 @@ pub use parts::{
 pub use print::default_toml;
 pub use range::{End, Range};
 pub use schema::json_schema;
+pub use variants::Variants;
 pub use words::{AXES, ContactLaw, Curvature, FrictionLaw, METHODS, ReadingName};
 
 use crate::mechanisms::Chosen;
-use given::Given;
-use model::Model;
 pub use model::TABLES as MODEL_TABLES;
 use settings::Settings;
 pub use settings::{MOST_ROWS, ROW_BYTES};
+
+pub(crate) use given::{Datum, Given};
+pub(crate) use keys::one_joint;
+pub(crate) use toml_source::{document, read};
+pub(crate) use variants::key_at;
 
 /// A complete configuration, checked.
 ///
@@ -128,19 +133,7 @@ impl Config {
         file: Option<&Path>,
         sets: &[String],
     ) -> Result<Self, ConfigError> {
-        let mut settings = Settings::defaults()?;
-        if let Some(path) = model {
-            settings.take_model(Model::read(path)?)?;
-        }
-        if let Some(path) = file {
-            let text = toml_source::read(path)?;
-            settings.apply_all(&toml_source::document(&path.display().to_string(), &text)?)?;
-        }
-        for argument in sets {
-            let (key, given) = toml_source::assignment(argument)?;
-            settings.apply(&key, &given)?;
-        }
-        settings.config()
+        Settings::load(model, file, sets)?.config()
     }
 
     /// All of it, in the structure of the TOML file, keys in alphabetical order.

@@ -1,6 +1,7 @@
 //! The values of all keys, layer upon layer: defaults, file, `--set` in order.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use deltazero_solvers::Method;
 use deltazero_study::setting::{Digits, Events};
@@ -47,8 +48,9 @@ fn parameter_path(name: &str) -> String {
 }
 
 /// Checked values by path, each with the place it came from.
+#[derive(Clone)]
 pub(super) struct Settings {
-    values: BTreeMap<String, (Value, Place)>,
+    pub(super) values: BTreeMap<String, (Value, Place)>,
     /// The model from a file that is integrated in place of a mechanism; its parameters are keys.
     model: Option<Model>,
 }
@@ -109,6 +111,30 @@ impl Settings {
             Some((name.to_owned(), value.as_f64()?))
         };
         model.chosen(&model.names().filter_map(value).collect::<Vec<_>>())
+    }
+
+    /// The defaults, then the model with its settings, then the TOML file, then every `key=value` of `sets` in order.
+    ///
+    /// # Errors
+    /// The first complaint.
+    pub(super) fn load(
+        model: Option<&Path>,
+        file: Option<&Path>,
+        sets: &[String],
+    ) -> Result<Self, ConfigError> {
+        let mut settings = Self::defaults()?;
+        if let Some(path) = model {
+            settings.take_model(Model::read(path)?)?;
+        }
+        if let Some(path) = file {
+            let text = toml_source::read(path)?;
+            settings.apply_all(&toml_source::document(&path.display().to_string(), &text)?)?;
+        }
+        for argument in sets {
+            let (key, given) = toml_source::assignment(argument)?;
+            settings.apply(&key, &given)?;
+        }
+        Ok(settings)
     }
 
     /// Puts the defaults of the mechanism in the place of what was not given.
@@ -251,20 +277,23 @@ impl Settings {
             Err(ConfigError::NotInMechanism { place, found, with, reason: reason.into() })
         };
         for (path, (value, place)) in &self.values {
-            let (is_given, value) = (*place != Place::Default, value.to_string());
-            if is_given && one_joint(path).is_some() && !entry.has_two_joints {
+            if *place == Place::Default {
+                continue;
+            }
+            let value = || value.to_string();
+            if one_joint(path).is_some() && !entry.has_two_joints {
                 let reason = "only a mechanism of two joints has such keys; give the key without joint1 or joint2";
-                return refused(path, value, "mechanism", reason.to_owned());
+                return refused(path, value(), "mechanism", reason.to_owned());
             }
             // A file may hold the tables of other mechanisms; who sets a key means this one.
             let is_meant = |key: &Key| key.table().is_none() || matches!(place, Place::Set(_));
             let is_foreign = find(path).is_some_and(|key| is_meant(key) && !entry.has(key));
-            if is_given && is_foreign && !self.is_default(path) {
+            if is_foreign && !self.is_default(path) {
                 let reason = format!(
                     "the mechanism has no such key; `deltazero config --set mechanism={}` lists those that it has",
                     entry.name
                 );
-                return refused(path, value, "mechanism", reason);
+                return refused(path, value(), "mechanism", reason);
             }
         }
         if let Some(Atol::Each(each)) = &config.solver.atol
@@ -345,7 +374,7 @@ impl Settings {
     }
 
     /// What no key alone can tell.
-    fn cross_check(&self, config: &Config) -> Result<(), ConfigError> {
+    pub(super) fn cross_check(&self, config: &Config) -> Result<(), ConfigError> {
         self.check_mechanism(config)?;
         self.check_bristles(config)?;
         self.check_events(config)?;
@@ -407,11 +436,16 @@ impl Settings {
 
     /// The three tables of one joint, each key its own value or else the common one.
     fn joint(&self, joint: &str) -> Result<JointConfig, ConfigError> {
-        let tables = JOINT_TABLES.map(|table| (table.to_owned(), self.table(table, Some(joint))));
-        typed(joint, Value::Object(Map::from_iter(tables)))
+        typed(joint, self.joint_tables(joint))
     }
 
-    fn table(&self, table: &str, joint: Option<&str>) -> Value {
+    /// The same as JSON.
+    pub(super) fn joint_tables(&self, joint: &str) -> Value {
+        let tables = JOINT_TABLES.map(|table| (table.to_owned(), self.table(table, Some(joint))));
+        Value::Object(Map::from_iter(tables))
+    }
+
+    pub(super) fn table(&self, table: &str, joint: Option<&str>) -> Value {
         let value = |key: &Key| {
             let own = joint.and_then(|joint| self.values.get(&format!("{joint}.{}", key.path)));
             let (value, _) = own.or_else(|| self.values.get(key.path))?;
@@ -422,17 +456,17 @@ impl Settings {
     }
 }
 
-fn typed<T: DeserializeOwned>(part: &str, value: Value) -> Result<T, ConfigError> {
+pub(super) fn typed<T: DeserializeOwned>(part: &str, value: Value) -> Result<T, ConfigError> {
     serde_json::from_value(value).map_err(|error| table(part, &error))
 }
 
 /// A mistake in the table of keys.
-fn table(part: &str, message: &dyn ToString) -> ConfigError {
+pub(super) fn table(part: &str, message: &dyn ToString) -> ConfigError {
     ConfigError::Table { part: part.into(), message: message.to_string().into() }
 }
 
 /// The complaint about a path that is no key, or about a table that is none.
-fn not_a_key(path: &str, given: &Given) -> ConfigError {
+pub(super) fn not_a_key(path: &str, given: &Given) -> ConfigError {
     if path.is_empty() {
         return given.wrong_type("the configuration", "a table of keys");
     }

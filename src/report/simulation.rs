@@ -89,7 +89,7 @@ fn labels(site: &SiteMotion) -> String {
 }
 
 /// Name and unit as a header has them: `v1_m_s` of v1 in m/s.
-pub(super) fn header_of(column: &Quantity) -> String {
+pub(crate) fn header_of(column: &Quantity) -> String {
     let unit: String = column.unit.to_lowercase().replace('²', "2").replace(['/', ' '], "_");
     if unit.is_empty() { column.name.to_string() } else { format!("{}_{unit}", column.name) }
 }

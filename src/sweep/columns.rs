@@ -1,0 +1,219 @@
+//! The columns of `runs.csv`: what a run tells at its end, by name, and which of them the runs of a plan have.
+
+use deltazero_solvers::{Outcome, Stats};
+use deltazero_study::brief::{Brief, BriefShape, SiteBrief};
+use deltazero_study::energy_balance::Balance;
+use deltazero_study::errors::contact_summary::ContactSummary;
+use deltazero_study::{Part, Subject};
+
+use crate::report::simulation::header_of;
+
+/// What a row has in a column.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Cell {
+    /// A number; what is not finite is left empty.
+    Number(Option<f64>),
+    /// A count.
+    Count(u64),
+    /// A word.
+    Text(String),
+}
+
+/// A column with its name, and what it has of a `T`.
+struct Column<T> {
+    name: &'static str,
+    of: fn(&T) -> Cell,
+}
+
+/// The columns of the contacts of a site, or of all.
+const CONTACTS: [Column<ContactSummary>; 5] = [
+    Column { name: "n_contacts", of: |contacts| Cell::Count(contacts.n as u64) },
+    Column { name: "peak_force_n", of: |contacts| Cell::Number(contacts.peak_force_n) },
+    Column { name: "deepest_m", of: |contacts| Cell::Number(contacts.deepest_m) },
+    Column {
+        name: "largest_impact_speed_m_s",
+        of: |contacts| Cell::Number(contacts.largest_impact_speed_m_s),
+    },
+    Column { name: "impulse_n_s", of: |contacts| Cell::Number(Some(contacts.impulse_n_s)) },
+];
+
+/// The columns of energy.
+const ENERGY: [Column<Balance>; 3] = [
+    Column { name: "work_j", of: |balance| Cell::Number(Some(balance.work)) },
+    Column { name: "dissipated_j", of: |balance| Cell::Number(Some(balance.dissipated)) },
+    Column { name: "energy_residual_j", of: |balance| Cell::Number(Some(balance.residual)) },
+];
+
+/// The columns of work.
+const WORK: [Column<Stats>; 3] = [
+    Column { name: "n_rhs", of: |stats| Cell::Count(stats.work.n_rhs) },
+    Column { name: "n_accepted", of: |stats| Cell::Count(stats.n_accepted) },
+    Column { name: "n_rejected", of: |stats| Cell::Count(stats.n_rejected) },
+];
+
+/// The names of columns.
+fn named<T>(columns: &[Column<T>]) -> impl Iterator<Item = &'static str> {
+    columns.iter().map(|column| column.name)
+}
+
+/// What columns have of `told`.
+fn told<T>(columns: &[Column<T>], told: &T) -> impl Iterator<Item = Cell> {
+    columns.iter().map(move |column| (column.of)(told))
+}
+
+/// A subject with what its runs tell of.
+pub(super) struct Shape {
+    parts: Vec<(Vec<String>, BriefShape)>,
+}
+
+impl Shape {
+    /// What the runs of `subject` tell of.
+    pub(super) fn of(subject: &Subject) -> Self {
+        let part = |part: &Part| (prefixes(part), part.brief_shape());
+        Self { parts: subject.parts.iter().map(part).collect() }
+    }
+
+    fn n_sites(&self) -> usize {
+        self.parts.iter().map(|(prefixes, _)| prefixes.len()).sum()
+    }
+
+    /// The names of the columns, in the order of [`cells`].
+    pub(super) fn names(&self) -> Vec<String> {
+        let mut names = vec!["outcome".to_owned()];
+        for (prefixes, shape) in &self.parts {
+            for (prefix, columns) in prefixes.iter().zip(&shape.columns) {
+                names.extend(["t_s", "mode"].map(|name| format!("{prefix}{name}")));
+                names.extend(columns.iter().map(|column| format!("{prefix}{}", header_of(column))));
+            }
+        }
+        if self.n_sites() > 1 {
+            for (prefixes, shape) in &self.parts {
+                for prefix in prefixes {
+                    names.push(format!("{prefix}n_events"));
+                    let contacts = named(&CONTACTS).filter(|_| shape.has_contacts);
+                    names.extend(contacts.map(|name| format!("{prefix}{name}")));
+                }
+            }
+        }
+        let has_contacts = self.parts.iter().any(|(_, shape)| shape.has_contacts);
+        let has_energy = self.parts.iter().any(|(_, shape)| shape.has_energy);
+        let contacts = named(&CONTACTS).filter(|_| has_contacts);
+        let energy = named(&ENERGY).filter(|_| has_energy);
+        let of_all = ["n_events"].into_iter().chain(contacts).chain(energy).chain(named(&WORK));
+        names.extend(of_all.map(str::to_owned));
+        names.push("warnings".to_owned());
+        distinct(&mut names);
+        names
+    }
+}
+
+/// What stands before the columns of each site: `bay2_joint1_`.
+fn prefixes(part: &Part) -> Vec<String> {
+    let prefix = |labels: &Vec<(&str, usize)>| {
+        labels.iter().map(|(name, value)| format!("{name}{value}_")).collect()
+    };
+    part.labels.iter().map(prefix).collect()
+}
+
+/// Adds a number to a name that stands there already: of parts that nothing tells apart.
+fn distinct(names: &mut [String]) {
+    for i in 1..names.len() {
+        let (before, rest) = names.split_at_mut(i);
+        let name = rest[0].clone();
+        let mut n = 1;
+        while before.contains(&rest[0]) {
+            n += 1;
+            rest[0] = format!("{name}_{n}");
+        }
+    }
+}
+
+/// What a run tells in the columns of its shape; `parts` are those of its subject, and what became of them.
+pub(super) fn cells(parts: &[(Part, Brief)], cells: &mut Vec<Cell>) {
+    cells.clear();
+    cells.push(Cell::Text(outcome(parts).to_owned()));
+    for (_, brief) in parts {
+        for site in &brief.sites {
+            cells.push(Cell::Number(Some(brief.run.t)));
+            cells.push(Cell::Text(site.mode.clone()));
+            cells.extend(site.values.iter().map(|value| Cell::Number(Some(*value))));
+        }
+    }
+    let sites = || parts.iter().flat_map(|(_, brief)| &brief.sites);
+    if sites().nth(1).is_some() {
+        for SiteBrief { n_events, contacts, .. } in sites() {
+            cells.push(Cell::Count(*n_events as u64));
+            cells.extend(contacts.iter().flat_map(|contacts| told(&CONTACTS, contacts)));
+        }
+    }
+    cells.push(Cell::Count(sites().map(|site| site.n_events as u64).sum()));
+    let contacts = sites().filter_map(|site| site.contacts).reduce(together);
+    cells.extend(contacts.iter().flat_map(|contacts| told(&CONTACTS, contacts)));
+    let balances = parts.iter().filter_map(|(_, brief)| brief.balance);
+    let balance = balances.reduce(|mut sum, own| {
+        sum += own;
+        sum
+    });
+    cells.extend(balance.iter().flat_map(|balance| told(&ENERGY, balance)));
+    let mut stats = Stats::default();
+    parts.iter().for_each(|(_, brief)| stats += brief.run.stats);
+    cells.extend(told(&WORK, &stats));
+    cells.push(Cell::Text(warnings(parts)));
+}
+
+/// The contacts of two sites in the same few numbers.
+fn together(a: ContactSummary, b: ContactSummary) -> ContactSummary {
+    let of = |which: fn(f64, f64) -> f64, a: Option<f64>, b: Option<f64>| {
+        a.into_iter().chain(b).reduce(which)
+    };
+    ContactSummary {
+        n: a.n + b.n,
+        peak_force_n: of(f64::max, a.peak_force_n, b.peak_force_n),
+        deepest_m: of(f64::max, a.deepest_m, b.deepest_m),
+        largest_impact_speed_m_s: of(
+            f64::max,
+            a.largest_impact_speed_m_s,
+            b.largest_impact_speed_m_s,
+        ),
+        impulse_n_s: a.impulse_n_s + b.impulse_n_s,
+        ..ContactSummary::default()
+    }
+}
+
+/// The name of the end if every part came to it, `finished` if any ran to the end of its time; empty where one did
+/// neither.
+fn outcome(parts: &[(Part, Brief)]) -> &'static str {
+    let all = |is: fn(&Outcome) -> bool| {
+        parts.iter().all(|(_, brief)| brief.run.outcome.as_ref().is_ok_and(is))
+    };
+    if all(|outcome| *outcome == Outcome::Stopped) {
+        parts.first().map_or("finished", |(part, _)| part.end_name.key)
+    } else if all(|outcome| matches!(outcome, Outcome::Stopped | Outcome::Finished)) {
+        "finished"
+    } else {
+        ""
+    }
+}
+
+/// The codes of the warnings, each once.
+fn warnings(parts: &[(Part, Brief)]) -> String {
+    let mut codes: Vec<&str> = Vec::new();
+    for code in parts.iter().flat_map(|(_, brief)| &brief.warnings) {
+        if !codes.contains(&code.name()) {
+            codes.push(code.name());
+        }
+    }
+    codes.join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_stand_twice_are_numbered() {
+        let mut names = ["a", "b", "a", "a"].map(str::to_owned);
+        distinct(&mut names);
+        assert_eq!(names, ["a", "b", "a_2", "a_3"]);
+    }
+}

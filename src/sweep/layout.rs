@@ -1,0 +1,214 @@
+//! Which columns the runs of a plan have, and where each run has its own.
+//!
+//! A key may change what a run tells of: several bays have more joints, an ideal joint has no contact. So the columns
+//! are looked up before the first run, for each combination of such values; a number that is not zero changes nothing.
+
+use std::collections::HashMap;
+
+use serde_json::Value;
+
+use super::SweepError;
+use super::columns::Shape;
+use super::plan::{Axis, Plan, Values};
+use crate::config::{ConfigError, Kind, Place, Variants, key_at};
+
+/// Combinations for which columns are looked up.
+const MOST_SHAPES: u64 = 4096;
+
+/// Tables whose keys change no column.
+const NOT_OF_SHAPE: [&str; 5] = ["run", "solver", "study", "contest", "regimes"];
+
+/// The columns of a plan.
+#[derive(Clone, Debug)]
+pub(super) struct Layout {
+    /// The names of all, without those before the status.
+    pub(super) names: Vec<String>,
+    /// Of each axis, how its values fall into classes.
+    classes: Vec<Class>,
+    /// Of each combination of classes. Without an entry: no run of it can be made.
+    cells: HashMap<u64, Places>,
+}
+
+/// Where the cells of a run go.
+#[derive(Clone, Debug)]
+struct Places {
+    /// How many it has.
+    n: usize,
+    /// Which of them each column has.
+    of_column: Vec<Option<usize>>,
+}
+
+/// How the values of an axis fall into classes of runs with the same columns.
+#[derive(Clone, Debug)]
+enum Class {
+    /// All are one.
+    One,
+    /// Zero is one, all others another.
+    Zero,
+    /// Each is its own.
+    Each,
+}
+
+impl Class {
+    fn of(axis: &Axis) -> Result<Self, ConfigError> {
+        let key = key_at(&axis.key, &Place::Default)?;
+        Ok(match (key.table(), key.kind) {
+            (Some(table), _) if NOT_OF_SHAPE.contains(&table) => Self::One,
+            (_, Kind::Number(_)) => Self::Zero,
+            _ => Self::Each,
+        })
+    }
+
+    /// The class of the value number `i` of `axis`.
+    fn at(&self, axis: &Axis, i: u64) -> u64 {
+        match self {
+            Self::One => 0,
+            Self::Zero => u64::from(axis.values.at(i).as_f64() == Some(0.0)),
+            Self::Each => i,
+        }
+    }
+
+    /// One value of each class, by its number; not many more than are looked up.
+    fn examples(&self, axis: &Axis) -> Vec<u64> {
+        let n = axis.values.len();
+        match self {
+            Self::One => vec![0],
+            Self::Each => (0..n.min(MOST_SHAPES + 1)).collect(),
+            Self::Zero => {
+                let first = |class| (0..n).find(|i| self.at(axis, *i) == class);
+                let zero = match axis.values {
+                    Values::List(_) => first(1),
+                    Values::Log { .. } => None,
+                    Values::Linear { ends: [a, b], .. } => {
+                        let nearest = libm::round(-a / (b - a) * (n - 1) as f64) as u64;
+                        Some(nearest.min(n - 1)).filter(|i| self.at(axis, *i) == 1)
+                    }
+                };
+                first(0).into_iter().chain(zero).collect()
+            }
+        }
+    }
+
+    fn n(&self, axis: &Axis) -> u64 {
+        match self {
+            Self::One => 1,
+            Self::Zero => 2,
+            Self::Each => axis.values.len(),
+        }
+    }
+}
+
+impl Layout {
+    /// The columns of the runs of `plan`, in the file of this name.
+    ///
+    /// # Errors
+    /// Too many combinations, or none of which a run can be made: why not the first.
+    pub(super) fn new(
+        file: &str,
+        plan: &Plan,
+        variants: &mut Variants,
+    ) -> Result<Self, SweepError> {
+        let classes: Vec<Class> = plan.axes.iter().map(Class::of).collect::<Result<_, _>>()?;
+        let all = classes.iter().zip(&plan.axes);
+        let examples: Vec<_> = all.map(|(class, axis)| class.examples(axis)).collect();
+        let n = examples.iter().try_fold(1_u64, |n, own| n.checked_mul(own.len() as u64));
+        if n.is_none_or(|n| n > MOST_SHAPES) {
+            return Err(SweepError::TooManyShapes { file: file.to_owned(), most: MOST_SHAPES });
+        }
+        let mut layout = Self { names: Vec::new(), classes, cells: HashMap::new() };
+        let (mut shapes, mut refusal) = (Vec::new(), None);
+        for indices in product(&examples) {
+            match names(plan, &indices, variants) {
+                Ok(names) => shapes.push((layout.class_of(plan, &indices), names)),
+                Err(error) => drop(refusal.get_or_insert(error)),
+            }
+        }
+        if let (true, Some(error)) = (shapes.is_empty(), refusal) {
+            return Err(error.into());
+        }
+        for (_, names) in &shapes {
+            merge(&mut layout.names, names);
+        }
+        for (class, names) in shapes {
+            let place = |column: &String| names.iter().position(|name| name == column);
+            let of_column = layout.names.iter().map(place).collect();
+            layout.cells.insert(class, Places { n: names.len(), of_column });
+        }
+        Ok(layout)
+    }
+
+    /// Which cell of a run that stands at `indices` on the axes each column has.
+    pub(super) fn cells(&self, plan: &Plan, indices: &[u64]) -> Option<&[Option<usize>]> {
+        self.cells.get(&self.class_of(plan, indices)).map(|places| &places.of_column[..])
+    }
+
+    /// How many cells such a run has.
+    pub(super) fn n_cells(&self, plan: &Plan, indices: &[u64]) -> Option<usize> {
+        self.cells.get(&self.class_of(plan, indices)).map(|places| places.n)
+    }
+
+    fn class_of(&self, plan: &Plan, indices: &[u64]) -> u64 {
+        let all = self.classes.iter().zip(&plan.axes).zip(indices);
+        all.fold(0, |class, ((own, axis), i)| class * own.n(axis) + own.at(axis, *i))
+    }
+}
+
+/// Every choice of one number from each list.
+fn product(lists: &[Vec<u64>]) -> Vec<Vec<u64>> {
+    lists.iter().fold(vec![Vec::new()], |all, list| {
+        let longer = |start: &Vec<u64>| {
+            let start = start.clone();
+            list.iter().map(move |i| [&start[..], &[*i]].concat())
+        };
+        all.iter().flat_map(longer).collect()
+    })
+}
+
+/// The names of what a run at `indices` tells of, each draw in its middle.
+fn names(
+    plan: &Plan,
+    indices: &[u64],
+    variants: &mut Variants,
+) -> Result<Vec<String>, ConfigError> {
+    let axes = plan.axes.iter().zip(indices).map(|(axis, i)| axis.values.at(*i));
+    let drawn = plan.random.iter().flat_map(|random| &random.keys);
+    let drawn = drawn.map(|draw| Value::from(draw.law.at(0.5)));
+    let values: Vec<Value> = axes.chain(drawn).collect();
+    let config = variants.set(&values)?;
+    Ok(Shape::of(&config.mechanism.subject(config)).names())
+}
+
+/// Adds those of `own` that are not in `all`, each behind what stands before it in `own`.
+fn merge(all: &mut Vec<String>, own: &[String]) {
+    let mut end = 0;
+    for name in own {
+        match all.iter().position(|known| known == name) {
+            Some(at) => end = at + 1,
+            None => {
+                all.insert(end, name.clone());
+                end += 1;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_of_several_shapes_come_in_the_order_of_each() {
+        let mut all = Vec::new();
+        let own = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+        merge(&mut all, &own(&["t", "x", "n"]));
+        merge(&mut all, &own(&["t", "x", "z", "n", "w"]));
+        merge(&mut all, &own(&["t", "n"]));
+        assert_eq!(all, ["t", "x", "z", "n", "w"]);
+    }
+
+    #[test]
+    fn a_product_has_the_last_list_fastest() {
+        assert_eq!(product(&[vec![0, 1], vec![5, 7]]), [[0, 5], [0, 7], [1, 5], [1, 7]]);
+        assert_eq!(product(&[]), [[0; 0]]);
+    }
+}

@@ -1,0 +1,107 @@
+//! Sweeps: the runs of a plan, over threads and shards, kept on disk as they are made.
+//!
+//! ```text
+//! plan → run number → values of the keys → configuration → run in brief → row → chunk → runs.csv
+//! ```
+//!
+//! | module | what it is |
+//! |---|---|
+//! | `read`, `table` | a plan's file, every complaint with its place |
+//! | [`plan`], [`draw`] | the values of a run, from its number alone |
+//! | `columns`, `layout` | what a run tells, and which columns the runs of a plan have |
+//! | `runner` | one run and its row |
+//! | [`chunks`], [`whole`] | rows on disk, with their checksums |
+//! | `work`, `join` | chunks over threads; `runs.csv` of all of them |
+
+pub mod chunks;
+mod columns;
+pub mod draw;
+mod error;
+mod join;
+mod layout;
+mod normal;
+pub mod plan;
+mod read;
+mod runner;
+mod table;
+#[cfg(test)]
+mod tests;
+pub mod whole;
+mod work;
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::config::{Config, Variants};
+use crate::report::field;
+
+pub use error::SweepError;
+pub use join::{Failed, Joined, join};
+pub use runner::Runner;
+pub use work::{Made, Work, work};
+
+use layout::Layout;
+use plan::Plan;
+
+/// Most chunks of a sweep, each a file.
+pub const MOST_CHUNKS: u64 = 1_000_000;
+
+/// A sweep: a plan and the configuration that it varies, all values checked.
+pub struct Sweep {
+    /// What is run.
+    pub plan: Plan,
+    /// How many runs that are.
+    pub n_runs: u64,
+    variants: Variants,
+    layout: Layout,
+}
+
+impl Sweep {
+    /// Reads the plan in `path`; its configuration has `sets` over it, each `key=value`.
+    ///
+    /// # Errors
+    /// The first complaint: about the plan, its configuration, a value that a key is to take, or if of no combination of
+    /// words and whole numbers a run can be made.
+    pub fn read(path: &Path, sets: &[String]) -> Result<Self, SweepError> {
+        let read::Read { plan, variants, n_runs } = read::plan(path, sets)?;
+        let file = path.display().to_string();
+        let layout = Layout::new(&file, &plan, &mut variants.clone())?;
+        Ok(Self { plan, n_runs, variants, layout })
+    }
+
+    /// The configuration that is varied.
+    pub fn config(&self) -> &Config {
+        self.variants.config()
+    }
+
+    /// What its rows follow from: the plan, the configuration, the version of the program.
+    pub fn identity(&self) -> Value {
+        let mut config = self.config().clone();
+        config.study.threads = 1;
+        config.regimes.threads = 1;
+        json!({
+            "plan": self.plan,
+            "config": config.to_json(),
+            "version": env!("CARGO_PKG_VERSION"),
+        })
+    }
+
+    /// The names of the columns.
+    pub fn columns(&self) -> Vec<String> {
+        let keys = self.plan.keys().into_iter().map(str::to_owned);
+        let names = ["run".to_owned()].into_iter().chain(keys).chain(["status".to_owned()]);
+        names.chain(self.layout.names.iter().cloned()).collect()
+    }
+
+    /// The first line of `runs.csv`.
+    pub fn header(&self) -> String {
+        let names: Vec<String> = self.columns().iter().map(|name| field(name)).collect();
+        names.join(",") + "\n"
+    }
+
+    /// What makes its runs, on one thread.
+    pub fn runner(&self) -> Runner<'_> {
+        Runner::new(self)
+    }
+}

@@ -1,0 +1,172 @@
+//! A plan: which keys take which values in which run.
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::draw::{Law, Place, Sampling};
+
+/// What a sweep runs.
+///
+/// The grid is the product of the axes, the last one fastest; at each of its points there are so many draws. Nothing
+/// of it is listed: the values of a run are computed from its number.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plan {
+    /// The axes of the grid.
+    pub axes: Vec<Axis>,
+    /// The draws at each of its points.
+    pub random: Option<Random>,
+    /// Runs that are written together.
+    pub chunk: u64,
+}
+
+/// One key and the values that it takes in turn.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Axis {
+    /// Path of the key.
+    pub key: String,
+    /// Its values.
+    pub values: Values,
+}
+
+/// The values of an axis.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Values {
+    /// These.
+    List(Vec<Value>),
+    /// As many at equal distances, both ends included.
+    Linear {
+        /// First and last.
+        ends: [f64; 2],
+        /// Number of values.
+        points: u64,
+        /// Whether the key takes whole numbers.
+        whole: bool,
+    },
+    /// As many at equal ratios, both ends included.
+    Log {
+        /// First and last.
+        ends: [f64; 2],
+        /// Number of values.
+        points: u64,
+        /// Whether the key takes whole numbers.
+        whole: bool,
+    },
+}
+
+impl Values {
+    /// How many.
+    pub fn len(&self) -> u64 {
+        match self {
+            Self::List(values) => values.len() as u64,
+            Self::Linear { points, .. } | Self::Log { points, .. } => *points,
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The number `i` of them, where they are numbers at equal distances or ratios.
+    pub fn number(&self, i: u64) -> Option<f64> {
+        let (ends, points) = match self {
+            Self::List(_) => return None,
+            Self::Linear { ends, points, .. } | Self::Log { ends, points, .. } => (*ends, *points),
+        };
+        let last = points.saturating_sub(1);
+        let between = || {
+            let (x, logs) = (i as f64 / last as f64, ends.map(libm::log10));
+            match self {
+                Self::Log { .. } => libm::exp10(logs[0] + x * (logs[1] - logs[0])),
+                _ => ends[0] + x * (ends[1] - ends[0]),
+            }
+        };
+        Some(match i {
+            0 => ends[0],
+            _ if i == last => ends[1],
+            _ => between(),
+        })
+    }
+
+    /// The number `i` of them.
+    pub fn at(&self, i: u64) -> Value {
+        match self {
+            Self::List(values) => values[i as usize].clone(),
+            Self::Linear { whole, .. } | Self::Log { whole, .. } => {
+                let x = self.number(i).unwrap_or(f64::NAN);
+                if *whole { Value::from(x as i64) } else { Value::from(x) }
+            }
+        }
+    }
+}
+
+/// Draws at each point of the grid.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Random {
+    /// How many.
+    pub samples: u64,
+    /// From what they follow.
+    pub seed: u64,
+    /// How they are spread.
+    pub sampling: Sampling,
+    /// What is drawn.
+    pub keys: Vec<Draw>,
+}
+
+/// One key and the distribution that it is drawn from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Draw {
+    /// Path of the key.
+    pub key: String,
+    /// Its distribution.
+    pub law: Law,
+}
+
+impl Plan {
+    /// The keys that it sets, in the order of their columns.
+    pub fn keys(&self) -> Vec<&str> {
+        let axes = self.axes.iter().map(|axis| axis.key.as_str());
+        let drawn = self.random.iter().flat_map(|random| &random.keys);
+        axes.chain(drawn.map(|draw| draw.key.as_str())).collect()
+    }
+
+    /// Points of the grid; none where they cannot be counted.
+    pub fn n_points(&self) -> Option<u64> {
+        self.axes.iter().try_fold(1_u64, |n, axis| n.checked_mul(axis.values.len()))
+    }
+
+    /// Draws at each point of the grid.
+    pub fn n_samples(&self) -> u64 {
+        self.random.as_ref().map_or(1, |random| random.samples)
+    }
+
+    /// Number of runs; none where they cannot be counted.
+    pub fn n_runs(&self) -> Option<u64> {
+        self.n_points()?.checked_mul(self.n_samples())
+    }
+
+    /// Where the run number `run` stands on each axis.
+    pub fn indices(&self, run: u64, indices: &mut Vec<u64>) {
+        indices.clear();
+        indices.resize(self.axes.len(), 0);
+        let mut rest = run / self.n_samples();
+        for (index, axis) in indices.iter_mut().zip(&self.axes).rev() {
+            *index = rest % axis.values.len();
+            rest /= axis.values.len();
+        }
+    }
+
+    /// The values of the run number `run`, which stands at `indices` on the axes.
+    pub fn values(&self, run: u64, indices: &[u64], values: &mut Vec<Value>) {
+        values.clear();
+        values.extend(self.axes.iter().zip(indices).map(|(axis, i)| axis.values.at(*i)));
+        let Some(Random { samples, seed, sampling, keys }) = &self.random else { return };
+        let (samples, seed) = (*samples, *seed);
+        for (key, draw) in keys.iter().enumerate() {
+            let place = Place { seed, grid: run / samples, sample: run % samples, samples, key };
+            // −0 as 0, as every number of the configuration.
+            values.push(Value::from(draw.law.at(place.unit(*sampling)) + 0.0));
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! Reading of a plan: its file, its configuration, and a check of every value that a key is to take.
+
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::draw::{Law, MOST_SOBOL, MOST_SOBOL_KEYS, Sampling};
+use super::plan::{Axis, Draw, Plan, Random, Values};
+use super::table::{Table, pair, refused, tables};
+use super::{MOST_CHUNKS, SweepError};
+use crate::config::{
+    Config, ConfigError, Datum, Given, Kind, Place, Variants, document, key_at, one_joint, read,
+};
+
+/// Largest number of runs.
+const MOST_RUNS: u64 = 1_000_000_000_000;
+/// Largest number of points of an axis, of draws at a point, and of runs in a chunk.
+const MOST_POINTS: u64 = 1_000_000_000;
+const MOST_IN_CHUNK: u64 = 1_000_000;
+/// Runs of a chunk where the plan does not say how many: so many of a large plan, of a small one such a part.
+const CHUNK: u64 = 1000;
+const CHUNKS_OF_A_SMALL_PLAN: u64 = 64;
+
+const ROOT: [&str; 4] = ["config", "axis", "random", "chunk"];
+const AXIS: [&str; 5] = ["key", "values", "linear", "log", "points"];
+const RANDOM: [&str; 4] = ["samples", "seed", "sampling", "key"];
+const DRAW: [&str; 4] = ["key", "uniform", "log_uniform", "normal"];
+
+/// A plan with the configuration that it varies.
+pub(super) struct Read {
+    pub(super) plan: Plan,
+    pub(super) variants: Variants,
+    pub(super) n_runs: u64,
+}
+
+/// Reads the plan in `path`, whose configuration has `sets` over it.
+///
+/// # Errors
+/// The first complaint: about the plan, its configuration, or a value that a key is to take.
+pub(super) fn plan(path: &Path, sets: &[String]) -> Result<Read, SweepError> {
+    let file = path.display().to_string();
+    let given = document(&file, &read(path)?)?;
+    let root = Table::new("a plan", &given, &ROOT)?;
+    let base = match root.get("config") {
+        None => None,
+        Some(_) => Some(path.with_file_name(root.word("config", "")?.0)),
+    };
+    let axes = tables("axis", root.get("axis"))?;
+    let axes: Vec<Table<'_>> = each("[[axis]]", axes, &AXIS)?;
+    let random = root.get("random").map(|given| Table::new("[random]", given, &RANDOM));
+    let random = random.transpose()?;
+    let drawn = tables("random.key", random.as_ref().and_then(|table| table.get("key")))?;
+    let drawn: Vec<Table<'_>> = each("[[random.key]]", drawn, &DRAW)?;
+    if axes.is_empty() && random.is_none() {
+        let what =
+            "has neither [[axis]] nor [random]; give one of them, or use `deltazero simulate`";
+        return Err(root.incomplete(what));
+    }
+    let (paths, places) = keys(axes.iter().chain(&drawn))?;
+    let variants = Variants::new(base.as_deref(), sets, &paths)?;
+    for (path, place) in paths.iter().zip(&places) {
+        is_of_mechanism(variants.config(), path, place)?;
+    }
+    let of_axis = |(i, table)| axis(&variants, i, paths[i], table);
+    let own = axes.iter().enumerate().map(of_axis).collect::<Result<_, _>>()?;
+    let draws = (axes.len()..).zip(&drawn).map(|(i, table)| draw(&variants, i, paths[i], table));
+    let draws: Vec<Draw> = draws.collect::<Result<_, _>>()?;
+    let random = random.as_ref().map(|table| self::random(table, draws)).transpose()?;
+    let chunk = root.whole("chunk", 1, MOST_IN_CHUNK)?;
+    let mut plan = Plan { axes: own, random, chunk: 0 };
+    let n_runs = plan.n_runs().filter(|n| *n <= MOST_RUNS);
+    let n_runs = n_runs
+        .ok_or_else(|| SweepError::TooManyRuns { file: file.clone(), most: MOST_RUNS as f64 })?;
+    let usual = n_runs.div_ceil(CHUNKS_OF_A_SMALL_PLAN).clamp(1, CHUNK);
+    plan.chunk = chunk.unwrap_or(usual.max(n_runs.div_ceil(MOST_CHUNKS)));
+    let chunks = n_runs.div_ceil(plan.chunk);
+    if chunks > MOST_CHUNKS {
+        let (chunk, runs, most) = (plan.chunk, n_runs, MOST_CHUNKS);
+        return Err(SweepError::TooManyChunks { file, chunk, chunks, runs, most });
+    }
+    Ok(Read { plan, variants, n_runs })
+}
+
+fn each<'a>(
+    name: &'static str,
+    all: &'a [Given],
+    known: &[&str],
+) -> Result<Vec<Table<'a>>, SweepError> {
+    all.iter().map(|given| Table::new(name, given, known)).collect()
+}
+
+/// The keys that the tables name, and where; each once.
+fn keys<'a>(
+    tables: impl Iterator<Item = &'a Table<'a>>,
+) -> Result<(Vec<&'a str>, Vec<&'a Place>), SweepError> {
+    let (mut paths, mut places) = (Vec::new(), Vec::<&Place>::new());
+    for table in tables {
+        let (path, given) = table.word("key", "has no \"key\"; give a key of the configuration")?;
+        let refused = |reason: String| SweepError::NotSwept {
+            place: given.place.clone(),
+            key: path.to_owned(),
+            reason,
+        };
+        key_at(path, &given.place)?;
+        if path == "mechanism" {
+            return Err(refused(
+                "each mechanism has keys and columns of its own; make a plan for each".into(),
+            ));
+        }
+        if let Some(i) = paths.iter().position(|known| *known == path) {
+            return Err(refused(format!("it is swept already, at {}; give it once", places[i])));
+        }
+        paths.push(path);
+        places.push(&given.place);
+    }
+    Ok((paths, places))
+}
+
+/// Whether the mechanism uses a key: one that it does not use would change nothing.
+fn is_of_mechanism(config: &Config, path: &str, place: &Place) -> Result<(), SweepError> {
+    let (entry, key) = (config.mechanism.entry, key_at(path, place)?);
+    let reason = if !entry.has(key) {
+        format!(
+            "mechanism = {} does not use it; `deltazero config --set mechanism={}` lists the keys that it uses",
+            entry.name, entry.name
+        )
+    } else if one_joint(path).is_some() && !entry.has_two_joints {
+        format!("mechanism = {} has one joint; give the key without joint1 or joint2", entry.name)
+    } else {
+        return Ok(());
+    };
+    Err(SweepError::NotSwept { place: place.clone(), key: path.to_owned(), reason })
+}
+
+/// The axis that a table describes, of the key number `i`.
+fn axis(variants: &Variants, i: usize, key: &str, table: &Table<'_>) -> Result<Axis, SweepError> {
+    let forms = ["values", "linear", "log"].map(|form| table.get(form).map(|given| (form, given)));
+    let given: Vec<_> = forms.into_iter().flatten().collect();
+    let &[(form, given)] = &given[..] else {
+        return Err(table.incomplete("takes one of values, linear, log"));
+    };
+    if form == "values" {
+        if let Some(points) = table.get("points") {
+            return Err(refused(
+                "points",
+                points,
+                "values are given one by one; leave points away",
+            ));
+        }
+        let values = listed(variants, i, key, given)?;
+        return Ok(Axis { key: key.to_owned(), values });
+    }
+    let Some(points) = table.whole("points", 2, MOST_POINTS)? else {
+        return Err(
+            table.incomplete("has no \"points\"; give the number of values, both ends included")
+        );
+    };
+    let (ends, entries) = pair(form, given, "the first and the last value")?;
+    if form == "log" && ends.iter().any(|end| *end <= 0.0) {
+        return Err(refused(form, given, "both ends must be greater than zero; use linear"));
+    }
+    for entry in entries {
+        variants.checked(i, entry)?;
+    }
+    let kind = key_at(key, &given.place)?.kind;
+    let whole = matches!(kind, Kind::Integer(..));
+    let values = match form {
+        "linear" => Values::Linear { ends, points, whole },
+        _ => Values::Log { ends, points, whole },
+    };
+    if !matches!(kind, Kind::Number(_)) {
+        check_each(variants, i, &values, given)?;
+    }
+    Ok(Axis { key: key.to_owned(), values })
+}
+
+/// Whether a key takes each of these numbers; between its ends a key that takes numbers of a range does.
+fn check_each(
+    variants: &Variants,
+    i: usize,
+    values: &Values,
+    given: &Given,
+) -> Result<(), ConfigError> {
+    for x in (0..values.len()).filter_map(|k| values.number(k)) {
+        let place = given.place.clone();
+        variants.checked(i, &Given { place, text: x.to_string(), datum: Datum::Number(x) })?;
+    }
+    Ok(())
+}
+
+fn listed(variants: &Variants, i: usize, key: &str, given: &Given) -> Result<Values, SweepError> {
+    let entries = match &given.datum {
+        Datum::List(entries) if !entries.is_empty() => entries,
+        _ => return Err(refused("values", given, format!("a list of values of {key} is wanted"))),
+    };
+    let values: Result<Vec<Value>, _> =
+        entries.iter().map(|entry| variants.checked(i, entry)).collect();
+    Ok(Values::List(values?))
+}
+
+/// What a table draws, of the key number `i`.
+fn draw(variants: &Variants, i: usize, key: &str, table: &Table<'_>) -> Result<Draw, SweepError> {
+    let forms = ["uniform", "log_uniform", "normal"];
+    let given = forms.iter().filter_map(|form| table.get(form).map(|given| (*form, given)));
+    let given: Vec<_> = given.collect();
+    let &[(form, given)] = &given[..] else {
+        return Err(table.incomplete("takes one of uniform, log_uniform, normal"));
+    };
+    let is_number = |kind: &Kind| matches!(kind, Kind::Number(_));
+    let takes_numbers = match key_at(key, table.place)?.kind {
+        Kind::OneOf(kinds) => kinds.iter().any(is_number),
+        kind => is_number(&kind),
+    };
+    if !takes_numbers {
+        let reason = format!("{key} takes no decimal numbers; give an axis of its values");
+        return Err(refused(form, given, reason));
+    }
+    let what =
+        if form == "normal" { "mean and standard deviation" } else { "the least and the largest" };
+    let (pair, entries) = pair(form, given, what)?;
+    let law = match form {
+        "normal" if pair[1] <= 0.0 => {
+            return Err(refused(form, given, "the standard deviation must be greater than zero"));
+        }
+        "normal" => Law::Normal(pair),
+        _ if pair[0] >= pair[1] => {
+            return Err(refused(form, given, "the first must be less than the second"));
+        }
+        "log_uniform" if pair[0] <= 0.0 => {
+            return Err(refused(form, given, "both must be greater than zero; use uniform"));
+        }
+        "log_uniform" => Law::LogUniform(pair),
+        _ => Law::Uniform(pair),
+    };
+    // A normal draw that its key does not take is a run that fails: its tail ends nowhere.
+    let ends = if form == "normal" { &entries[..1] } else { entries };
+    for end in ends {
+        variants.checked(i, end)?;
+    }
+    Ok(Draw { key: key.to_owned(), law })
+}
+
+fn random(table: &Table<'_>, keys: Vec<Draw>) -> Result<Random, SweepError> {
+    if keys.is_empty() {
+        return Err(table.incomplete("draws nothing; give [[random.key]]"));
+    }
+    let Some(samples) = table.whole("samples", 1, MOST_POINTS)? else {
+        return Err(
+            table.incomplete("has no \"samples\"; give the number of draws at each grid point")
+        );
+    };
+    let seed = table.whole("seed", 0, i64::MAX as u64)?.unwrap_or(0);
+    let sampling = match table.get("sampling") {
+        None => Sampling::Random,
+        Some(_) => {
+            let (word, given) = table.word("sampling", "")?;
+            let known = Sampling::WORDS.iter().find(|(own, _)| *own == word);
+            let words = Sampling::WORDS.map(|(word, _)| word).join(", ");
+            known.ok_or_else(|| refused("sampling", given, format!("one of {words} is wanted")))?.1
+        }
+    };
+    if sampling == Sampling::Sobol && (samples > MOST_SOBOL || keys.len() > MOST_SOBOL_KEYS) {
+        let reason = format!(
+            "a Sobol sequence has at most {MOST_SOBOL} samples of {MOST_SOBOL_KEYS} keys here; use latin_hypercube"
+        );
+        let given = table.get("samples").ok_or_else(|| table.incomplete("has no \"samples\""))?;
+        return Err(refused("samples", given, reason));
+    }
+    Ok(Random { samples, seed, sampling, keys })
+}

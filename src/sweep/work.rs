@@ -1,0 +1,115 @@
+//! The chunks of a sweep over threads.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::time::{Duration, Instant};
+
+use rayon::ThreadPoolBuilder;
+use rayon::iter::{ParallelBridge as _, ParallelIterator as _};
+
+use super::chunks::{Chunks, Rows};
+use super::{Runner, Sweep, SweepError};
+
+/// The rows of a chunk under way are not written more often than this.
+const PAUSE: Duration = Duration::from_secs(10);
+
+/// What is to be done.
+pub struct Work<'a> {
+    /// Of which sweep.
+    pub sweep: &'a Sweep,
+    /// Where its rows go.
+    pub chunks: &'a Chunks,
+    /// Threads.
+    pub threads: usize,
+    /// Ends it after the runs that are under way.
+    pub stop: &'a AtomicBool,
+    /// Told of what is done.
+    pub made: &'a (dyn Fn(Made) + Sync),
+}
+
+/// What was done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Made {
+    /// A run; whether it came to its end.
+    Run(bool),
+    /// So many rows were there already, of a chunk that was begun.
+    Known(u64),
+}
+
+/// A chunk that is whole.
+type Whole = (u64, Rows);
+
+/// Makes the chunks of these numbers, or those up to a stop, of which the rows so far are kept.
+///
+/// A thread takes one chunk after the other; a further thread writes them, so that no run waits for the disk.
+///
+/// # Errors
+/// The first file that could not be written; the threads then end as at a stop.
+pub fn work(work: &Work<'_>, numbers: Vec<u64>) -> Result<(), SweepError> {
+    let threads = work.threads.max(1);
+    let pool = ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| SweepError::Threads { threads, reason: error.to_string() })?;
+    let failed = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let (send, receive) = sync_channel(1);
+        let writer = scope.spawn(|| write(work.chunks, receive, &failed));
+        let made = pool.install(|| {
+            numbers.into_iter().par_bridge().try_for_each_init(
+                || (work.sweep.runner(), send.clone()),
+                |(runner, send), chunk| make(work, runner, chunk, &failed, send),
+            )
+        });
+        drop(send);
+        // The thread has no way to panic.
+        let written = writer.join().unwrap_or(Ok(()));
+        written.and(made)
+    })
+}
+
+/// Writes what comes.
+fn write(chunks: &Chunks, receive: Receiver<Whole>, failed: &AtomicBool) -> Result<(), SweepError> {
+    for (chunk, rows) in receive {
+        chunks.write(chunk, &rows).inspect_err(|_| failed.store(true, Ordering::Relaxed))?;
+    }
+    Ok(())
+}
+
+/// Makes the rest of a chunk.
+fn make(
+    work: &Work<'_>,
+    runner: &mut Runner<'_>,
+    chunk: u64,
+    failed: &AtomicBool,
+    send: &SyncSender<Whole>,
+) -> Result<(), SweepError> {
+    let is_over = || work.stop.load(Ordering::Relaxed) || failed.load(Ordering::Relaxed);
+    if is_over() {
+        return Ok(());
+    }
+    let mut rows = work.chunks.read_begun(chunk)?.unwrap_or_default();
+    (work.made)(Made::Known(rows.n));
+    let (mut n_written, mut written) = (rows.n, Instant::now());
+    let runs = work.chunks.runs(chunk);
+    for run in runs.start + rows.n..runs.end {
+        if is_over() {
+            break;
+        }
+        let is_ok = runner.row(run, &mut rows.text);
+        rows.n += 1;
+        rows.failed += u64::from(!is_ok);
+        (work.made)(Made::Run(is_ok));
+        if written.elapsed() >= PAUSE && runs.start + rows.n < runs.end {
+            work.chunks.write_begun(chunk, &rows)?;
+            (n_written, written) = (rows.n, Instant::now());
+        }
+    }
+    if runs.start + rows.n == runs.end {
+        // Where nobody receives any more, a file could not be written, which is told.
+        let _ = send.send((chunk, rows));
+    } else if rows.n > n_written {
+        work.chunks.write_begun(chunk, &rows)?;
+    }
+    Ok(())
+}
