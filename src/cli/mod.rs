@@ -5,6 +5,7 @@ mod axes;
 mod config;
 mod kept;
 mod laws;
+mod meter;
 mod methods;
 mod model;
 mod output;
@@ -16,6 +17,7 @@ mod report;
 mod rows;
 mod simulate;
 mod study;
+mod sweep;
 
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -55,6 +57,8 @@ enum Command {
     Recommend(recommend::RecommendArgs),
     /// The paper's claims, one by one, under each reading: verdicts, its figures redrawn, the torque ratio
     Audit(audit::AuditArgs),
+    /// Many runs of a plan: in parallel, resumable, in shards that are merged
+    Sweep(sweep::SweepArgs),
     /// The methods, their orders and what each is for
     Methods(methods::MethodsArgs),
     /// The laws of contact and friction: equations, sources, the restitution delivered, the cost of regularising
@@ -215,6 +219,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Regimes(args)) => regimes::run(&args, &stop),
         Some(Command::Recommend(args)) => recommend::run(&args, &stop),
         Some(Command::Audit(args)) => audit::run(&args, &stop),
+        Some(Command::Sweep(args)) => sweep::run(&args, &stop),
         Some(Command::Methods(args)) => methods::run(&args),
         Some(Command::Laws(args)) => laws::run(&args),
         Some(Command::Report(args)) => report::run(&args, &stop),

@@ -12,7 +12,8 @@ use sha2::{Digest, Sha256};
 use super::Failure;
 
 /// Files that carry the hash of what they are results of.
-const OWNERS: [&str; 5] = ["study.json", "run.json", "regimes.json", "audit.json", "map.json"];
+const OWNERS: [&str; 6] =
+    ["study.json", "run.json", "regimes.json", "audit.json", "map.json", "sweep.json"];
 
 /// The file that a command holds a lock on while it writes into a directory. It stays there: were it removed, two
 /// commands could each hold a lock on a file of that name.
@@ -22,7 +23,7 @@ const LOCK: &str = ".deltazero-lock";
 pub(super) struct Output {
     dir: PathBuf,
     /// Released with the process, however that ends.
-    _lock: File,
+    _locks: Vec<File>,
     /// The hash of command and configuration.
     pub(super) hash: String,
 }
@@ -40,13 +41,34 @@ impl Output {
     /// [`Failure::Usage`] if it is no directory, cannot be written, is being written by another command, or (without
     /// `force`) holds other results.
     pub(super) fn open(dir: &Path, hash: String, force: bool) -> Result<Self, Failure> {
+        Self::opened(dir, hash, force, |dir| Ok(vec![lock(dir, LOCK, File::try_lock)?]))
+    }
+
+    /// The same for one part of the results, beside which others are written by other processes.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open) without force; also where the same part is being written.
+    pub(super) fn open_part(dir: &Path, hash: String, part: &str) -> Result<Self, Failure> {
+        let own = format!("{LOCK}-{part}");
+        let locks = |dir: &Path| {
+            Ok(vec![lock(dir, LOCK, File::try_lock_shared)?, lock(dir, &own, File::try_lock)?])
+        };
+        Self::opened(dir, hash, false, locks)
+    }
+
+    fn opened(
+        dir: &Path,
+        hash: String,
+        force: bool,
+        locks: impl FnOnce(&Path) -> Result<Vec<File>, Failure>,
+    ) -> Result<Self, Failure> {
         let refuse = |why: String| Failure::Usage(format!("{}: {why}", dir.display()));
         if dir.exists() && !dir.is_dir() {
             return Err(refuse("is a file, not a directory; name another with --out".into()));
         }
         fs::create_dir_all(dir)
             .map_err(|error| refuse(format!("cannot make the directory: {error}")))?;
-        let output = Self { dir: dir.to_owned(), _lock: lock(dir)?, hash };
+        let output = Self { dir: dir.to_owned(), _locks: locks(dir)?, hash };
         let holds_results = OWNERS.iter().any(|owner| dir.join(owner).exists());
         // Two commands may share a directory, once the second was forced into it.
         let own = OWNERS.iter().any(|owner| output.own(owner).is_some());
@@ -69,7 +91,8 @@ impl Output {
             let why = "is no directory; name the DIR of a study";
             return Err(Failure::Usage(format!("{}: {why}", dir.display())));
         }
-        Ok(Self { dir: dir.to_owned(), _lock: lock(dir)?, hash: String::new() })
+        let locks = vec![lock(dir, LOCK, File::try_lock)?];
+        Ok(Self { dir: dir.to_owned(), _locks: locks, hash: String::new() })
     }
 
     /// A JSON file of an earlier run of the same configuration.
@@ -136,19 +159,23 @@ impl Output {
     }
 }
 
-/// A lock on the right to write into `dir`.
-fn lock(dir: &Path) -> Result<File, Failure> {
+/// A lock on the right to write into `dir`, held on the file `name` in it.
+fn lock(
+    dir: &Path,
+    name: &str,
+    try_lock: fn(&File) -> Result<(), TryLockError>,
+) -> Result<File, Failure> {
     let refuse = |why: String| Failure::Usage(format!("{}: {why}", dir.display()));
-    let file = File::create(dir.join(LOCK))
+    let file = File::create(dir.join(name))
         .map_err(|error| refuse(format!("cannot write there: {error}")))?;
-    match file.try_lock() {
+    match try_lock(&file) {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => Err(refuse(
             "another deltazero is writing there; wait for its end, or name another directory with --out".into(),
         )),
         // A file system that knows no locks keeps two commands apart no more than before.
         Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => Ok(file),
-        Err(TryLockError::Error(error)) => Err(refuse(format!("cannot lock {LOCK}: {error}"))),
+        Err(TryLockError::Error(error)) => Err(refuse(format!("cannot lock {name}: {error}"))),
     }
 }
 

@@ -12,15 +12,15 @@ use crate::{Scratch, number, with_sets};
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A running command, ended with the test whatever becomes of it.
-struct Running(Option<Child>);
+pub(crate) struct Running(Option<Child>);
 
 impl Running {
-    fn start(scratch: &Scratch, args: &[&str]) -> Self {
+    pub(crate) fn start(scratch: &Scratch, args: &[&str]) -> Self {
         Self(Some(scratch.command(args).spawn().unwrap()))
     }
 
     /// Waits until `path` exists, then `more`.
-    fn until(&self, path: &Path, more: Duration) {
+    pub(crate) fn until(&self, path: &Path, more: Duration) {
         let start = Instant::now();
         while !path.exists() {
             assert!(start.elapsed() < PATIENCE, "no {}", path.display());
@@ -29,15 +29,23 @@ impl Running {
         sleep(more);
     }
 
+    /// The most memory that it had at once [B], where the system tells (Linux).
+    pub(crate) fn peak_memory(&self) -> Option<u64> {
+        let id = self.0.as_ref()?.id();
+        let status = std::fs::read_to_string(format!("/proc/{id}/status")).ok()?;
+        let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+        Some(1024 * line.split_whitespace().nth(1)?.parse::<u64>().ok()?)
+    }
+
     /// Kills it: it has no time for a last word.
-    fn kill(mut self) {
+    pub(crate) fn kill(mut self) {
         let mut child = self.0.take().unwrap();
         child.kill().unwrap();
         child.wait().unwrap();
     }
 
     /// Sends SIGINT and waits for the end.
-    fn interrupt(mut self) -> Output {
+    pub(crate) fn interrupt(mut self) -> Output {
         let child = self.0.as_mut().unwrap();
         let pid = child.id().to_string();
         let sent = Command::new("kill").args(["-INT", &pid]).status();

@@ -19,6 +19,8 @@ mod regimes;
 mod report;
 mod simulate;
 mod study;
+#[cfg(unix)]
+mod sweep;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -105,7 +107,7 @@ impl Scratch {
                 let path = entry.unwrap().path();
                 if path.is_dir() {
                     collect(&path, from, names);
-                } else if path.file_name().unwrap() != ".deltazero-lock" {
+                } else if !is_lock(&path) {
                     names.push(path.strip_prefix(from).unwrap().display().to_string());
                 }
             }
@@ -115,6 +117,11 @@ impl Scratch {
         names.sort();
         names
     }
+}
+
+/// Whether commands hold a lock on it.
+fn is_lock(path: &Path) -> bool {
+    path.file_name().unwrap().to_str().unwrap().starts_with(".deltazero-lock")
 }
 
 /// `args`, then `--set` before each of `sets`.

@@ -1,0 +1,384 @@
+//! `deltazero sweep`.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use clap::Args;
+use deltazero::study::machine::Machine;
+use deltazero::sweep::chunks::Chunks;
+use deltazero::sweep::{Joined, Made, Sweep, SweepError, Work, join, whole, work};
+use serde_json::{Value, json};
+
+use super::meter::Meter;
+use super::output::{Output, hash};
+use super::{Failure, print, say};
+
+/// The record of a sweep.
+const RECORD: &str = "sweep.json";
+/// All rows.
+const ROWS: &str = "runs.csv";
+/// Where each shard has its record.
+const SHARDS: &str = "shards";
+/// Times that chunks found altered are made again.
+const REPAIRS: usize = 3;
+const RESUME: &str = "what was finished is on disk, the same command goes on from there";
+
+#[derive(Args)]
+pub(super) struct SweepArgs {
+    /// Plan in TOML: axes and random draws of any keys of the configuration
+    #[arg(value_name = "PLAN")]
+    plan: PathBuf,
+    /// Set one key of the plan's configuration, after its file (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Directory for the results
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Runs at the same time; the default is one a core
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Make part I of N only, beside the others in the same DIR
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["merge", "force"])]
+    shard: Option<Shard>,
+    /// Make runs.csv of the parts, and no run
+    #[arg(long, conflicts_with = "force")]
+    merge: bool,
+    /// Exit 1 if a run failed
+    #[arg(long)]
+    strict: bool,
+    /// Overwrite a directory that holds the results of another plan or configuration
+    #[arg(long)]
+    force: bool,
+    /// No progress and no messages but errors
+    #[arg(long)]
+    quiet: bool,
+    /// Print the record of the sweep as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// A part of a sweep: every chunk whose number leaves I − 1 when divided by N.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Shard {
+    i: u64,
+    n: u64,
+}
+
+impl FromStr for Shard {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let numbers =
+            text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+        match numbers {
+            Some((i, n)) if 1 <= i && i <= n => Ok(Self { i, n }),
+            _ => Err("expected I/N with 1 ≤ I ≤ N, such as 3/7"),
+        }
+    }
+}
+
+impl Shard {
+    fn has(self, chunk: u64) -> bool {
+        chunk % self.n == self.i - 1
+    }
+
+    /// As its files are named.
+    fn name(self) -> String {
+        format!("{}-of-{}", self.i, self.n)
+    }
+
+    /// The shard of a file's name.
+    fn named(name: &str) -> Option<Self> {
+        let (i, n) = name.strip_suffix(".json")?.split_once("-of-")?;
+        format!("{i}/{n}").parse().ok()
+    }
+}
+
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::File { .. } | SweepError::Threads { .. } | SweepError::Altered { .. } => {
+                Self::Run(error.to_string())
+            }
+            _ => Self::Usage(error.to_string()),
+        }
+    }
+}
+
+/// A sweep with the place of its results.
+struct Command<'a> {
+    args: &'a SweepArgs,
+    sweep: Sweep,
+    dir: PathBuf,
+    output: Output,
+    chunks: Chunks,
+    stop: &'a AtomicBool,
+    /// Time that earlier commands spent on it [s].
+    wall_before: f64,
+    start: Instant,
+}
+
+pub(super) fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let sweep = Sweep::read(&args.plan, &args.set)?;
+    let dir = args.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out/sweep"));
+    let identity = sweep.identity();
+    let hash = hash("sweep", &identity);
+    refuse_another(&dir, &identity, &hash, args.force)?;
+    let output = match args.shard {
+        Some(shard) => Output::open_part(&dir, hash, &shard.name())?,
+        None => Output::open(&dir, hash, args.force)?,
+    };
+    let chunks = Chunks::new(&dir, &output.hash, sweep.n_runs, sweep.plan.chunk);
+    let known = output.own(RECORD);
+    if args.shard.is_none() {
+        if known.is_none() && output.read(RECORD).is_some() {
+            chunks.clear()?;
+        }
+        chunks.sweep_up();
+    }
+    let wall_before = known.as_ref().and_then(|known| known["wall_s"].as_f64()).unwrap_or(0.0);
+    let start = Instant::now();
+    let command = Command { args, sweep, dir, output, chunks, stop, wall_before, start };
+    match known {
+        Some(known) if command.is_finished(&known) => {
+            command.chunks.clear()?;
+            return command.tell(&known);
+        }
+        Some(_) => {}
+        None => command.write_record(&command.record(None))?,
+    }
+    match args.shard {
+        Some(shard) => command.shard(shard),
+        None if args.merge => command.merge(),
+        None => command.whole(),
+    }
+}
+
+/// Says what is different, where a directory holds another sweep.
+fn refuse_another(dir: &Path, identity: &Value, hash: &str, force: bool) -> Result<(), Failure> {
+    let text = std::fs::read(dir.join(RECORD)).unwrap_or_default();
+    let Ok(record) = serde_json::from_slice::<Value>(&text) else { return Ok(()) };
+    if force || record["hash"] == hash {
+        return Ok(());
+    }
+    let parts = ["plan", "config", "version"].into_iter();
+    let different = parts.filter(|part| record[*part] != identity[*part]);
+    let different = different.collect::<Vec<_>>().join(" and ").replace("config", "configuration");
+    Err(Failure::Usage(format!(
+        "{}: holds a sweep of another {different}; name another directory with --out, or begin anew with --force",
+        dir.display()
+    )))
+}
+
+impl Command<'_> {
+    /// Every run that is missing, then `runs.csv`.
+    fn whole(&self) -> Result<(), Failure> {
+        let missing: Vec<u64> =
+            (0..self.chunks.n()).filter(|chunk| !self.chunks.is_there(*chunk)).collect();
+        self.make(missing, self.sweep.n_runs)?;
+        for _ in 0..REPAIRS {
+            let joined = self.join()?;
+            if joined.altered.is_empty() {
+                return self.finish(&joined);
+            }
+            self.say(&format!(
+                "{} chunks are not as they were written; made again",
+                joined.altered.len()
+            ));
+            joined.altered.iter().for_each(|chunk| self.chunks.remove(*chunk));
+            self.make(joined.altered, self.sweep.n_runs)?;
+        }
+        let joined = self.join()?;
+        if joined.altered.is_empty() {
+            return self.finish(&joined);
+        }
+        let path = self.chunks.dir().to_owned();
+        Err(SweepError::Altered { path, n: joined.altered.len() }.into())
+    }
+
+    /// The runs of a part that are missing.
+    fn shard(&self, shard: Shard) -> Result<(), Failure> {
+        let own: Vec<u64> = (0..self.chunks.n()).filter(|chunk| shard.has(*chunk)).collect();
+        let n_runs =
+            own.iter().map(|chunk| self.chunks.runs(*chunk)).map(|runs| runs.end - runs.start);
+        let n_runs: u64 = n_runs.sum();
+        let missing = own.iter().copied().filter(|chunk| !self.chunks.is_there(*chunk)).collect();
+        let record = |finished: bool, failed: u64| {
+            json!({
+                "shard": shard.i, "of": shard.n, "hash": self.output.hash, "finished": finished,
+                "runs": n_runs, "failed": failed, "wall_s": self.start.elapsed().as_secs_f64(),
+                "machine": Machine::here(),
+            })
+        };
+        let name = format!("{SHARDS}/{}.json", shard.name());
+        self.write(&name, &record(false, 0))?;
+        self.make(missing, n_runs)?;
+        let failed = own.iter().filter_map(|chunk| self.chunks.failed(*chunk)).sum();
+        self.write(&name, &record(true, failed))?;
+        if self.args.json {
+            print(&format!("{:#}\n", record(true, failed)))?;
+        } else {
+            let ok = n_runs - failed;
+            print(&format!(
+                "shard {} of {}: {n_runs} runs, {ok} ok, {failed} failed\n",
+                shard.i, shard.n
+            ))?;
+        }
+        self.say("when all shards are there, the same command with --merge instead of --shard makes runs.csv");
+        self.strict(failed)
+    }
+
+    /// `runs.csv` of chunks that are there.
+    fn merge(&self) -> Result<(), Failure> {
+        let missing: Vec<u64> =
+            (0..self.chunks.n()).filter(|chunk| !self.chunks.is_there(*chunk)).collect();
+        if !missing.is_empty() {
+            return Err(self.refuse(&missing, "missing"));
+        }
+        let joined = self.join()?;
+        if !joined.altered.is_empty() {
+            joined.altered.iter().for_each(|chunk| self.chunks.remove(*chunk));
+            return Err(self.refuse(&joined.altered, "not as they were written, and removed"));
+        }
+        self.finish(&joined)
+    }
+
+    /// The complaint about chunks that cannot be merged, by the shards that make them.
+    fn refuse(&self, chunks: &[u64], what: &str) -> Failure {
+        let dir = self.dir.join(SHARDS);
+        let names = std::fs::read_dir(dir).into_iter().flatten().flatten();
+        let names = names.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        let mut of: Vec<u64> =
+            names.filter_map(|name| Shard::named(&name)).map(|shard| shard.n).collect();
+        of.sort_unstable();
+        of.dedup();
+        let which = match of[..] {
+            [n] => {
+                let mut shards: Vec<u64> = chunks.iter().map(|chunk| chunk % n + 1).collect();
+                shards.sort_unstable();
+                shards.dedup();
+                let shards: Vec<String> =
+                    shards.iter().map(|i| format!("--shard {i}/{n}")).collect();
+                format!("run the same plan with {}", shards.join(", "))
+            }
+            _ => "the same command without --merge makes them".to_owned(),
+        };
+        let runs = chunks.iter().take(3).map(|chunk| {
+            let runs = self.chunks.runs(*chunk);
+            format!("{} to {}", runs.start, runs.end - 1)
+        });
+        let more = if chunks.len() > 3 { ", …" } else { "" };
+        Failure::Usage(format!(
+            "{}: {} of {} chunks are {what} (runs {}{more}); {which}",
+            self.dir.display(),
+            chunks.len(),
+            self.chunks.n(),
+            runs.collect::<Vec<_>>().join(", "),
+        ))
+    }
+
+    /// Makes chunks, of `n_runs` in all with those that are there.
+    fn make(&self, numbers: Vec<u64>, n_runs: u64) -> Result<(), Failure> {
+        let left = numbers.iter().map(|chunk| self.chunks.runs(*chunk));
+        let left: u64 = left.map(|runs| runs.end - runs.start).sum();
+        if left == 0 {
+            return Ok(());
+        }
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        let threads = self.args.threads.map_or_else(cores, usize::from);
+        let meter = Meter::new(self.args.quiet, n_runs - left, n_runs);
+        let made = |made| match made {
+            Made::Run(_) => meter.made(),
+            Made::Known(n) => meter.known(n),
+        };
+        let (sweep, chunks, stop) = (&self.sweep, &self.chunks, self.stop);
+        work(&Work { sweep, chunks, threads, stop, made: &made }, numbers)?;
+        meter.end(threads);
+        if stop.load(Ordering::Relaxed) {
+            self.write_record(&self.record(None))?;
+            return Err(Failure::Interrupted(RESUME));
+        }
+        Ok(())
+    }
+
+    fn join(&self) -> Result<Joined, SweepError> {
+        let n_keys = self.sweep.plan.keys().len();
+        join(&self.chunks, &self.sweep.header(), n_keys, &self.dir.join(ROWS))
+    }
+
+    /// Records that all rows are in `runs.csv`, and removes the chunks.
+    fn finish(&self, joined: &Joined) -> Result<(), Failure> {
+        let record = self.record(Some(joined));
+        self.write_record(&record)?;
+        self.chunks.clear()?;
+        self.tell(&record)
+    }
+
+    fn tell(&self, record: &Value) -> Result<(), Failure> {
+        let failed = record["failed"].as_u64().unwrap_or(0);
+        if self.args.json {
+            print(&format!("{record:#}\n"))?;
+        } else {
+            let n = self.sweep.n_runs;
+            let mut text = format!("{n} runs: {} ok, {failed} failed\n", n - failed.min(n));
+            for first in record["first_failed"].as_array().into_iter().flatten() {
+                let error = first["error"].as_str().unwrap_or_default();
+                text += &format!("  run {}: {error}\n", first["run"]);
+            }
+            print(&text)?;
+        }
+        self.say(&format!("written to {}: {ROWS}, {RECORD}", self.output.path()));
+        self.strict(failed)
+    }
+
+    fn strict(&self, failed: u64) -> Result<(), Failure> {
+        if self.args.strict && failed > 0 {
+            return Err(Failure::Run(format!(
+                "{failed} runs failed; {ROWS} says why, in `status`"
+            )));
+        }
+        Ok(())
+    }
+
+    /// Whether a record is of rows that are all there.
+    fn is_finished(&self, record: &Value) -> bool {
+        let length = std::fs::metadata(self.dir.join(ROWS)).map(|metadata| metadata.len()).ok();
+        record["finished"] == true && length.is_some() && record["bytes"].as_u64() == length
+    }
+
+    fn record(&self, joined: Option<&Joined>) -> Value {
+        let mut record = self.sweep.identity();
+        record["hash"] = self.output.hash.clone().into();
+        record["machine"] = json!(Machine::here());
+        record["runs"] = self.sweep.n_runs.into();
+        record["columns"] = self.sweep.columns().into();
+        record["wall_s"] = (self.wall_before + self.start.elapsed().as_secs_f64()).into();
+        record["finished"] = joined.is_some().into();
+        if let Some(joined) = joined {
+            record["ok"] = (self.sweep.n_runs - joined.failed).into();
+            record["failed"] = joined.failed.into();
+            record["first_failed"] = json!(joined.first_failed);
+            record["bytes"] = joined.bytes.into();
+        }
+        record
+    }
+
+    fn write_record(&self, record: &Value) -> Result<(), Failure> {
+        self.write(RECORD, record)
+    }
+
+    /// Writes a file that shards may write at the same time.
+    fn write(&self, name: &str, record: &Value) -> Result<(), Failure> {
+        let path = self.dir.join(name);
+        let written = whole::write(&path, format!("{record:#}\n").as_bytes());
+        written.map_err(|source| SweepError::File { path, doing: "write", source }.into())
+    }
+
+    fn say(&self, text: &str) {
+        if !self.args.quiet {
+            say(text);
+        }
+    }
+}
