@@ -28,7 +28,7 @@ const OWN: &str = "tables of the mechanism";
 ///
 /// Where [`Config::load`] reads every key, [`set`](Self::set) keeps those parts of the configuration as JSON in which a
 /// key varies, enters the values there, and reads these parts alone: of a sweep with three keys a whole run of two
-/// steps takes 15 µs of the processor, with its row.
+/// steps takes 11 µs of the processor, with its row.
 #[derive(Clone)]
 pub struct Variants {
     /// All values but the varied ones.
