@@ -63,7 +63,7 @@ fn the_json_of_the_default_is_this_text() {
         \"restitution\":0.9,\"stiffness\":10000000.0,\"young_modulus\":207000000000.0},\
         \"contest\":{\"events\":[\"located\",\"blind\"],\"max_work\":300000000.0,\
         \"methods\":[\"rk4\",\"rk43\",\"bs32\",\"rk45\",\"dop853\",\"vern98\",\"taylor\",\"rodas5p\",\"radau5\",\
-        \"bdf\",\"auto\"],\"repeats\":5},\
+        \"bdf\",\"auto\"],\"repeats\":5,\"right_events\":true},\
         \"drive\":{\"m1\":1.0,\"m4\":0.3},\
         \"friction\":{\"bristle_damping\":10.0,\"bristle_stiffness\":100000.0,\"coefficient\":0.1,\
         \"dead_ratio\":0.1,\"law\":\"coulomb\",\"regularisation_speed\":0.0001,\
