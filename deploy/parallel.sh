@@ -5,7 +5,8 @@ set -eu
 plan=$1 dir=$2 shards=${3:-8} machines=${4:-}
 program=${DELTAZERO:-deltazero}
 
-set -- --halt now,fail=1 --joblog "$dir.joblog"
+mkdir -p "$dir"
+set -- -q --halt now,fail=1 --joblog "${dir%/}.joblog"
 if [ -n "$machines" ]; then
     set -- "$@" --sshloginfile "$machines" --workdir .
 fi

@@ -1,4 +1,4 @@
-//! `deltazero regimes --axis …`: the contest over any two keys of a configuration, or parameters of a model.
+//! `deltazero regimes --axis …`: the contest over any two numbers of a mechanism, or parameters of a model.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -17,6 +17,8 @@ use super::progress::Bar;
 use super::regimes::RegimesArgs;
 use super::{Failure, note_left_out, print, say, warn};
 
+/// Tables of settings that all cells share.
+const NOT_OF_MECHANISM: [&str; 5] = ["run", "solver", "study", "contest", "regimes"];
 /// Most values of an axis.
 const MOST: usize = 1000;
 
@@ -25,6 +27,12 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     let mut axes = axes(&args.axis)?;
     let mut config = args.run.load()?;
     for axis in &mut axes {
+        let table = axis.name.split('.').next().unwrap_or_default();
+        if NOT_OF_MECHANISM.contains(&table) && config.mechanism.unit_of(&axis.name).is_none() {
+            let name = &axis.name;
+            let why = "is no number of the mechanism: every cell is run by the same settings";
+            return Err(Failure::Usage(format!("--axis {name} {why}; give it by --set")));
+        }
         let of_key = find(&axis.name).map(|key| key.unit);
         axis.unit = config.mechanism.unit_of(&axis.name).or(of_key).unwrap_or_default().to_owned();
     }
@@ -111,7 +119,11 @@ fn axis(text: &str) -> Result<MapAxis, Failure> {
         [list] => list.split(',').map(number).collect::<Option<Vec<f64>>>(),
         [from, to, n] => match (number(from), number(to), n.trim().parse::<usize>()) {
             (Some(from), Some(to), Ok(n)) if from > 0.0 && to > from && (2..=MOST).contains(&n) => {
-                let at = |k: usize| from * (to / from).powf(k as f64 / (n - 1) as f64);
+                let at = |k: usize| match k {
+                    0 => from,
+                    k if k == n - 1 => to,
+                    k => from * libm::pow(to / from, k as f64 / (n - 1) as f64),
+                };
                 Some((0..n).map(at).collect())
             }
             (Some(_), Some(_), Ok(_)) => {
@@ -127,7 +139,9 @@ fn axis(text: &str) -> Result<MapAxis, Failure> {
     if values.len() > MOST {
         return Err(refuse("more than 1000 values"));
     }
-    Ok(MapAxis::new(name.trim(), "", &values))
+    // A parameter of a model has a long name, too.
+    let name = name.trim();
+    Ok(MapAxis::new(name.strip_prefix("parameters.").unwrap_or(name), "", &values))
 }
 
 #[cfg(test)]

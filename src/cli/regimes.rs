@@ -23,7 +23,7 @@ use super::{Failure, RunArgs, default_only, note_left_out, print, say};
 pub(super) struct RegimesArgs {
     #[command(flatten)]
     pub(super) run: RunArgs,
-    /// One of the two keys, or parameters of a model, that the map is over, in place of stiffness and damping ratio:
+    /// One of the two numbers of the mechanism, or parameters of a model, that the map is over, in place of stiffness and damping ratio:
     /// NAME=v1,v2,... or NAME=a:b:n, n values from a to b, each the same factor above the last (twice)
     #[arg(long, value_name = "NAME=VALUES", conflicts_with = "quick")]
     pub(super) axis: Vec<String>,

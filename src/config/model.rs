@@ -80,12 +80,16 @@ impl Model {
         self.file.parameters().iter().map(|parameter| parameter.name.as_str())
     }
 
-    /// What is integrated with these values of parameters.
+    /// What is integrated with these values of parameters, to `t_end` [s].
     ///
     /// # Errors
     /// What is wrong with the model at these values.
-    pub(super) fn chosen(&self, values: &[(String, f64)]) -> Result<Chosen, ConfigError> {
-        Chosen::text(&self.file, &self.text, values).map_err(refused)
+    pub(super) fn chosen(
+        &self,
+        values: &[(String, f64)],
+        t_end: f64,
+    ) -> Result<Chosen, ConfigError> {
+        Chosen::text(&self.file, &self.text, values, t_end).map_err(refused)
     }
 }
 

@@ -110,7 +110,7 @@ impl Settings {
             let (value, _) = self.values.get(&parameter_path(name))?;
             Some((name.to_owned(), value.as_f64()?))
         };
-        model.chosen(&model.names().filter_map(value).collect::<Vec<_>>())
+        model.chosen(&model.names().filter_map(value).collect::<Vec<_>>(), t_end)
     }
 
     /// The defaults, then the model with its settings, then the TOML file, then every `key=value` of `sets` in order.
@@ -176,7 +176,7 @@ impl Settings {
         if first.as_ref().is_some_and(|(first, _)| *first <= line) {
             return;
         }
-        let checked = match (self.target(path), &given.datum) {
+        let checked = match (self.target(path, &given.datum), &given.datum) {
             (Target::Parameter(parameter), _) => model::value_of(parameter, given)
                 .map(|value| (parameter_path(&parameter.name), value)),
             (Target::Key(key), _) => {
@@ -202,10 +202,12 @@ impl Settings {
     }
 
     /// What a path leads to.
-    fn target(&self, path: &str) -> Target<'_> {
+    fn target(&self, path: &str, datum: &Datum) -> Target<'_> {
         if let Some(model) = &self.model {
             let name = path.strip_prefix(PARAMETERS).and_then(|rest| rest.strip_prefix('.'));
-            if let Some(parameter) = model.parameter(name.unwrap_or(path)) {
+            // A parameter may have the name of a table, such as `run`.
+            let is_table = matches!(datum, Datum::Table(_)) && name.is_none();
+            if let Some(parameter) = model.parameter(name.unwrap_or(path)).filter(|_| !is_table) {
                 return Target::Parameter(parameter);
             }
         }

@@ -31,7 +31,8 @@ struct Text {
 }
 
 impl Chosen {
-    /// The model `file`, whose text is given, with these values of its parameters; the others are as the file has them.
+    /// The model `file`, whose text is given, with these values of its parameters, to be run to `t_end` [s]; the others are as
+    /// the file has them.
     ///
     /// # Errors
     /// What is wrong with the model at these values.
@@ -39,13 +40,14 @@ impl Chosen {
         file: &Arc<ModelFile>,
         text: &str,
         given: &[(String, f64)],
+        t_end: f64,
     ) -> Result<Self, deltazero_text::Report> {
         let value = |parameter: &Parameter| {
             let own = given.iter().find(|(name, _)| *name == parameter.name);
             (parameter.name.clone(), own.map_or(parameter.value, |(_, value)| *value))
         };
         let values: Vec<_> = file.parameters().iter().map(value).collect();
-        let subject = file.subject(given)?;
+        let subject = file.subject(given, t_end)?;
         let parameters: Map<String, Value> =
             values.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
         let model = json!({ "name": file.file_name(), "text": text });
@@ -103,8 +105,7 @@ impl Mechanism for Text {
     }
 
     fn unit_of(&self, parameter: &str) -> Option<&str> {
-        let name = parameter.trim_start_matches("parameters.");
-        let own = self.file.parameters().iter().find(|own| own.name == name)?;
+        let own = self.file.parameters().iter().find(|own| own.name == parameter)?;
         Some(&own.unit)
     }
 

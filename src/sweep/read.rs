@@ -9,7 +9,8 @@ use super::plan::{Axis, Draw, Plan, Random, Values};
 use super::table::{Table, pair, refused, tables};
 use super::{MOST_CHUNKS, SweepError};
 use crate::config::{
-    Config, ConfigError, Datum, Given, Kind, Place, Variants, document, key_at, one_joint, read,
+    Config, ConfigError, Datum, Given, Kind, MODEL_TABLES, Place, Variants, document, key_at,
+    one_joint, read,
 };
 
 /// Largest number of runs.
@@ -58,6 +59,11 @@ pub(super) fn plan(path: &Path, sets: &[String]) -> Result<Read, SweepError> {
     }
     let (paths, places) = keys(axes.iter().chain(&drawn))?;
     let variants = Variants::new(base.as_deref(), sets, &paths)?;
+    if variants.config().mechanism.tables.contains_key(MODEL_TABLES[0]) {
+        return Err(root.incomplete(
+            "has a configuration of a model from a file, which sweeps do not take yet",
+        ));
+    }
     for (path, place) in paths.iter().zip(&places) {
         is_of_mechanism(variants.config(), path, place)?;
     }

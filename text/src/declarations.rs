@@ -356,7 +356,15 @@ fn event((entries, span): (Entries<'_>, Span)) -> Checked<EventDeclaration> {
         let complaint = Complaint::new(span, "nothing follows this event");
         return Err(complaint.help("give it `to = \"a mode\"`, `set = { … }` or `stop = true`"));
     }
-    let rest = |entry: Entry<'_>| self::follows(&entry.entries()?.only(&["to", "set"])?);
+    let rest = |entry: Entry<'_>| {
+        let (span, rest) =
+            (entry.key_span, self::follows(&entry.entries()?.only(&["to", "set"])?)?);
+        match rest.to {
+            Some(_) => Ok(rest),
+            None => Err(Complaint::new(span, "a rest leads to a mode")
+                .help("give it `to`: the mode that these events tend to")),
+        }
+    };
     Ok(EventDeclaration {
         name: entries.read("name", Entry::text)?.map(|name| name.value),
         indices: entries.read("for", Entry::indices)?,

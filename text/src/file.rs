@@ -163,12 +163,14 @@ impl ModelFile {
         }
     }
 
-    /// The [models](Self::models) as what a study is about.
+    /// The [models](Self::models) as what a study to `t_end` \[s\] is about.
     ///
     /// # Errors
     /// As [`models`](Self::models).
-    pub fn subject(&self, values: &[(String, f64)]) -> Result<Subject, Report> {
-        Ok(Subject { parts: self.models(values)?.into_iter().map(part).collect() })
+    pub fn subject(&self, values: &[(String, f64)], t_end: f64) -> Result<Subject, Report> {
+        let mut own = self.clone();
+        own.file.t_end = Some((t_end, Span { start: 0, end: 0 }));
+        Ok(Subject { parts: own.models(values)?.into_iter().map(part).collect() })
     }
 
     fn compiled(&self, values: &[(String, f64)]) -> Checked<Vec<Compiled>> {
@@ -193,7 +195,8 @@ impl ModelFile {
     ) -> Checked<Compiled> {
         for (name, value) in &part.parameters {
             let i = self.parameter(&name.value, name.span)?;
-            if values.iter().any(|(given, _)| *given == name.value) {
+            let file = self.parameters[i].value;
+            if values.iter().any(|(given, x)| *given == name.value && *x != file) {
                 let message =
                     format!("`{}` is set by each part and cannot be set for all", name.value);
                 return Err(Complaint::new(name.span, message));

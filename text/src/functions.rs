@@ -70,10 +70,17 @@ pub(crate) fn larger<S: Real>(a: S, b: S) -> S {
     if b.value() > a.value() { b } else { a }
 }
 
-/// `xᵖ` for a number p that is not whole: above one it is continued past zero as an odd function, −(−x)ᵖ, because a
-/// law of contact `F = K δⁿ` is evaluated a little beyond its surface; below one it is NaN there.
+/// `xᵖ`. Where p is above one and not whole, it is continued past zero as an odd function, −(−x)ᵖ, because a law of contact
+/// `F = K δⁿ` is evaluated a little beyond its surface; below one it is NaN there.
 pub(crate) fn power<S: Real>(x: S, p: f64) -> S {
-    if p > 1.0 && x.value() < 0.0 { -raised(-x, p) } else { raised(x, p) }
+    let is_whole = p.fract() == 0.0;
+    if x.value() >= 0.0 || !(is_whole || p > 1.0) {
+        raised(x, p)
+    } else if is_whole && p % 2.0 == 0.0 {
+        raised(-x, p)
+    } else {
+        -raised(-x, p)
+    }
 }
 
 /// The angle of the point (x, y).

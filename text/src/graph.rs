@@ -274,10 +274,25 @@ impl Graph {
         self.known(Node::Time).is_some_and(|time| self.used_by(ids.iter()).contains(&time))
     }
 
-    /// Whether the node changes within a mode.
-    pub(crate) fn varies(&self, id: Id) -> bool {
-        let is_moving = |id: &Id| matches!(self.node(*id), Node::Time | Node::State(_));
-        self.used_by([id].iter()).iter().any(is_moving)
+    /// Those of all nodes that change within a mode. What a node is made of was made before it.
+    pub(crate) fn varying(&self) -> HashSet<Id> {
+        let mut varying = HashSet::new();
+        for (number, node) in self.nodes.iter().enumerate() {
+            let is_moving = matches!(node, Node::Time | Node::State(_));
+            if is_moving || node.operands().any(|operand| varying.contains(&operand)) {
+                varying.insert(Id(number as u32));
+            }
+        }
+        varying
+    }
+
+    /// Whether the node is made of a value that a mode keeps, of which the discrete ones come first.
+    pub(crate) fn is_of_kept(&self, id: Id, n_discrete: usize) -> bool {
+        let is_kept = |id: &Id| match self.node(*id) {
+            Node::Held(i) => usize::from(i) >= n_discrete,
+            _ => false,
+        };
+        self.used_by([id].iter()).iter().any(is_kept)
     }
 }
 

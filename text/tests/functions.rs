@@ -141,3 +141,16 @@ fn values_and_derivatives_have_their_closed_forms() {
         assert!(begins_with_rhs(&model, &mode, 0.0, &plain_y));
     }
 }
+
+#[test]
+fn whole_powers_of_negative_numbers_have_their_sign() {
+    let formulas = ["(t - 1.01)^64", "(t - 1.01)^65", "(t - 1.01)^66", "(t - 1.01)^-66"];
+    let (model, y) = (model(&formulas), vector(4, |_| 0.0));
+    let mut rates = y.clone();
+    model.rhs(model.initial_mode(0.0, &y), 0.0, &y, &mut rates);
+    for (rate, p) in rates.iter().zip([64, 65, 66, -66]) {
+        let exact = (-1.01_f64).powi(p);
+        // Measured: 1.2e-14, of a product of 64 factors.
+        assert!((rate / exact - 1.0).abs() < 1e-13, "{p}: {rate:e} for {exact:e}");
+    }
+}

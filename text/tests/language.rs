@@ -119,7 +119,7 @@ fn parts_differ_in_parameters_and_starts() {
     assert_eq!(models.iter().map(Problem::name).collect::<Vec<_>>(), ["AB", "BC"]);
     assert_eq!(Problem::start(&models[0]).as_ref(), [2.0]);
     assert_eq!(Problem::start(&models[1]).as_ref(), [7.0]);
-    let error = file.models(&[("phi".to_owned(), 1.0)]).unwrap_err();
+    let error = file.models(&[("phi".to_owned(), 1.5)]).unwrap_err();
     assert_eq!(error.message(), "`phi` is set by each part and cannot be set for all");
 }
 
@@ -297,4 +297,43 @@ fn settings_of_the_program_are_handed_on() {
     let report = file.complaint(&["solver", "method"], "no method is called so");
     assert_eq!(report.to_string().lines().nth(3).unwrap().trim_end(), "43 | method = \"rk45\"");
     assert_eq!(file.parameters()[0].range.max, Some(1000.0));
+}
+
+fn refusal(text: &str) -> String {
+    ModelFile::parse("model.toml", text).unwrap_err().to_string()
+}
+
+const BALL: &str = "[states]\nx = 1\nv = 0\n[modes.flight]\nrates = { x = \"v\", v = -9.81 }\n";
+
+#[test]
+fn what_is_kept_is_of_no_other_kept_value() {
+    let text = BALL.to_owned() + "keep = { a = \"2*x\", b = \"10*a\" }\n";
+    let message = refusal(&text);
+    assert!(message.contains("a kept value is made of another one"), "{message}");
+    assert!(message.contains("model.toml:6") && message.contains('^'), "{message}");
+}
+
+#[test]
+fn a_rest_leads_to_a_mode() {
+    let event = "events = [{ when = \"x < 0\", set = { x = 0, v = \"-0.5*v\" }, rest = {} }]\n";
+    let message = refusal(&(BALL.to_owned() + event));
+    assert!(message.contains("a rest leads to a mode"), "{message}");
+}
+
+#[test]
+fn values_of_a_file_with_parts_may_be_given_back_to_it() {
+    let text = "[parameters]\nm = 1.0\nk = 2.0\n[states]\nx = 1\n[modes.only]\nrates = { x = \"-k*x/m\" }\n\
+                [parts.one]\nm = 3.0\n[parts.two]\nm = 4.0\n";
+    let file = file(text);
+    let own = |m: f64| [("m".to_owned(), m), ("k".to_owned(), 5.0)];
+    assert_eq!(file.models(&own(1.0)).unwrap().len(), 2);
+    let message = file.models(&own(2.0)).unwrap_err().to_string();
+    assert!(message.contains("is set by each part"), "{message}");
+}
+
+#[test]
+fn many_kinks_are_told_at_once() {
+    let text = "[states]\nx = 1\n[definitions]\nS = \"sum(i in 1..20000, sin(i*t))\"\n[modes.only]\n\
+                rates = { x = \"sum(i in 1..5000, abs(S + i))\" }\n";
+    assert!(!file(text).warnings().is_empty());
 }

@@ -69,7 +69,15 @@ pub(super) fn mode(
         }
     }
     warn_of_kinks(expander, &rates, &guards, warnings);
-    let keep = declared.keep.iter().map(|kept| expander.node(&kept.value));
+    let keep = declared.keep.iter().map(|kept| {
+        let node = expander.node(&kept.value)?;
+        // What is kept is computed from the state before anything is.
+        match expander.graph.is_of_kept(node, expander.layout.n_discrete) {
+            false => Ok(node),
+            true => Err(Complaint::new(kept.value.span, "a kept value is made of another one")
+                .help("write what it is of states, parameters and discrete values")),
+        }
+    });
     let keep = keep.collect::<Checked<Vec<_>>>()?;
     let told = told(expander, number, &rates)?;
     let mode = CompiledMode {
@@ -145,7 +153,11 @@ fn warn_of_kinks(
 ) {
     let used = expander.graph.used_by(rates.iter().chain(guards));
     let mut kinks: Vec<_> = expander.kinks.iter().filter(|(id, _)| used.contains(*id)).collect();
-    kinks.retain(|(id, _)| expander.graph.varies(**id));
+    if kinks.is_empty() {
+        return;
+    }
+    let varying = expander.graph.varying();
+    kinks.retain(|(id, _)| varying.contains(*id));
     kinks.sort_by_key(|(_, (span, _))| span.start);
     for (_, (span, function)) in kinks {
         let message = format!("`{function}` of something that moves is not smooth");
