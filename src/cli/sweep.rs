@@ -136,7 +136,7 @@ pub(super) fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
         if known.is_none() && output.read(RECORD).is_some() {
             chunks.clear()?;
         }
-        chunks.sweep_up();
+        chunks.sweep_up(&[ROWS, RECORD]);
     }
     let wall_before = known.as_ref().and_then(|known| known["wall_s"].as_f64()).unwrap_or(0.0);
     let start = Instant::now();

@@ -200,9 +200,14 @@ impl Chunks {
         }
     }
 
-    /// Removes what writing left behind that was killed.
-    pub fn sweep_up(&self) {
-        for entry in fs::read_dir(&self.dir).into_iter().flatten().flatten() {
+    /// Removes what writing left behind that was killed, here and of the `files` beside the chunks.
+    pub fn sweep_up(&self, files: &[&str]) {
+        let entries = |dir: Option<&Path>| dir.and_then(|dir| fs::read_dir(dir).ok());
+        let own = entries(Some(&self.dir)).into_iter().flatten().flatten();
+        let beside = entries(self.dir.parent()).into_iter().flatten().flatten();
+        let is_known = |name: &str| files.iter().any(|file| name.starts_with(file));
+        let beside = beside.filter(|entry| is_known(&entry.file_name().to_string_lossy()));
+        for entry in own.chain(beside) {
             if entry.file_name().to_string_lossy().ends_with(PARTIAL) {
                 let _ = fs::remove_file(entry.path());
             }
