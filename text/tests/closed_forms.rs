@@ -24,25 +24,7 @@ const BALL: &str = r#"
     rates = { x = 0, v = 0 }
 "#;
 
-const STOP: &str = r#"
-    [parameters]
-    m = 100
-    k = 1e4
-    K = 1e6
-    c = 0.05
-    [states]
-    x = { start = 0, scale = "c" }
-    v = { start = 1 }
-    [rates]
-    x = "v"
-    [modes.free]
-    rates = { v = "-x*k/m" }
-    events = [{ when = "x - c > 0", to = "contact" }]
-    [modes.contact]
-    contact = true
-    rates = { v = "(-x*k - (x - c)*K)/m" }
-    events = [{ when = "x - c < 0", to = "free" }]
-"#;
+const STOP: &str = include_str!("models/spring_stop.toml");
 
 const WALLS: &str = r#"
     mode = "to the right"

@@ -13,25 +13,7 @@ use deltazero_solvers::{Control, Integration, Method, Next, Outcome, Real, Syste
 use deltazero_study::Problem;
 use deltazero_text::{ModelFile, TextModel};
 
-const STOP: &str = r#"
-    [parameters]
-    m = 100
-    k = 1e4
-    K = 1e6
-    c = 0.05
-    [states]
-    x = { start = 0, scale = "c" }
-    v = { start = 1 }
-    [rates]
-    x = "v"
-    [modes.free]
-    rates = { v = "-x*k/m" }
-    events = [{ when = "x - c > 0", to = "contact" }]
-    [modes.contact]
-    contact = true
-    rates = { v = "(-x*k - (x - c)*K)/m" }
-    events = [{ when = "x - c < 0", to = "free" }]
-"#;
+const STOP: &str = include_str!("models/spring_stop.toml");
 
 /// A driven double pendulum whose second bob hits a damped stop.
 const PENDULUM: &str = r#"

@@ -15,7 +15,8 @@ mod rocking;
 mod runs;
 mod switching;
 
-use runs::{NAMES, file};
+use deltazero_text::models::MODELS;
+use runs::file;
 
 #[test]
 fn every_file_is_a_model_that_says_what_it_is_and_where_it_is_from() {
@@ -25,8 +26,9 @@ fn every_file_is_a_model_that_says_what_it_is_and_where_it_is_from() {
         .map(|name| name.trim_end_matches(".toml").to_owned())
         .collect();
     found.sort();
-    assert_eq!(found, NAMES);
-    for name in NAMES {
+    let names: Vec<&str> = MODELS.iter().map(|model| model.name).collect();
+    assert_eq!(found, names);
+    for name in MODELS.iter().map(|model| model.name) {
         let file = file(name);
         let words = [file.name(), file.about(), file.source()];
         assert!(words.iter().all(|words| !words.is_empty()), "{name}");
@@ -40,7 +42,7 @@ fn every_file_is_a_model_that_says_what_it_is_and_where_it_is_from() {
 
 #[test]
 fn no_model_needs_a_warning() {
-    for name in NAMES {
+    for name in MODELS.iter().map(|model| model.name) {
         let warnings: Vec<String> = file(name).warnings().iter().map(ToString::to_string).collect();
         assert!(warnings.is_empty(), "{name}: {}", warnings.join("\n"));
     }

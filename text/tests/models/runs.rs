@@ -9,24 +9,6 @@ use deltazero_study::run::{Accuracy, Braked, Limits, OwnRun, Price, Setting, int
 use deltazero_study::setting::Events;
 use deltazero_text::{ModelFile, TextModel};
 
-/// All models, in alphabetical order.
-pub(crate) const NAMES: [&str; 14] = [
-    "belt_oscillator",
-    "bouncing_ball",
-    "buck_converter",
-    "cam_follower",
-    "carts",
-    "hunt_crossley_ball",
-    "impact_oscillator",
-    "integrate_and_fire",
-    "lugre_brake",
-    "mass_against_stop",
-    "paper_joint",
-    "rocking_block",
-    "thermostat",
-    "van_der_pol",
-];
-
 /// Methods of each kind that hold a relative tolerance of 1e-10.
 pub(crate) const METHODS: [&str; 6] = ["rk45", "dop853", "vern98", "taylor", "radau5", "rodas5p"];
 
