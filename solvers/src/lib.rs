@@ -83,6 +83,7 @@ pub mod blind;
 pub mod control;
 pub mod dense;
 pub mod diffsol;
+pub mod double_double;
 pub mod erk;
 pub mod error;
 pub mod event;

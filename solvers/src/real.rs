@@ -7,7 +7,6 @@ use std::fmt::Debug;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Sub};
 
 use num_dual::Dual64;
-use twofloat::TwoFloat;
 
 /// A real number, or a type that follows the same arithmetic, such as a dual number or a Taylor series.
 ///
@@ -310,39 +309,6 @@ impl Real for Dual64 {
 
     fn powf(self, a: f64) -> Self {
         Self::new(libm::pow(self.re, a), a * libm::pow(self.re, a - 1.0) * self.eps)
-    }
-}
-
-/// An unevaluated sum of two `f64`, with about 31 digits where values are finite.
-impl Real for TwoFloat {
-    const NEWTON_STEPS: usize = 2;
-
-    fn cst(x: f64) -> Self {
-        Self::from(x)
-    }
-
-    fn value(self) -> f64 {
-        self.hi()
-    }
-
-    fn sqrt(self) -> Self {
-        Self::sqrt(self)
-    }
-
-    fn sin_cos(self) -> (Self, Self) {
-        Self::sin_cos(self)
-    }
-
-    fn exp(self) -> Self {
-        Self::exp(self)
-    }
-
-    fn ln(self) -> Self {
-        Self::ln(self)
-    }
-
-    fn powf(self, a: f64) -> Self {
-        Self::powf(self, Self::from(a))
     }
 }
 

@@ -2,7 +2,6 @@
 
 use deltazero_solvers::Real;
 
-use crate::extended::{over, quotient};
 use crate::functions::{arc_tangent, larger, power, smaller};
 use crate::tape::{Input, Instruction, Output, Tape};
 
@@ -110,12 +109,12 @@ fn execute<S: Real, R: Registers<S>>(instructions: &[Instruction], r: &mut R) {
             Instruction::Add { to, a, b } => r.set(to, r.at(a) + r.at(b)),
             Instruction::Subtract { to, a, b } => r.set(to, r.at(a) - r.at(b)),
             Instruction::Multiply { to, a, b } => r.set(to, r.at(a) * r.at(b)),
-            Instruction::Divide { to, a, b } => r.set(to, quotient(r.at(a), r.at(b))),
+            Instruction::Divide { to, a, b } => r.set(to, r.at(a) / r.at(b)),
             Instruction::AddConstant { to, a, c } => r.set(to, r.at(a) + c),
             Instruction::ConstantLess { to, a, c } => r.set(to, S::cst(c) - r.at(a)),
             Instruction::MultiplyConstant { to, a, c } => r.set(to, r.at(a) * c),
-            Instruction::DivideConstant { to, a, c } => r.set(to, over(r.at(a), c)),
-            Instruction::ConstantOver { to, a, c } => r.set(to, quotient(S::cst(c), r.at(a))),
+            Instruction::DivideConstant { to, a, c } => r.set(to, r.at(a) / c),
+            Instruction::ConstantOver { to, a, c } => r.set(to, S::cst(c) / r.at(a)),
             Instruction::Constant { to, c } => r.set(to, S::cst(c)),
             Instruction::Negative { to, a } => r.set(to, -r.at(a)),
             Instruction::SinCos { sin, cos, a } => {

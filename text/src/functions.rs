@@ -6,8 +6,6 @@
 use deltazero_solvers::Real;
 use deltazero_solvers::real::{Function, Functions};
 
-use crate::extended::{exponential, is_extended, logarithm, over, quotient, raised, root};
-
 /// A function of one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Elementary {
@@ -28,12 +26,12 @@ impl Elementary {
     /// Its value.
     pub(crate) fn of<S: Real>(self, x: S) -> S {
         match self {
-            Self::Sqrt => root(x),
+            Self::Sqrt => x.sqrt(),
             Self::Sin => x.sin_cos().0,
             Self::Cos => x.sin_cos().1,
-            Self::Exp => exponential(x),
-            Self::Ln => logarithm(x),
-            Self::Log10 => quotient(logarithm(x), logarithm(S::cst(10.0))),
+            Self::Exp => x.exp(),
+            Self::Ln => x.ln(),
+            Self::Log10 => x.ln() / S::cst(10.0).ln(),
             Self::Sinh => x.outlined(&Sinh),
             Self::Cosh => x.outlined(&Cosh),
             Self::Tanh => x.outlined(&Tanh),
@@ -75,11 +73,11 @@ pub(crate) fn larger<S: Real>(a: S, b: S) -> S {
 pub(crate) fn power<S: Real>(x: S, p: f64) -> S {
     let is_whole = p.fract() == 0.0;
     if x.value() >= 0.0 || !(is_whole || p > 1.0) {
-        raised(x, p)
+        x.powf(p)
     } else if is_whole && p % 2.0 == 0.0 {
-        raised(-x, p)
+        (-x).powf(p)
     } else {
-        -raised(-x, p)
+        -(-x).powf(p)
     }
 }
 
@@ -99,7 +97,7 @@ struct Sinh;
 impl Function for Sinh {
     fn of<S: Real>(&self, x: S) -> S {
         if x.value().abs() > SMALL {
-            let (up, down) = (exponential(x), exponential(-x));
+            let (up, down) = (x.exp(), (-x).exp());
             return (up - down) * 0.5;
         }
         // x (1 + x²/(2·3) (1 + x²/(4·5) (1 + …)))
@@ -107,7 +105,7 @@ impl Function for Sinh {
         let mut sum = square * 0.0 + 1.0;
         for n in (1..=SINH_TERMS).rev() {
             let n = 2.0 * f64::from(n);
-            sum = over(square * sum, n * (n + 1.0)) + 1.0;
+            sum = (square * sum) / (n * (n + 1.0)) + 1.0;
         }
         x * sum
     }
@@ -118,7 +116,7 @@ struct Cosh;
 impl Function for Cosh {
     fn of<S: Real>(&self, x: S) -> S {
         if x.value().abs() > SMALL {
-            return (exponential(x) + exponential(-x)) * 0.5;
+            return (x.exp() + (-x).exp()) * 0.5;
         }
         // 1 + 2 sinh²(x/2), whose derivative is right near zero too.
         let sinh = Sinh.of(x * 0.5);
@@ -132,14 +130,19 @@ impl Function for Tanh {
     fn of<S: Real>(&self, x: S) -> S {
         if x.value().abs() <= SMALL {
             let sinh = Sinh.of(x);
-            return quotient(sinh, root(sinh * sinh + 1.0));
+            return sinh / (sinh * sinh + 1.0).sqrt();
         }
         // (1 − q)/(1 + q) with q = e^(−2|x|), which cannot overflow.
         let is_below = x.value() < 0.0;
-        let q = exponential(if is_below { x * 2.0 } else { x * -2.0 });
-        let tanh = quotient(-q + 1.0, q + 1.0);
+        let q = (if is_below { x * 2.0 } else { x * -2.0 }).exp();
+        let tanh = (-q + 1.0) / (q + 1.0);
         if is_below { -tanh } else { tanh }
     }
+}
+
+/// Whether numbers of this kind have more digits than f64.
+fn is_extended<S: Real>() -> bool {
+    (S::cst(1.0) + f64::EPSILON / 16.0 - 1.0).value() != 0.0
 }
 
 /// `(y, x) ↦ atan2(y, x)`.
@@ -156,7 +159,7 @@ impl Functions<2, 1> for ArcTangent {
             return [S::cst(angle)];
         }
         let (sin, cos) = S::cst(angle).sin_cos();
-        let z = quotient(y * cos - x * sin, x * cos + y * sin);
+        let z = (y * cos - x * sin) / (x * cos + y * sin);
         // In plain precision the value of z is the rounding error of this formula.
         let z = if is_extended::<S>() { z } else { z - z.value() };
         // atan z = z (1 − z²/3 + z⁴/5 − …)
@@ -173,5 +176,5 @@ impl Functions<2, 1> for ArcTangent {
 /// One step of Horner's scheme for `Σ (−w)ⁿ/(2n + 1)`, whose term n is `(2n − 1)/(2n + 1)` times the one before.
 fn sum_step<S: Real>(sum: S, n: u32) -> S {
     let n = f64::from(n);
-    over(sum * (2.0 * n - 1.0), 2.0 * n + 1.0)
+    (sum * (2.0 * n - 1.0)) / (2.0 * n + 1.0)
 }

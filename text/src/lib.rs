@@ -52,7 +52,7 @@
 //! | check | `names` (what they mean), `units` and `dimensions`; complaints are `report`s |
 //! | expand | `layout` (where states are), `expand` (indices, sums, definitions) into one `graph`; `derivative`, `sparsity` |
 //! | compile | `compile`, mode by mode, to a `tape` of operations |
-//! | run | `evaluate` a tape with any number, `functions` and `extended` precision, `bounds` of rounding |
+//! | run | `evaluate` a tape with any number, `functions`, `bounds` of rounding |
 //! | tell | `mode`, `system`, `problem` |
 //!
 //! What formulas mean where a paper leaves it open: `xⁿ` of a whole number is a product; with an exponent above one that is
@@ -67,7 +67,6 @@ mod document;
 mod evaluate;
 mod expand;
 mod expression;
-mod extended;
 mod file;
 mod functions;
 mod graph;

@@ -3,13 +3,13 @@
 
 use std::f64::consts::LOG2_E;
 
+use deltazero_solvers::double_double::DoubleDouble;
 use deltazero_solvers::taylor::ExtendedIntegration;
 use deltazero_solvers::taylor::expand::begins_with_rhs;
 use deltazero_solvers::{Control, Integration, Method, Outcome, System, Tolerance};
 use deltazero_study::Problem;
 use deltazero_text::{ModelFile, TextModel};
 use num_dual::Dual64;
-use twofloat::TwoFloat;
 
 /// Formulas of t with their integrals from 0 to 1 as sums of two numbers, by quadrature with 60 digits (mpmath 1.3).
 const INTEGRALS: &[(&str, (f64, f64))] = &[
@@ -80,8 +80,8 @@ fn integrals_in_extended_precision_have_their_closed_forms() {
     assert_eq!(run.run(1.0, &mut ()), Ok(Outcome::Finished));
     assert!(run.stats.n_accepted < 26, "{} steps", run.stats.n_accepted);
     for ((formula, exact), found) in INTEGRALS.iter().zip(run.state()) {
-        let exact = TwoFloat::new_add(exact.0, exact.1);
-        let error = (*found - exact).abs().hi();
+        let exact = DoubleDouble::sum(exact.0, exact.1);
+        let error = (*found - exact).hi().abs();
         // Measured: 7e-22, from the sine of twofloat.
         assert!(error < 7e-21, "{formula}: {error:e}");
     }

@@ -2,11 +2,11 @@
 
 use std::ops::{Add, BitAnd, Mul};
 
-use twofloat::TwoFloat;
 use wide::{f64x2, f64x4, f64x8};
 
 use super::recurrence::SHORT;
 use super::rows::{MAX_ORDER, Row, Tail};
+use crate::double_double::DoubleDouble;
 use crate::lanes::scalar::{Lanes, Simd};
 use crate::real::{Ordered, Real};
 
@@ -180,7 +180,7 @@ impl Four<Lanes<f64x2>> for f64x8 {
     }
 }
 
-impl Coefficient for TwoFloat {
+impl Coefficient for DoubleDouble {
     // An operation takes about twenty instructions, so a loop costs little in comparison.
     const HIGHEST_UNROLLED: usize = 0;
 
