@@ -18,7 +18,7 @@ pub(crate) struct Audit {
     pub(crate) in_bush: f64,
     /// Distance while in contact, in clearances.
     pub(crate) off_bush: f64,
-    /// Pull in a contact without adhesion, of the largest force.
+    /// Pull in a contact without adhesion, as the penetration that makes such a force, in clearances.
     pub(crate) pull: f64,
     /// Speed against the sign of a slip, of the largest sliding speed.
     pub(crate) against: f64,
@@ -42,7 +42,7 @@ impl Audit {
         [
             ("in the bush while free, of c", self.in_bush),
             ("off the bush in contact, of c", self.off_bush),
-            ("pull without adhesion, of the peak force", self.pull),
+            ("pull without adhesion, as a depth, of c", self.pull),
             ("slips against its sign, of the peak speed", self.against),
             ("creeps while it sticks, of the peak speed", self.creep),
             ("the normal law gave energy, of all", self.normal_gave),
@@ -74,7 +74,8 @@ impl<'a, P: Jointed> Auditor<'a, P> {
         let part = |x: f64, of: f64| if x == 0.0 { 0.0 } else { x / of };
         let seen = self.seen;
         Audit {
-            pull: part(seen.pull, seen.force),
+            // By the run's secant stiffness, so that an error is small where a contact is shallow.
+            pull: part(seen.pull, seen.force) * seen.deepest,
             against: part(seen.against, self.speed),
             creep: part(seen.creep, self.speed),
             normal_gave: part(seen.normal_gave, energy),
