@@ -65,3 +65,8 @@ fn cylinders_by_logarithm_run_by_every_method() {
 fn a_contact_without_adhesion_ends_under_friction_in_pieces_too() {
     assert_right(&["p2-63"]);
 }
+
+#[test]
+fn no_step_is_longer_than_the_series_of_its_gap() {
+    assert_right(&["r2-937"]);
+}

@@ -143,6 +143,23 @@ impl<P: System> GuardWatch<P> {
         self.bounds.as_ref()[i]
     }
 
+    /// Evaluates all guards in the middle of `step`.
+    pub(crate) fn look_at_middle(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+    ) {
+        let t = step.t0() + 0.5 * (step.t1() - step.t0());
+        step.interpolate(t, &mut self.y);
+        problem.guards(mode, t, &self.y, &mut self.quarters[1]);
+    }
+
+    /// Guard `i` in the middle of the step looked at last.
+    pub(crate) fn middle(&self, i: usize) -> f64 {
+        self.quarters[1].as_ref()[i]
+    }
+
     /// Whether guard `i`, as last evaluated, is at or past its surface.
     pub fn is_past(&self, i: usize) -> bool {
         self.values.as_ref()[i] <= 0.0

@@ -7,7 +7,7 @@
 use std::ops::ControlFlow;
 
 use super::expand::Expansion;
-use super::guards::GuardSeries;
+use super::guards::{GuardSeries, Look};
 use super::method::{TaylorStep, sum_with_slope};
 use super::order::{self, Reach};
 use super::rows::MAX_ORDER;
@@ -218,16 +218,24 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     /// Cuts the step at the zero of the guard that falls first on it, and returns that guard.
     fn locate(&mut self) -> Result<Option<usize>, Error> {
         let (problem, mode) = (self.problem, self.mode.clone());
+        let whole = self.step.t1 - self.step.t0;
         loop {
             let polynomial = (self.t, &self.y[..], self.step.degree);
-            let crossing = self.guards.first_to_fall(
+            let look = self.guards.first_to_fall(
                 problem,
                 mode.clone(),
-                &self.step,
+                (&self.step, whole),
                 polynomial,
                 &mut self.watch,
             )?;
-            let Some(GuardCrossing { guard, t, violated_at }) = crossing else { return Ok(None) };
+            let GuardCrossing { guard, t, violated_at } = match look {
+                Look::Clear => return Ok(None),
+                Look::Falls(crossing) => crossing,
+                Look::Within(range) => {
+                    self.attempt(self.t + (self.t1 - self.t) * range);
+                    continue;
+                }
+            };
             if violated_at != self.step.t1 {
                 let t1 = self.t1;
                 self.attempt(DoubleDouble::from(violated_at));

@@ -17,6 +17,30 @@ use crate::system::{System, Vector};
 pub(crate) const FIRST_LOOK: usize = 5;
 /// Precision of the roots of the polynomials, as a fraction of the step.
 const PRECISION: f64 = 1e-14;
+/// Largest error of a guard's polynomial, as a fraction of the guard's size, with which falls are read off it.
+const MOST_ERROR: f64 = 1e-2;
+/// Fraction that is used of the estimated range of a polynomial, and the least that a step is shortened to at once.
+const SAFETY: f64 = 0.9;
+const SHORTER: f64 = 0.01;
+/// A step is not shortened below this fraction of its size for the sake of a guard.
+const LEAST_RANGE: f64 = 1e-3;
+
+/// What the guards of a step show.
+#[derive(Clone, Copy, Debug)]
+pub enum Look {
+    /// No guard falls.
+    Clear,
+    /// The guard that falls first.
+    Falls(GuardCrossing),
+    /// The polynomial of a guard describes it on this fraction of the step only. The step is to be shortened to it.
+    Within(f64),
+}
+
+impl Look {
+    fn of(crossing: Option<GuardCrossing>) -> Self {
+        crossing.map_or(Self::Clear, Self::Falls)
+    }
+}
 
 /// The Taylor coefficients of the guards about the start of a step.
 ///
@@ -120,21 +144,18 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
 }
 
 impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
-    /// Guard `i` over a step of size `h` as a polynomial, of `degree` or of the highest degree to which its
-    /// coefficients are finite.
+    /// Guard `i` over a step of size `h` as a polynomial of `degree`.
     fn polynomial(&self, i: usize, h: f64, degree: usize) -> Polynomial {
-        let is_finite = |g: &&G| g.as_ref()[i].is_finite();
-        let n = self.g[..=degree].iter().take_while(is_finite).count();
         let mut power = 1.0;
-        Polynomial::new(self.g[..n.max(1)].iter().map(|g| {
+        Polynomial::new(self.g[..=degree].iter().map(|g| {
             let c = g.as_ref()[i] * power;
             power *= h;
             c
         }))
     }
 
-    /// The guard that falls first on `step`, a polynomial of `degree` with the coefficients `y` about `t0`. Returns
-    /// `None` where no guard falls; the end then becomes the start of the next step.
+    /// Looks for the guard that falls first on `step`, a polynomial of `degree` with the coefficients `y` about `t0`.
+    /// Where no guard falls, the end then becomes the start of the next step.
     ///
     /// To the order of the method a guard is a polynomial on the step. The guard is clear where
     ///
@@ -144,9 +165,14 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
     ///
     /// with N the least of 5, the degree, and the order less one. Otherwise the [first fall](Polynomial::first_fall)
     /// of its polynomial below `−bound/2` counts, if a violation follows it. No fall of the polynomial is missed,
-    /// except a dip that is made by terms beyond the fifth alone and that has vanished at the end. Where the guard is
-    /// less smooth than the solution, it may differ from the polynomial by more than the last terms. Where a
-    /// coefficient is not finite, the [search](GuardWatch) on values and rates is used for all guards instead.
+    /// except a dip that is made by terms beyond the fifth alone and that has vanished at the end.
+    ///
+    /// The series of a guard may converge on less than the step: the distance of a pin from the centre of its bush has
+    /// a series that ends where the pin passes the centre, whatever the series of the pin. Where the polynomial differs
+    /// from its guard, at the middle or at the end of the step, by more than 1 % of the largest of `|g_0|`, `|g_1 h|`
+    /// and the guard there, and by more than its rounding bound, the step is to be [shortened](Look::Within). A step
+    /// shorter than a thousandth of `whole` is not, nor one where a coefficient is not finite: the
+    /// [search](GuardWatch) on values and rates is then used for all guards.
     ///
     /// # Errors
     /// [`Error::NonFiniteGuard`] for a guard that is not finite at the end of the step.
@@ -154,19 +180,20 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         &mut self,
         problem: &P,
         mode: P::Mode,
-        step: &dyn Step<P::State<f64>>,
+        (step, whole): (&dyn Step<P::State<f64>>, f64),
         (t0, y, degree): (B, &[P::State<B>], usize),
         watch: &mut GuardWatch<P>,
-    ) -> Result<Option<GuardCrossing>, Error> {
+    ) -> Result<Look, Error> {
         let (start, t1) = (step.t0(), step.t1());
         let (h, low) = (t1 - start, degree.min(self.highest_low()));
         let ends = self.end.as_ref().iter().enumerate();
         // All guards are tested without a branch between them. Where all are clear, none is violated at the end.
         if ends.fold(true, |all, (guard, end)| all & self.is_clear(guard, h, low, *end)) {
             watch.keep();
-            return Ok(None);
+            return Ok(Look::Clear);
         }
         watch.violated(problem, mode.clone(), t1, step.y1())?;
+        watch.look_at_middle(problem, mode.clone(), step);
         let field = InMode { problem, mode: &mode };
         let mut first: Option<GuardCrossing> = None;
         for guard in 0..self.g[0].as_ref().len() {
@@ -176,20 +203,21 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
                 continue;
             }
             self.expand(&field, t0, y, degree);
-            if self.g[..=degree].iter().any(|g| !g.as_ref()[guard].is_finite()) {
-                // The guard is singular at the start of the step, so no polynomial describes it.
-                watch.start_at(problem, mode.clone(), start, step.y0(), step.slope0());
-                return if watch.is_clear(problem, mode.clone(), step) {
-                    Ok(None)
-                } else {
-                    watch.first_to_fall(problem, mode.clone(), step, PRECISION, None)
-                };
+            match self.range(guard, h, degree, watch) {
+                Some(1.0) => {}
+                Some(range) if h.abs() > LEAST_RANGE * whole.abs() => {
+                    return Ok(Look::Within(range));
+                }
+                _ => return self.by_values(problem, mode, step, watch),
             }
             if !at_end && self.is_clear(guard, h, degree, end) {
                 continue;
             }
             let Some((s, violated)) = self.fall_on_step(guard, h, degree, watch) else { continue };
             let violated_at = violated.map_or(t1, |violated| start + violated * h);
+            if violated_at == t1 && !at_end {
+                continue;
+            }
             let t = start + s * h;
             // Of guards that fall at the same time to rounding, the one with the lowest index comes first.
             let tie = 4.0 * f64::EPSILON * t1.abs().max(start.abs());
@@ -200,7 +228,47 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         if first.is_none() {
             watch.keep();
         }
-        Ok(first)
+        Ok(Look::of(first))
+    }
+
+    /// The fraction of a step of size `h` on which the polynomial of `degree` of guard `i` describes it; one for the
+    /// whole step. `None` where a coefficient is not finite. The guard is to be evaluated at the end.
+    fn range<P: System<Guards<f64> = G>>(
+        &self,
+        i: usize,
+        h: f64,
+        degree: usize,
+        watch: &GuardWatch<P>,
+    ) -> Option<f64> {
+        if self.g[..=degree].iter().any(|g| !g.as_ref()[i].is_finite()) {
+            return None;
+        }
+        let p = self.polynomial(i, h, degree);
+        let (middle, end) = (watch.middle(i), watch.value(i));
+        let error = (p.at(0.5) - middle).abs().max((p.at(1.0) - end).abs());
+        let size =
+            p.coefficients()[..2].iter().fold(middle.abs().max(end.abs()), |a, c| a.max(c.abs()));
+        let allowed = watch.bound(i).max(MOST_ERROR * size);
+        if error <= allowed {
+            return Some(1.0);
+        }
+        // An error of the next term would fall like this power of the step.
+        Some(SHORTER.max(SAFETY * libm::pow(allowed / error, 1.0 / (degree + 1) as f64)))
+    }
+
+    /// The guard that falls first by the search on values and rates, where no polynomial describes a guard.
+    fn by_values<P: System<Guards<f64> = G>>(
+        &self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        watch: &mut GuardWatch<P>,
+    ) -> Result<Look, Error> {
+        watch.start_at(problem, mode.clone(), step.t0(), step.y0(), step.slope0());
+        if watch.is_clear(problem, mode.clone(), step) {
+            return Ok(Look::Clear);
+        }
+        watch.first_to_fall(problem, mode, step, PRECISION, None).map(Look::of)
     }
 
     /// The fall of guard `i` on a step of size `h` by its polynomial of `degree`, as a fraction of the step, and the
@@ -215,15 +283,17 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         let at_end = watch.is_violated(i);
         let p = self.polynomial(i, h, degree);
         let fall = if watch.is_disproved(i) { None } else { fall_of(&p, watch.bound(i)) };
-        match fall {
-            Some((s, violated)) if violated < 1.0 => {
-                watch.note_dip(i, violated);
-                Some((s, Some(violated)))
-            }
-            // The polynomial shows a violation at the end. It counts only if the guard itself is violated there.
-            Some((s, _)) => at_end.then_some((s, None)),
-            None => at_end.then_some((1.0, None)),
+        let Some((s, violated)) = fall else { return at_end.then_some((1.0, None)) };
+        if at_end && violated == 1.0 {
+            return Some((s, None));
         }
+        // Where the polynomial shows a violation at the end that the guard does not, the guard may rise just before.
+        let violated = match violated {
+            1.0 => minimum(|s| p.at(s), [s, 0.5 * (s + 1.0), 1.0]).0,
+            inside => inside,
+        };
+        watch.note_dip(i, violated);
+        Some((s, Some(violated)))
     }
 
     /// The rate of guard `i` at the time `s` after the start of the step, from its polynomial of `degree`.

@@ -2,7 +2,7 @@
 
 use super::coefficient::Coefficient;
 use super::expand::Expansion;
-use super::guards::GuardSeries;
+use super::guards::{GuardSeries, Look};
 use super::order::{self, Reach};
 use super::rows::MAX_ORDER;
 use crate::erk::InMode;
@@ -171,11 +171,23 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
         problem: &P,
         mode: P::Mode,
         watch: &mut GuardWatch<P>,
-        _stats: &mut Stats,
+        stats: &mut Stats,
     ) -> Result<Option<GuardCrossing>, Error> {
-        let step = &self.step;
-        let polynomial = (step.t0, &step.y[..], step.degree);
-        self.guards.first_to_fall(problem, mode, step, polynomial, watch)
+        let whole = self.step.t1 - self.step.t0;
+        loop {
+            let (step, mode) = (&self.step, mode.clone());
+            let polynomial = (step.t0, &step.y[..], step.degree);
+            let step = (step as &dyn Step<_>, whole);
+            let look = self.guards.first_to_fall(problem, mode.clone(), step, polynomial, watch)?;
+            let range = match look {
+                Look::Clear => return Ok(None),
+                Look::Falls(crossing) => return Ok(Some(crossing)),
+                Look::Within(range) => range,
+            };
+            let h = range * (self.step.t1 - self.step.t0);
+            self.attempt(problem, mode, self.step.t0 + h, h, stats);
+            stats.n_retaken += 1;
+        }
     }
 
     fn advance(&mut self) {

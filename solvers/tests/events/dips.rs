@@ -1,6 +1,6 @@
 //! Guards that fall and rise again within one step.
 
-use deltazero_solvers::{Control, Next, Outcome, Real, System};
+use deltazero_solvers::{Control, Method, Next, Outcome, Real, System, Tolerance};
 
 use crate::common::at_most;
 use crate::log::{run, settings_with};
@@ -128,5 +128,58 @@ fn an_infinite_rate_at_the_start_does_not_hide_a_dip() {
         assert_eq!(times.len(), 1, "{}: {times:?}", setting.0.name);
         // Measured: 5.2e-15.
         at_most(setting.0.name, (times[0] - 0.5).abs(), 1e-13);
+    }
+}
+
+/// A pin thrown through its bush: `ẍ = −2.8`, with the guard `1 − √(x² + b²)` of the distance from the centre, of which
+/// the series about a time ends where the pin passes the centre; none in the other mode.
+struct Thrown {
+    /// Distance at which it passes the centre.
+    b: f64,
+}
+
+impl System for Thrown {
+    type Mode = bool;
+    type State<S: Real> = [S; 2];
+    type Guards<S: Real> = [S; 1];
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 2]) -> bool {
+        true
+    }
+
+    fn rhs<S: Real>(&self, _: bool, _t: S, &[_, v]: &[S; 2], dydt: &mut [S; 2]) {
+        *dydt = [v, S::cst(-2.8)];
+    }
+
+    fn guards<S: Real>(&self, watched: bool, _t: S, &[x, _]: &[S; 2], g: &mut [S; 1]) {
+        let distance = (x * x + self.b * self.b).sqrt();
+        *g = [if watched { -distance + 1.0 } else { S::cst(1.0) }];
+    }
+
+    fn guard_bounds(&self, _: bool, _t: f64, _y: &[f64; 2], bounds: &mut [f64; 1]) {
+        *bounds = [1e-15];
+    }
+
+    fn transition<S: Real>(&self, _: bool, _guard: usize, _t: S, _y: &mut [S; 2]) -> Next<bool> {
+        Next::Mode(false)
+    }
+}
+
+#[test]
+fn a_guard_whose_series_ends_within_the_step_is_found() {
+    for b in [0.3, 1e-2, 1e-4, 1e-8, 0.0] {
+        // It leaves where x = √(1 − b²) first, and is back long before the end.
+        let x = (1.0_f64 - b * b).sqrt();
+        let at = (3.0 - (9.0 - 5.6 * (x + 0.5)).sqrt()) / 2.8;
+        for rtol in [1e-3, 1e-6, 1e-12] {
+            let control = Control::Adaptive(Tolerance { rtol, atol: vec![rtol; 2] });
+            let setting = (Method::named("taylor").unwrap(), control);
+            let (log, outcome, ..) = run(&Thrown { b }, &setting, (0.0, [-0.5, 3.0]), 2.0);
+            assert_eq!(outcome, Ok(Outcome::Finished));
+            let times = log.times();
+            assert_eq!(times.len(), 1, "{b}, {rtol:e}: {times:?}");
+            // Measured: 0.
+            at_most("taylor", (times[0] - at).abs(), 1e-14);
+        }
     }
 }
