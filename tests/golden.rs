@@ -6,8 +6,8 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use common::{Golden, GoldenChain, config, located, run, run_chain, setting};
-use deltazero::model::Joints;
-use deltazero::run::{Run, integrate_many, integrate_pair, mode_changes};
+use deltazero::model::{Block, Joints, State};
+use deltazero::run::{Run, integrate_at_once, mode_changes};
 use deltazero::study::plan::reference;
 use deltazero_solvers::{Grid, METHODS, Trajectory};
 use deltazero_study::Problem as _;
@@ -243,8 +243,28 @@ fn work_does_not_depend_on_what_is_recorded() {
     assert_eq!(work("0.01"), work("0"));
 }
 
+/// Runs at once, and each alone.
+fn at_once_has_same_bits(
+    runs: &[(&Block, State<f64>)],
+    setting: &Setting,
+    grid: &Grid,
+    t_end: f64,
+    keys: &[&str],
+) {
+    let fresh = || Trajectory::on(grid.clone());
+    let mut trajectories: Vec<_> = runs.iter().map(|_| fresh()).collect();
+    let at_once = integrate_at_once(runs, setting, t_end, &mut trajectories);
+    for (((block, y), run), trajectory) in runs.iter().zip(&at_once).zip(&trajectories) {
+        let mut own = fresh();
+        let alone = integrate(*block, setting, *y, t_end, &mut own);
+        assert_eq!(alone.outcome, run.outcome, "{keys:?}");
+        assert_eq!((alone.t, alone.y, alone.stats), (run.t, run.y, run.stats), "{keys:?}");
+        assert_eq!((&own.events, &own.samples), (&trajectory.events, &trajectory.samples));
+    }
+}
+
 #[test]
-fn runs_at_once_have_the_bits_of_one_run() {
+fn many_runs_at_once_have_the_bits_of_runs_alone() {
     let cases: [&[&str]; 4] = [
         &["reading=pin"],
         &["reading=full", "contact.adhesion=false"],
@@ -252,26 +272,18 @@ fn runs_at_once_have_the_bits_of_one_run() {
         &["reading=cosine", "contact.exponent=1.5", "friction.law=threlfall"],
     ];
     for keys in cases {
-        for block in Joints::new(&config(keys)).blocks() {
-            for (method, rtol) in [("rk45", 1e-6), ("dop853", 1e-8)] {
-                let setting = located(method, rtol);
-                let start = |i: usize| {
-                    let mut y = block.initial_state();
-                    y[5] = 0.01 * i as f64;
-                    y
-                };
-                let starts: Vec<_> = (0..11).map(start).collect();
-                let fresh = || Trajectory::on(Grid::uniform(0.01, 0.2));
-                let mut many: Vec<_> = starts.iter().map(|_| fresh()).collect();
-                let runs = integrate_many(block, &setting, &starts, 0.2, &mut many);
-                for ((y, run), many) in starts.into_iter().zip(&runs).zip(&many) {
-                    let mut one = fresh();
-                    let alone = integrate(block, &setting, y, 0.2, &mut one);
-                    assert_eq!(alone.outcome, run.outcome, "{keys:?}");
-                    assert_eq!((alone.t, alone.y, alone.stats), (run.t, run.y, run.stats));
-                    assert_eq!((&one.events, &one.samples), (&many.events, &many.samples));
-                }
-            }
+        let mechanism = Joints::new(&config(keys));
+        let start = |i: usize| {
+            let block = mechanism.blocks()[i % 2];
+            let mut y = block.initial_state();
+            y[5] = 0.01 * i as f64;
+            (block, y)
+        };
+        let runs: Vec<_> = (0..21).map(start).collect();
+        for (method, rtol) in [("rk45", 1e-6), ("dop853", 1e-8), ("taylor", 1e-8), ("taylor", 1e-3)]
+        {
+            let setting = located(method, rtol);
+            at_once_has_same_bits(&runs, &setting, &Grid::uniform(0.01, 0.2), 0.2, keys);
         }
     }
 }
@@ -292,11 +304,11 @@ fn both_joints_at_once_have_the_bits_of_one_after_the_other() {
         &["reading=full"],
     ];
     for keys in cases {
-        let config = config(keys);
-        let mechanism = Joints::new(&config);
+        let mechanism = Joints::new(&config(keys));
         let blocks = mechanism.blocks();
-        let fresh = || [0, 1].map(|_| Trajectory::on(Grid::uniform(0.01, 0.5)));
-        for method in METHODS.iter().filter(|method| method.is_for_pairs() || method.name == "bdf")
+        let runs: Vec<_> = blocks.iter().map(|block| (*block, block.initial_state())).collect();
+        for method in
+            METHODS.iter().filter(|method| method.is_for_batches() || method.name == "bdf")
         {
             let accuracies = match method.name {
                 _ if method.is_fixed_step() => vec![Accuracy::Step(2e-5)],
@@ -306,16 +318,7 @@ fn both_joints_at_once_have_the_bits_of_one_after_the_other() {
             };
             for accuracy in accuracies {
                 let setting = setting(method.name, Events::Located, accuracy);
-                let (mut both, mut alone) = (fresh(), fresh());
-                let runs = integrate_pair([blocks[0], blocks[1]], &setting, 0.5, both.each_mut());
-                for (i, (run, both)) in runs.iter().zip(&both).enumerate() {
-                    let start = blocks[i].initial_state();
-                    let one = integrate(blocks[i], &setting, start, 0.5, &mut alone[i]);
-                    assert_eq!(one.outcome, run.outcome, "{keys:?}");
-                    assert_eq!((one.t, one.y, one.stats), (run.t, run.y, run.stats), "{keys:?}");
-                    let alone = (&alone[i].events, &alone[i].samples);
-                    assert_eq!(alone, (&both.events, &both.samples));
-                }
+                at_once_has_same_bits(&runs, &setting, &Grid::uniform(0.01, 0.5), 0.5, keys);
             }
         }
     }

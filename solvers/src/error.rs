@@ -90,6 +90,25 @@ pub enum Error {
         /// Mode.
         mode: String,
     },
+    /// The right-hand side or the guards by the [parameters](crate::Alike::parameters) of a mode are others than those
+    /// of the mode itself.
+    #[error(
+        "component {component} of {function} is {found:e} at t = {t} in mode {mode}, but {expected:e} by the mode itself; correct {function} or the parameters, or give none of this mode"
+    )]
+    UnlikeParameters {
+        /// Time at the end of the first step in the mode.
+        t: f64,
+        /// Mode.
+        mode: String,
+        /// The function: `rhs_of` or `guards_of`.
+        function: &'static str,
+        /// Index of the state or of the guard.
+        component: usize,
+        /// What the function computed from the parameters.
+        found: f64,
+        /// What `rhs` or `guards` computed.
+        expected: f64,
+    },
     /// The model is no longer valid. Integrations in this crate never return this error; it is for code that checks
     /// the validity of a model during a run.
     #[error("the model ends at t = {t} in mode {mode}: {reason}")]

@@ -57,7 +57,18 @@ impl<'a, P: System> Integration<'a, P> {
         solver: &mut dyn PhaseSolver<P>,
         record: &mut dyn Record<P>,
     ) -> Result<Outcome, Error> {
-        let mut ended = self.begin(t_end, record)?;
+        let ended = self.begin(t_end, record)?;
+        self.go_on(ended, t_end, solver, record)
+    }
+
+    /// Integrates from phase to phase to `t_end`, unless the run has `ended`.
+    pub(crate) fn go_on(
+        &mut self,
+        mut ended: Option<Outcome>,
+        t_end: f64,
+        solver: &mut dyn PhaseSolver<P>,
+        record: &mut dyn Record<P>,
+    ) -> Result<Outcome, Error> {
         loop {
             if let Some(outcome) = ended {
                 return Ok(outcome);

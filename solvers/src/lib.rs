@@ -62,7 +62,7 @@
 //!
 //! # Modules, in the order in which data flow
 //!
-//! - The problem: [`system`], the scalar type that it is generic over ([`real`]), [`problems`] with closed forms, and
+//! - The problem: [`system`], the scalar type that it is generic over ([`real`], [`lanes`] of several runs), [`problems`] with closed forms, and
 //!   the event-blind baseline ([`blind`]).
 //! - The methods: their list ([`methods`]); [`tableau`]s and their stage loop ([`erk`]); implicit methods without
 //!   iteration ([`rosenbrock`]) and with it ([`radau`]). The coefficients of all of these are checked by
@@ -72,13 +72,13 @@
 //! - Events: [`event`] finds guards that fall within a step, [`root`] computes their roots.
 //! - One smooth phase: [`phase`] defines the contract, [`one_step`] fulfils it for methods that hand on a step.
 //! - The run: [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in an outcome or an
-//!   [`error`]. Many runs of one model, or two runs of similar models, are computed at once in [`lanes`], by
-//!   [`Method::run_many`] and [`Method::run_pair`].
+//!   [`error`]. Runs of systems of a kind are computed several at once by [`Method::run_batch`], in a [`batch`].
 //! - Results: a recorder ([`record`]) sees each event, and each step that it needs; [`trajectory`] keeps them.
 //!
 //! [`rules`] states case by case what is promised of events, and what is not.
 
 pub mod auto;
+pub mod batch;
 pub mod blind;
 pub mod control;
 pub mod dense;

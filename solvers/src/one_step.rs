@@ -328,6 +328,24 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         Ok(PhaseState { t_end, stretch, h: 0.0, due: Some(Due::First { least }) })
     }
 
+    /// Takes steps to the end of a phase that has begun.
+    #[inline(always)]
+    pub(crate) fn finish(
+        &mut self,
+        context: &mut PhaseContext<'_, P>,
+        phase: &mut PhaseState,
+    ) -> Result<PhaseEnd, Error> {
+        let (problem, mode) = (context.problem, context.point.mode.clone());
+        loop {
+            self.choose_step(problem, context.point, phase, context.stats);
+            let Some((t1, h)) = phase.next(context.point)? else { return Ok(PhaseEnd::EndOfTime) };
+            self.method.attempt(problem, mode.clone(), t1, h, context.stats);
+            if let Some(end) = self.judge(context, phase, h)? {
+                return Ok(end);
+            }
+        }
+    }
+
     /// Judges the last attempt, of size `h`, and applies the verdict. Returns how the phase ended, if it did.
     #[inline(always)]
     pub(crate) fn judge(
@@ -464,16 +482,7 @@ impl<P: System, M: OneStep<P>> PhaseSolver<P> for OneStepSolver<P, M> {
         if point.t == t_end {
             return Ok(PhaseEnd::EndOfTime);
         }
-        let mode = point.mode.clone();
         let mut phase = self.begin(problem, point, t_end, stats)?;
-        let mut context = PhaseContext { problem, point, stats, record };
-        loop {
-            self.choose_step(problem, context.point, &mut phase, context.stats);
-            let Some((t1, h)) = phase.next(context.point)? else { return Ok(PhaseEnd::EndOfTime) };
-            self.method.attempt(problem, mode.clone(), t1, h, context.stats);
-            if let Some(end) = self.judge(&mut context, &mut phase, h)? {
-                return Ok(end);
-            }
-        }
+        self.finish(&mut PhaseContext { problem, point, stats, record }, &mut phase)
     }
 }

@@ -92,11 +92,6 @@ pub trait System {
     /// The values of the guards, of length [`n_guards`](Self::n_guards).
     type Guards<S: Real>: Vector<S>;
 
-    /// Whether [`rhs`](Self::rhs) and [`guards`](Self::guards) never branch on the [value](Real::value) of a number
-    /// within a mode, except inside [outlined](Real::outlined) functions. If so, [`lanes`](crate::lanes) can compute
-    /// several runs at once.
-    const IN_LANES: bool = false;
-
     /// Number of continuous states: by default the length of [`State`](Self::State), which an array has in its type. A
     /// model whose states are in a `Vec` must tell it.
     fn dim(&self) -> usize {
@@ -243,30 +238,31 @@ pub trait System {
 }
 
 /// Systems of one kind that differ, in some of their modes, only in numerical parameters.
-/// [`Method::run_pair`](crate::Method::run_pair) then computes two runs in such modes at once, each run of a system
+/// [`Method::run_batch`](crate::Method::run_batch) then computes several runs in such modes at once, each of a system
 /// of its own.
 ///
-/// Where `numbers(mode)` is `Some`, the functions `rhs_of` and `guards_of` applied to these numbers must give the
-/// same bits as [`rhs`](System::rhs) and [`guards`](System::guards) of that mode, except for the sign of a zero. They
-/// must not branch on the [value](Real::value) of a number, not even inside [outlined](Real::outlined) functions,
-/// because the series of two runs is computed by one sequence of operations. Bounds of rounding, transitions and
-/// accumulation are asked of each system separately.
+/// Where `parameters(mode)` is `Some`, the functions `rhs_of` and `guards_of` applied to these parameters must give
+/// the same bits as [`rhs`](System::rhs) and [`guards`](System::guards) of that mode, except for the sign of a zero.
+/// The first step of each such phase is compared with them, and a difference ends the run in
+/// [`UnlikeParameters`](crate::Error::UnlikeParameters). They must not branch on the [value](Real::value) of a number,
+/// not even inside [outlined](Real::outlined) functions, because several runs are computed by one sequence of
+/// operations. Bounds of rounding, transitions and accumulation are asked of each system separately.
 ///
-/// The operations are generic over the type `C` of the numbers: `f64` for one system, a vector type for several. The
-/// numbers enter as in `y * c`, `y + c` and `y - c`, or by `<S as Over<C>>::of(c)`. They are not combined with each
-/// other: a product of two constants is a number of its own, computed in the order in which `rhs` computes it. For an
-/// example see [`BouncingBall`](crate::problems::BouncingBall), whose only number is gravity.
+/// The operations are generic over the type `C` of the parameters: `f64` for one system, a vector type for several.
+/// The parameters enter as in `y * c`, `y + c` and `y - c`, or by `<S as Over<C>>::of(c)`. They are not combined with
+/// each other: a product of two constants is a parameter of its own, computed in the order in which `rhs` computes it.
+/// For an example see [`BouncingBall`](crate::problems::BouncingBall), whose only parameter is gravity.
 pub trait Alike: System {
     /// The numerical parameters of one system in one mode.
-    type Numbers<C: Copy + Debug>: Vector<C>;
+    type Parameters<C: Copy + Debug>: Vector<C>;
 
-    /// The numbers of this system in `mode`, as many as of any system of the kind; `None` where the mode cannot be
+    /// The parameters of this system in `mode`, as many as of any system of the kind; `None` where the mode cannot be
     /// expressed by `rhs_of` and `guards_of`.
-    fn numbers(&self, mode: &Self::Mode) -> Option<Self::Numbers<f64>>;
+    fn parameters(&self, mode: &Self::Mode) -> Option<Self::Parameters<f64>>;
 
     /// Writes `f_mode(t, y)` to `dydt`.
     fn rhs_of<S: Over<C>, C: Copy + Debug>(
-        numbers: &Self::Numbers<C>,
+        parameters: &Self::Parameters<C>,
         t: S,
         y: &Self::State<S>,
         dydt: &mut Self::State<S>,
@@ -274,7 +270,7 @@ pub trait Alike: System {
 
     /// Writes the guards of the mode to `g`.
     fn guards_of<S: Over<C>, C: Copy + Debug>(
-        numbers: &Self::Numbers<C>,
+        parameters: &Self::Parameters<C>,
         t: S,
         y: &Self::State<S>,
         g: &mut Self::Guards<S>,
@@ -283,14 +279,14 @@ pub trait Alike: System {
     /// Writes both, as [`System::rhs_with_guards`] does.
     #[inline(always)]
     fn rhs_with_guards_of<S: Over<C>, C: Copy + Debug>(
-        numbers: &Self::Numbers<C>,
+        parameters: &Self::Parameters<C>,
         t: S,
         y: &Self::State<S>,
         dydt: &mut Self::State<S>,
         g: &mut Self::Guards<S>,
     ) {
-        Self::rhs_of(numbers, t, y, dydt);
-        Self::guards_of(numbers, t, y, g);
+        Self::rhs_of(parameters, t, y, dydt);
+        Self::guards_of(parameters, t, y, g);
     }
 }
 

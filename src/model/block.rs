@@ -421,8 +421,6 @@ impl System for Block {
     type State<S: Real> = State<S>;
     type Guards<S: Real> = [S; N_GUARDS];
 
-    const IN_LANES: bool = true;
-
     /// As [`mode_of_state`](ModeOfState::mode_of_state); a start on the surface, to rounding, is free.
     fn initial_mode(&self, t: f64, y: &State<f64>) -> Mode {
         let on_surface = self.pose(y).delta.abs() <= delta_bound(self.clearance);

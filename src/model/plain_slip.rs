@@ -1,4 +1,4 @@
-//! Slip of struts under the plain law: what most of a run is, and joints differ in by numbers alone.
+//! Slip of struts under the plain law: what most of a run is, and joints differ in by parameters alone.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Debug;
@@ -34,7 +34,7 @@ pub(super) struct PlainSlip<C = f64> {
 }
 
 impl PlainSlip {
-    /// How many numbers it is.
+    /// Number of its parameters.
     pub(super) const N: usize = 17;
 
     /// The slip `mode` of `block`.
@@ -55,8 +55,8 @@ impl PlainSlip {
         }
     }
 
-    /// Its numbers, in the order of its fields.
-    pub(super) fn numbers(&self) -> [f64; Self::N] {
+    /// Its parameters, in the order of its fields.
+    pub(super) fn parameters(&self) -> [f64; Self::N] {
         let BlockInertia { m_x, m_y, per_mass: [per_x, per_y], p, q, j_0, j_c } = self.inertia;
         let [ends, goes_on] = self.ends;
         let Self { clearance, stiffness, damping, friction_arm, torque, pin_radius, sigma, .. } =
@@ -84,9 +84,9 @@ impl PlainSlip {
 }
 
 impl<C: Copy> PlainSlip<C> {
-    /// Of its [numbers](PlainSlip::numbers).
+    /// Of its [parameters](PlainSlip::parameters).
     #[inline(always)]
-    pub(super) fn of(numbers: &[C; PlainSlip::N]) -> Self {
+    pub(super) fn of(parameters: &[C; PlainSlip::N]) -> Self {
         let [
             m_x,
             m_y,
@@ -105,7 +105,7 @@ impl<C: Copy> PlainSlip<C> {
             sigma,
             ends,
             goes_on,
-        ] = *numbers;
+        ] = *parameters;
         Self {
             inertia: BlockInertia { m_x, m_y, per_mass: [per_x, per_y], p, q, j_0, j_c },
             clearance,
@@ -177,43 +177,43 @@ impl Block {
 }
 
 impl Alike for Block {
-    type Numbers<C: Copy + Debug> = [C; PlainSlip::N];
+    type Parameters<C: Copy + Debug> = [C; PlainSlip::N];
 
-    fn numbers(&self, mode: &Mode) -> Option<[f64; PlainSlip::N]> {
-        self.plain_slip(*mode).map(|slip| slip.numbers())
+    fn parameters(&self, mode: &Mode) -> Option<[f64; PlainSlip::N]> {
+        self.plain_slip(*mode).map(|slip| slip.parameters())
     }
 
     #[inline(always)]
     fn rhs_of<S: Over<C>, C: Copy + Debug>(
-        numbers: &[C; PlainSlip::N],
+        parameters: &[C; PlainSlip::N],
         _t: S,
         y: &State<S>,
         dydt: &mut State<S>,
     ) {
-        let slip = PlainSlip::of(numbers);
+        let slip = PlainSlip::of(parameters);
         slip.rates(y, &distance(y), dydt);
     }
 
     #[inline(always)]
     fn guards_of<S: Over<C>, C: Copy + Debug>(
-        numbers: &[C; PlainSlip::N],
+        parameters: &[C; PlainSlip::N],
         _t: S,
         y: &State<S>,
         g: &mut [S; N_GUARDS],
     ) {
-        let slip = PlainSlip::of(numbers);
+        let slip = PlainSlip::of(parameters);
         *g = slip.guards(y, &distance(y));
     }
 
     #[inline(always)]
     fn rhs_with_guards_of<S: Over<C>, C: Copy + Debug>(
-        numbers: &[C; PlainSlip::N],
+        parameters: &[C; PlainSlip::N],
         _t: S,
         y: &State<S>,
         dydt: &mut State<S>,
         g: &mut [S; N_GUARDS],
     ) {
-        PlainSlip::of(numbers).rates_with_guards(y, dydt, g);
+        PlainSlip::of(parameters).rates_with_guards(y, dydt, g);
     }
 }
 
@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plain_slip_is_that_of_its_numbers_to_the_bit() {
+    fn a_plain_slip_is_that_of_its_parameters_to_the_bit() {
         let bits = |each: &[Dual64]| -> Vec<_> {
             each.iter().map(|x| [x.re.to_bits(), x.eps.to_bits()]).collect()
         };
@@ -276,7 +276,7 @@ mod tests {
                     .into_iter()
                     .enumerate()
                 {
-                    let numbers = block.numbers(&mode).unwrap();
+                    let parameters = block.parameters(&mode).unwrap();
                     for i in 0..100 {
                         // Around the bush, up to and past 90°.
                         let (s, c) = (0.7 * f64::from(i) + k as f64).sin_cos();
@@ -286,18 +286,18 @@ mod tests {
                         let (mut own, mut of) =
                             ([Dual64::from_re(0.0); 6], [Dual64::from_re(0.0); 6]);
                         block.rhs(mode, Dual64::from_re(0.0), &y, &mut own);
-                        Block::rhs_of(&numbers, Dual64::from_re(0.0), &y, &mut of);
+                        Block::rhs_of(&parameters, Dual64::from_re(0.0), &y, &mut of);
                         assert_eq!(bits(&own), bits(&of), "{mode}");
                         let rates = of;
                         let (mut own, mut of) =
                             ([Dual64::from_re(0.0); N_GUARDS], [Dual64::from_re(0.0); N_GUARDS]);
                         block.guards(mode, Dual64::from_re(0.0), &y, &mut own);
-                        Block::guards_of(&numbers, Dual64::from_re(0.0), &y, &mut of);
+                        Block::guards_of(&parameters, Dual64::from_re(0.0), &y, &mut of);
                         let mut rates_with = [Dual64::from_re(0.0); 6];
                         let mut with_rates = [Dual64::from_re(0.0); N_GUARDS];
                         let t = Dual64::from_re(0.0);
                         Block::rhs_with_guards_of(
-                            &numbers,
+                            &parameters,
                             t,
                             &y,
                             &mut rates_with,
@@ -312,14 +312,14 @@ mod tests {
                     }
                 }
                 for mode in [Mode::Apart, Mode::Stick(Touch::PLAIN), Mode::Relaxing(Touch::PLAIN)] {
-                    assert_eq!(block.numbers(&mode), None, "{mode}");
+                    assert_eq!(block.parameters(&mode), None, "{mode}");
                 }
             }
         }
         config.joints[0].contact.adhesion = false;
         config.joints[1].contact.exponent = 1.5;
         for block in Joints::new(&config).blocks() {
-            assert_eq!(block.numbers(&Mode::SlipPlus(Touch::PLAIN)), None);
+            assert_eq!(block.parameters(&Mode::SlipPlus(Touch::PLAIN)), None);
         }
     }
 }

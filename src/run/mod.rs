@@ -11,7 +11,7 @@ use deltazero_study::run::{
 use crate::config::Config;
 use crate::model::{Jointed, Joints, Mode, Part, State};
 
-pub use at_once::{integrate_many, integrate_pair};
+pub use at_once::integrate_at_once;
 pub use joints::{switches, trajectories};
 
 /// The `[solver]` table of a configuration; none if its method does not exist.

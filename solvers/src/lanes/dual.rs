@@ -1,11 +1,11 @@
-//! Dual numbers of several runs: [`Dual64`] of each, with the same bits.
+//! Dual numbers in lanes: in each lane the bits of a [`Dual64`].
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use num_dual::Dual64;
 
-use super::scalar::{LANES, Lanes, Own, Simd};
-use crate::real::{Function, Over, Real};
+use super::{LANES, Lanes, Simd};
+use crate::real::{Over, Real};
 
 /// Values and their derivatives along one direction each.
 #[derive(Clone, Copy, Debug)]
@@ -43,23 +43,22 @@ impl<V: Simd> Neg for DualLanes<V> {
     }
 }
 
-impl<V: Simd> Add for DualLanes<V> {
-    type Output = Self;
+/// A sum or a difference.
+macro_rules! sum {
+    ($trait:ident, $name:ident) => {
+        impl<V: Simd> $trait for DualLanes<V> {
+            type Output = Self;
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self::new(self.re + other.re, self.eps + other.eps)
-    }
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                Self::new(self.re.$name(other.re), self.eps.$name(other.eps))
+            }
+        }
+    };
 }
 
-impl<V: Simd> Sub for DualLanes<V> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self::new(self.re - other.re, self.eps - other.eps)
-    }
-}
+sum!(Add, add);
+sum!(Sub, sub);
 
 impl<V: Simd> Mul for DualLanes<V> {
     type Output = Self;
@@ -81,73 +80,33 @@ impl<V: Simd> Div for DualLanes<V> {
     }
 }
 
-impl<V: Simd> Add<f64> for DualLanes<V> {
-    type Output = Self;
+/// An operation with a constant, and the derivative of its result.
+macro_rules! with_constant {
+    ($trait:ident<$constant:ty>, $name:ident, |$x:ident, $c:ident| $eps:expr) => {
+        impl<V: Simd> $trait<$constant> for DualLanes<V> {
+            type Output = Self;
 
-    #[inline(always)]
-    fn add(self, other: f64) -> Self {
-        Self::new(self.re + other, self.eps)
-    }
+            #[inline(always)]
+            fn $name(self, $c: $constant) -> Self {
+                let $x = self;
+                Self::new($x.re.$name($c), $eps)
+            }
+        }
+    };
 }
 
-impl<V: Simd> Sub<f64> for DualLanes<V> {
-    type Output = Self;
+with_constant!(Add<f64>, add, |x, c| x.eps);
+with_constant!(Sub<f64>, sub, |x, c| x.eps);
+with_constant!(Mul<f64>, mul, |x, c| x.eps * c);
+with_constant!(Div<f64>, div, |x, c| x.eps / c);
+with_constant!(Add<Lanes<V>>, add, |x, c| x.eps);
+with_constant!(Sub<Lanes<V>>, sub, |x, c| x.eps);
+with_constant!(Mul<Lanes<V>>, mul, |x, c| x.eps * c);
 
+impl<V: Simd> Over<Lanes<V>> for DualLanes<V> {
     #[inline(always)]
-    fn sub(self, other: f64) -> Self {
-        Self::new(self.re - other, self.eps)
-    }
-}
-
-impl<V: Simd> Mul<f64> for DualLanes<V> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, other: f64) -> Self {
-        Self::new(self.re * other, self.eps * other)
-    }
-}
-
-impl<V: Simd> Div<f64> for DualLanes<V> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn div(self, other: f64) -> Self {
-        Self::new(self.re / other, self.eps / other)
-    }
-}
-
-impl<V: Simd> Add<Own<V>> for DualLanes<V> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn add(self, own: Own<V>) -> Self {
-        Self::new(self.re + own, self.eps)
-    }
-}
-
-impl<V: Simd> Sub<Own<V>> for DualLanes<V> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn sub(self, own: Own<V>) -> Self {
-        Self::new(self.re - own, self.eps)
-    }
-}
-
-impl<V: Simd> Mul<Own<V>> for DualLanes<V> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, own: Own<V>) -> Self {
-        Self::new(self.re * own, self.eps * own)
-    }
-}
-
-impl<V: Simd> Over<Own<V>> for DualLanes<V> {
-    #[inline(always)]
-    fn of(constant: Own<V>) -> Self {
-        Self::new(constant.number(), Lanes::cst(0.0))
+    fn of(constant: Lanes<V>) -> Self {
+        Self::new(constant, Lanes::cst(0.0))
     }
 }
 
@@ -184,10 +143,6 @@ impl<V: Simd> Real for DualLanes<V> {
     fn powf(self, a: f64) -> Self {
         self.map(|x| Real::powf(x, a))
     }
-
-    fn outlined<F: Function>(self, f: &F) -> Self {
-        self.map(|x| f.of(x))
-    }
 }
 
 #[cfg(test)]
@@ -195,6 +150,7 @@ mod tests {
     use wide::{f64x2, f64x8};
 
     use super::*;
+    use crate::real::Function;
 
     /// Every operation, in numbers of any kind.
     struct Everything;
@@ -208,28 +164,27 @@ mod tests {
     }
 
     #[test]
-    fn each_run_has_the_dual_number_that_it_has_alone() {
-        each_run_has_its_own::<f64x8>();
-        each_run_has_its_own::<f64x2>();
+    fn each_lane_has_the_dual_number_that_it_has_alone() {
+        each_lane_has_its_own::<f64x8>();
+        each_lane_has_its_own::<f64x2>();
     }
 
-    fn each_run_has_its_own<V: Simd>() {
+    fn each_lane_has_its_own<V: Simd>() {
         let mut random = fastrand::Rng::with_seed(1);
         for _ in 0..1000 {
             let each: [f64; LANES] = std::array::from_fn(|_| 1.1 * random.f64());
             let rates: [f64; LANES] = std::array::from_fn(|_| random.f64() - 0.5);
             let value = Lanes::<V>::from_fn(|i| each[i]);
             let lanes = DualLanes::new(value, Lanes::from_fn(|i| rates[i]));
-            let own = Own::<V>::from_fn(|i| rates[i]);
-            let (whole, outlined) = (Everything.of(lanes), lanes.outlined(&Everything));
-            let with_own = (lanes + own) * own - own;
+            let constant = Lanes::<V>::from_fn(|i| rates[i]);
+            let whole = Everything.of(lanes);
+            let with_constant = (lanes + constant) * constant - constant;
             for i in 0..V::N {
                 let alone = Dual64::new(each[i], rates[i]);
                 let bits = |x: DualLanes<V>| [x.re, x.eps].map(|x| x.lane(i).to_bits());
                 let expected = |x: Dual64| [x.re, x.eps].map(f64::to_bits);
                 assert_eq!(bits(whole), expected(Everything.of(alone)));
-                assert_eq!(bits(outlined), expected(Everything.of(alone)));
-                assert_eq!(bits(with_own), expected((alone + rates[i]) * rates[i] - rates[i]));
+                assert_eq!(bits(with_constant), expected((alone + rates[i]) * rates[i] - rates[i]));
                 let plain = Everything.of(value).lane(i);
                 assert_eq!(plain.to_bits(), Everything.of(each[i]).to_bits());
             }

@@ -7,7 +7,7 @@
 //! `k_sin.c` and `k_cos.c` of FreeBSD's msun, © 1993 Sun Microsystems: "Permission to use, copy, modify, and
 //! distribute this software is freely granted, provided that this notice is preserved."
 
-use super::scalar::{LANES, Simd};
+use super::{LANES, Simd};
 
 const S1: f64 = -0.16666666666666632;
 const S2: f64 = 0.00833333333332249;

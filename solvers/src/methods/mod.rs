@@ -22,12 +22,12 @@ pub use rodas_5p::RODAS_5P;
 pub use verner_98::VERNER_98;
 
 use crate::auto::{self, AutoSolver};
+use crate::batch::{self, Entry};
 use crate::control::Control;
 use crate::diffsol::{DiffsolScheme, DiffsolSolver};
 use crate::erk::ExplicitRk;
 use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
-use crate::lanes::{pair, pool};
 use crate::one_step::{OneStepSolver, Paced};
 use crate::phase::PhaseSolver;
 use crate::radau::{Radau, RadauMethod};
@@ -205,9 +205,8 @@ impl Method {
         matches!(self.scheme, Scheme::Auto)
     }
 
-    /// Whether the method can compute two runs of similar systems [at once](Self::run_pair): methods with an explicit
-    /// tableau and Taylor series can.
-    pub fn is_for_pairs(&self) -> bool {
+    /// Whether the method can compute several runs [at once](Self::run_batch).
+    pub fn is_for_batches(&self) -> bool {
         matches!(self.scheme, Scheme::Explicit(_) | Scheme::Taylor)
     }
 
@@ -281,92 +280,60 @@ impl Method {
         }
     }
 
-    /// Integrates `runs` of one model to `t_end`, each shown to the recorder at the same index, and returns how each
-    /// ended.
+    /// Integrates `runs` of systems of a kind to `t_end`, each under the control and shown to the recorder of its index,
+    /// and returns how each ended.
     ///
-    /// The results are, to the bit, those of [`Integration::run`] with a [solver](Self::solver) for each run. An
-    /// explicit tableau method on a model [for lanes](System::IN_LANES) computes several runs [at once](crate::lanes)
-    /// where they are in the same mode; otherwise the runs follow one after the other.
+    /// The results are, to the bit, those of [`Integration::run`] with a [solver](Self::solver) for each run. Methods
+    /// with an explicit tableau, and Taylor series of one order to tolerances, compute several runs [at
+    /// once](crate::batch) while their modes differ only in [parameters](Alike::parameters). Other runs follow one after
+    /// the other.
     ///
     /// # Errors
     /// As [`solver`](Self::solver), before any run begins.
     ///
     /// # Panics
-    /// Where there are fewer `records` than `runs`.
-    pub fn run_many<P: System, R: Record<P>>(
+    /// Where there are fewer `controls` or `records` than `runs`, where two systems give different numbers of
+    /// parameters, or where one branches on a number in a mode that has parameters.
+    pub fn run_batch<P: Alike, R: Record<P>>(
         &self,
         runs: &mut [Integration<'_, P>],
         t_end: f64,
-        control: &Control,
+        controls: &[Control],
         records: &mut [R],
     ) -> Result<Vec<Result<Outcome, Error>>, Error> {
-        assert!(records.len() >= runs.len(), "a recorder for each run is needed");
-        let Some(problem) = runs.first().map(|run| run.problem) else { return Ok(Vec::new()) };
-        for run in runs.iter() {
-            self.check(run.problem.dim(), control)?;
-        }
-        if P::IN_LANES
-            && let Scheme::Explicit(explicit) = self.scheme
-            && runs.iter().all(|run| std::ptr::eq(run.problem, problem))
-        {
-            return Ok(for_any_stages!(explicit, tableau => {
-                pool::run(problem, tableau, control, (runs, t_end), records)
-            }));
-        }
-        let pairs = runs.iter_mut().zip(records);
-        pairs
-            .map(|(run, record)| {
-                let mut solver = self.solver(run.problem, control.clone())?;
-                Ok(run.run(t_end, &mut *solver, record))
-            })
-            .collect()
-    }
-
-    /// Integrates two runs of similar systems to `t_end`, each with its own control and recorder, and returns how
-    /// each ended.
-    ///
-    /// The results are, to the bit, those of [`Integration::run`] with a [solver](Self::solver) for each run. An
-    /// explicit tableau method, and Taylor series of the same order to tolerances, compute both runs [at
-    /// once](crate::lanes) where both are in modes that differ only in [numbers](Alike::numbers); otherwise the runs
-    /// follow one after the other.
-    ///
-    /// # Errors
-    /// As [`solver`](Self::solver), before any run begins.
-    ///
-    /// # Panics
-    /// Where the two systems give numbers of different lengths, or one branches on a number in a mode for which it
-    /// gave numbers.
-    pub fn run_pair<P: Alike, R: Record<P>>(
-        &self,
-        mut runs: [&mut Integration<'_, P>; 2],
-        t_end: f64,
-        controls: [&Control; 2],
-        mut records: [&mut R; 2],
-    ) -> Result<[Result<Outcome, Error>; 2], Error> {
+        assert!(controls.len().min(records.len()) >= runs.len(), "a run needs control and record");
         for (run, control) in runs.iter().zip(controls) {
             self.check(run.problem.dim(), control)?;
         }
-        let [a, b] = [0, 1].map(|i| runs[i].problem);
-        if (a.dim(), a.n_guards()) == (b.dim(), b.n_guards()) {
-            match self.scheme {
-                Scheme::Explicit(explicit) => {
-                    return Ok(for_any_stages!(explicit, tableau => {
-                        pair::by_stages(tableau, controls, t_end, runs, records)
-                    }));
-                }
-                Scheme::Taylor => {
-                    if let [Control::Adaptive(a), Control::Adaptive(b)] = controls
-                        && taylor::order_for(a.rtol) == taylor::order_for(b.rtol)
-                    {
-                        return Ok(pair::by_series([a, b], controls, t_end, runs, records));
+        let mut ends = vec![Ok(Outcome::Finished); runs.len()];
+        let all = runs.iter_mut().zip(controls).zip(records).enumerate();
+        let entry = |(index, ((run, control), record))| Entry { index, run, control, record };
+        let mut entries: Vec<_> = all.map(entry).collect();
+        // Runs in one batch have vectors of the same lengths, and series of the same order.
+        let class = |Entry { run, control, .. }: &Entry<'_, '_, P, R>| {
+            let rtol = match control {
+                Control::Adaptive(tolerance) => Some(tolerance.rtol),
+                Control::Fixed(_) => None,
+            };
+            (run.problem.dim(), run.problem.n_guards(), rtol.and_then(|_| self.series_order(rtol)))
+        };
+        while let Some(first) = entries.first().map(class) {
+            let (same, others) = entries.into_iter().partition(|entry| class(entry) == first);
+            entries = others;
+            match (&self.scheme, first.2) {
+                (Scheme::Explicit(explicit), _) => for_any_stages!(*explicit, tableau => {
+                    batch::by_tableau(tableau, same, t_end, &mut ends);
+                }),
+                (Scheme::Taylor, Some(order)) => batch::by_series(order, same, t_end, &mut ends),
+                _ => {
+                    for Entry { index, run, control, record } in same {
+                        let mut solver = self.solver(run.problem, control.clone())?;
+                        ends[index] = run.run(t_end, &mut *solver, record);
                     }
                 }
-                _ => {}
             }
         }
-        let mut solvers =
-            [self.solver(a, controls[0].clone())?, self.solver(b, controls[1].clone())?];
-        Ok([0, 1].map(|i| runs[i].run(t_end, &mut *solvers[i], records[i])))
+        Ok(ends)
     }
 
     /// Checks that the method can work on `n` states under `control`.
@@ -380,7 +347,10 @@ impl Method {
                 let allowed = "a step must be finite and above zero";
                 Err(Error::BadArgument { name: "step", value: *h, allowed })
             }
-            Control::Fixed(_) => Ok(()),
+            Control::Fixed(_) => match self.scheme {
+                Scheme::Diffsol(_) | Scheme::Auto => self.tolerance(control.clone()).map(|_| ()),
+                _ => Ok(()),
+            },
         }
     }
 }

@@ -172,8 +172,6 @@ impl System for BeltOscillator {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 1];
 
-    const IN_LANES: bool = true;
-
     fn initial_mode(&self, t: f64, y: &[f64; 2]) -> BeltMode {
         self.mode_of_state(t, y)
     }

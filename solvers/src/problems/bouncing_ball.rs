@@ -93,8 +93,6 @@ impl System for BouncingBall {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 1];
 
-    const IN_LANES: bool = true;
-
     fn initial_mode(&self, _t: f64, y: &[f64; 2]) -> BouncingMode {
         if *y == [0.0, 0.0] { BouncingMode::Rest } else { BouncingMode::Flight }
     }
@@ -146,14 +144,14 @@ impl System for BouncingBall {
 
 /// Two balls differ by gravity alone as long as both fly.
 impl Alike for BouncingBall {
-    type Numbers<C: Copy + Debug> = [C; 1];
+    type Parameters<C: Copy + Debug> = [C; 1];
 
-    fn numbers(&self, mode: &BouncingMode) -> Option<[f64; 1]> {
+    fn parameters(&self, mode: &BouncingMode) -> Option<[f64; 1]> {
         (*mode == BouncingMode::Flight).then_some([-self.gravity])
     }
 
-    fn rhs_of<S: Over<C>, C: Copy + Debug>(numbers: &[C; 1], _t: S, y: &[S; 2], dydt: &mut [S; 2]) {
-        *dydt = [y[1], <S as Over<C>>::of(numbers[0])];
+    fn rhs_of<S: Over<C>, C: Copy + Debug>(of: &[C; 1], _t: S, y: &[S; 2], dydt: &mut [S; 2]) {
+        *dydt = [y[1], <S as Over<C>>::of(of[0])];
     }
 
     fn guards_of<S: Over<C>, C: Copy + Debug>(_: &[C; 1], _t: S, y: &[S; 2], g: &mut [S; 1]) {

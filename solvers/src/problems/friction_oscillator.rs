@@ -93,8 +93,6 @@ impl System for FrictionOscillator {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 2];
 
-    const IN_LANES: bool = true;
-
     fn initial_mode(&self, _t: f64, &[x, v]: &[f64; 2]) -> FrictionMode {
         if v > 0.0 {
             FrictionMode::SlipPlus

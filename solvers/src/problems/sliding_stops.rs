@@ -175,8 +175,6 @@ impl System for SlidingStops {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 3];
 
-    const IN_LANES: bool = true;
-
     fn initial_mode(&self, t: f64, &[x, v]: &[f64; 2]) -> StopsMode {
         let block = if v > 0.0 {
             Block::Slides(Wall::Right)

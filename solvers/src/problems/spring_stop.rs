@@ -151,8 +151,6 @@ impl System for SpringStop {
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 1];
 
-    const IN_LANES: bool = true;
-
     fn initial_mode(&self, t: f64, y: &[f64; 2]) -> StopMode {
         self.mode_of_state(t, y)
     }

@@ -120,8 +120,6 @@ impl System for Thermostat {
     type State<S: Real> = [S; 1];
     type Guards<S: Real> = [S; 1];
 
-    const IN_LANES: bool = true;
-
     fn initial_mode(&self, _t: f64, _y: &[f64; 1]) -> Heater {
         self.heater
     }

@@ -63,8 +63,6 @@ impl System for TwoBalls {
     type State<S: Real> = [S; 4];
     type Guards<S: Real> = [S; 2];
 
-    const IN_LANES: bool = true;
-
     fn initial_mode(&self, t: f64, y: &[f64; 4]) -> [BouncingMode; 2] {
         let each = parted(y);
         std::array::from_fn(|i| self.balls[i].initial_mode(t, &each[i]))

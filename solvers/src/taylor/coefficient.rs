@@ -7,7 +7,7 @@ use wide::{f64x2, f64x4, f64x8};
 use super::recurrence::SHORT;
 use super::rows::{MAX_ORDER, Row, Tail};
 use crate::double_double::DoubleDouble;
-use crate::lanes::scalar::{Lanes, Simd};
+use crate::lanes::{Lanes, Simd};
 use crate::real::{Ordered, Real};
 
 /// A number that can be the coefficient of a series.

@@ -1,7 +1,7 @@
 //! The Taylor method: a series about the start of each step, summed at its end.
 
 use super::coefficient::Coefficient;
-use super::expand::Expansion;
+use super::expand::{Expansion, SeriesField};
 use super::guards::{GuardSeries, Look};
 use super::order::{self, Reach};
 use super::rows::MAX_ORDER;
@@ -15,12 +15,12 @@ use crate::step::{Step, end_accessors};
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 
-/// The Taylor method applied to one system.
+/// The Taylor method applied to one system, or to several at once in lanes.
 #[derive(Debug)]
-pub struct TaylorMethod<Y, G> {
-    pub(crate) step: TaylorStep<Y>,
-    expansion: Expansion<f64>,
-    pub(crate) guards: GuardSeries<G, f64>,
+pub struct TaylorMethod<Y, G, B: Copy = f64> {
+    pub(crate) step: TaylorStep<Y, B>,
+    expansion: Expansion<B>,
+    pub(crate) guards: GuardSeries<G, B>,
     /// Whether the series is complete; otherwise only its first order is known.
     pub(crate) is_expanded: bool,
     /// Degree that follows from the tolerance; `None` to choose it by the step size.
@@ -30,11 +30,11 @@ pub struct TaylorMethod<Y, G> {
 
 /// A step of the Taylor method: a polynomial.
 #[derive(Debug)]
-pub struct TaylorStep<Y> {
-    pub(crate) t0: f64,
+pub struct TaylorStep<Y, B = f64> {
+    pub(crate) t0: B,
     /// Low part of the time at the start, where that has more digits than `t0`.
     pub(super) t0_low: f64,
-    pub(crate) t1: f64,
+    pub(crate) t1: B,
     pub(crate) y1: Y,
     pub(crate) slope1: Y,
     /// Coefficients by order; the first two are the state and the slope at the start.
@@ -42,18 +42,18 @@ pub struct TaylorStep<Y> {
     /// Degree of the polynomial that the step is taken with.
     pub(crate) degree: usize,
     /// Weights of the states in the norm, from the tolerance at the start.
-    pub(super) weights: Y,
+    pub(crate) weights: Y,
 }
 
-impl<Y: Vector<f64>> TaylorStep<Y> {
+impl<Y: Vector<B>, B: Real> TaylorStep<Y, B> {
     /// Workspace for a step of `order` for systems of `n` states.
     pub(super) fn new(n: usize, order: usize) -> Self {
-        let zero = || Y::from_fn(n, |_| 0.0);
+        let zero = || Y::from_fn(n, |_| B::cst(0.0));
         let y = (0..=order).map(|_| zero()).collect();
         Self {
-            t0: 0.0,
+            t0: B::cst(0.0),
             t0_low: 0.0,
-            t1: 0.0,
+            t1: B::cst(0.0),
             y1: zero(),
             slope1: zero(),
             y,
@@ -68,7 +68,7 @@ impl<Y: Vector<f64>> TaylorStep<Y> {
     }
 }
 
-impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
+impl<Y: Vector<B>, G: Vector<B::Rounded>, B: Coefficient> TaylorMethod<Y, G, B> {
     /// The method of `order` for systems of `n` states and `n_guards` guards.
     pub fn new(n: usize, n_guards: usize, order: usize) -> Self {
         let order = order.clamp(1, MAX_ORDER);
@@ -78,25 +78,74 @@ impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
             guards: GuardSeries::new(n_guards, order),
             is_expanded: false,
             degree: None,
-            error: Y::from_fn(n, |_| 0.0),
+            error: Y::from_fn(n, |_| B::cst(0.0)),
         }
     }
 
+    /// Begins the series about the start of the step.
+    pub(crate) fn begin<P>(&mut self, field: &impl SeriesField<P, B>)
+    where
+        P: System<State<B> = Y, Guards<B::Rounded> = G>,
+    {
+        let (start, rest) = self.step.y.split_at_mut(1);
+        self.expansion.begin(field, self.step.t0, &start[0], &mut rest[0], self.guards.start());
+    }
+
+    /// Completes the series about the start of the step.
+    #[inline(always)]
+    pub(crate) fn finish<P>(&mut self, field: &impl SeriesField<P, B>)
+    where
+        P: System<State<B> = Y, Guards<B::Rounded> = G>,
+    {
+        self.expansion.complete(field, self.step.t0, &mut self.step.y, self.guards.low());
+    }
+
+    /// Sums the series at the end of the step, and begins the series of the next step: `y₁ = p(h)` and `ẏ₁ = f(t₁,
+    /// y₁)` for the polynomial `p` of degree N.
+    ///
+    /// ```text
+    /// error = h (p'(h) − ẏ₁)/(N + 1)
+    /// ```
+    ///
+    /// To leading order the defect `p' − f(p)` is minus the derivative of the next term, `(N + 1) y_(N+1) hᴺ`. It is
+    /// large where the series does not converge to the solution, or where the right-hand side branches.
+    #[inline(always)]
+    pub(crate) fn take<P>(&mut self, field: &impl SeriesField<P, B>, t1: B, h: B)
+    where
+        P: System<State<B> = Y, Guards<B::Rounded> = G>,
+    {
+        let step = &mut self.step;
+        step.t1 = t1;
+        sum_with_slope(&step.y[..=step.degree], h, &mut step.y1, &mut self.error);
+        self.expansion.begin(field, t1, &step.y1, &mut step.slope1, &mut self.guards.end);
+        to_defect(h, step.degree, &step.slope1, &mut self.error);
+    }
+
+    /// Makes the end of the step the start of the next one.
+    #[inline(always)]
+    pub(crate) fn go_on(&mut self) {
+        let step = &mut self.step;
+        step.t0 = step.t1;
+        std::mem::swap(&mut step.y[0], &mut step.y1);
+        std::mem::swap(&mut step.y[1], &mut step.slope1);
+        self.guards.advance();
+        self.is_expanded = false;
+        self.degree = None;
+    }
+}
+
+impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
     /// Expands about the start of the step, unless that is done already.
-    fn expand<P>(&mut self, problem: &P, mode: P::Mode, stats: &mut Stats)
+    fn expand<P>(&mut self, problem: &P, mode: &P::Mode, stats: &mut Stats)
     where
         P: System<State<f64> = Y, Guards<f64> = G>,
     {
         if !std::mem::replace(&mut self.is_expanded, true) {
-            let TaylorStep { t0, y, .. } = &mut self.step;
-            let field = InMode { problem, mode: &mode };
-            self.expansion.complete(&field, *t0, y, self.guards.low());
+            self.finish::<P>(&InMode { problem, mode });
             stats.work.n_rhs += 1;
         }
     }
-}
 
-impl<Y, G> TaylorMethod<Y, G> {
     /// Stores the degree of `reach`, and returns the step size to propose.
     #[inline]
     pub(crate) fn reaches(&mut self, reach: Option<Reach>) -> Option<f64> {
@@ -126,8 +175,7 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
         (step.t0, step.t1) = (t, t);
         step.y[0].clone_from(y);
         step.y1.clone_from(y);
-        let field = InMode { problem, mode: &mode };
-        self.expansion.begin(&field, t, y, &mut step.y[1], self.guards.start());
+        self.begin::<P>(&InMode { problem, mode: &mode });
         self.is_expanded = false;
         self.degree = None;
     }
@@ -139,29 +187,16 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
         tolerance: &Tolerance,
         stats: &mut Stats,
     ) -> Option<f64> {
-        self.expand(problem, mode, stats);
+        self.expand(problem, &mode, stats);
         let reach = order::reach(&self.step.y, tolerance, &mut self.step.weights);
         self.reaches(reach)
     }
 
-    /// Sums the series at the end of the step, and begins the series of the next step: `y₁ = p(h)` and `ẏ₁ = f(t₁,
-    /// y₁)` for the polynomial `p` of degree N.
-    ///
-    /// ```text
-    /// error = h (p'(h) − ẏ₁)/(N + 1)
-    /// ```
-    ///
-    /// To leading order the defect `p' − f(p)` is minus the derivative of the next term, `(N + 1) y_(N+1) hᴺ`. It is
-    /// large where the series does not converge to the solution, or where the right-hand side branches.
     fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats) {
-        self.expand(problem, mode.clone(), stats);
+        self.expand(problem, &mode, stats);
         let step = &mut self.step;
-        step.t1 = t1;
         step.degree = self.degree.unwrap_or_else(|| order::convergent_degree(&step.y, h));
-        sum_with_slope(&step.y[..=step.degree], h, &mut step.y1, &mut self.error);
-        let field = InMode { problem, mode: &mode };
-        self.expansion.begin(&field, t1, &step.y1, &mut step.slope1, &mut self.guards.end);
-        to_defect(h, step.degree, &step.slope1, &mut self.error);
+        self.take::<P>(&InMode { problem, mode: &mode }, t1, h);
     }
 
     fn complete(&mut self, _problem: &P, _mode: P::Mode, _stats: &mut Stats) {}
@@ -191,13 +226,7 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
     }
 
     fn advance(&mut self) {
-        let step = &mut self.step;
-        step.t0 = step.t1;
-        std::mem::swap(&mut step.y[0], &mut step.y1);
-        std::mem::swap(&mut step.y[1], &mut step.slope1);
-        self.guards.advance();
-        self.is_expanded = false;
-        self.degree = None;
+        self.go_on();
     }
 
     fn step(&self) -> &Self::Step {
@@ -223,7 +252,7 @@ fn sum<Y: Vector<f64>>(c: &[Y], h: f64, y: &mut Y) {
 
 /// Sums the polynomial with the coefficients `c` at `h`, and its derivative.
 #[inline]
-pub(crate) fn sum_with_slope<T: Coefficient, Y: Vector<T>>(
+pub(super) fn sum_with_slope<T: Coefficient, Y: Vector<T>>(
     c: &[Y],
     h: T,
     y: &mut Y,
@@ -244,7 +273,7 @@ pub(crate) fn sum_with_slope<T: Coefficient, Y: Vector<T>>(
 /// Replaces the `derivative` of a polynomial of `degree` N by the error estimate, `h/(N + 1)` times its difference
 /// from `slope`.
 #[inline]
-pub(crate) fn to_defect<T: Real, Y: Vector<T>>(h: T, degree: usize, slope: &Y, derivative: &mut Y) {
+fn to_defect<T: Real, Y: Vector<T>>(h: T, degree: usize, slope: &Y, derivative: &mut Y) {
     let share = h / (degree + 1) as f64;
     for (derivative, slope) in derivative.as_mut().iter_mut().zip(slope.as_ref()) {
         *derivative = share * (*derivative - *slope);

@@ -20,12 +20,12 @@
 //! Taylor methods", Exp. Math. 14(1), 99–117 (2005).
 
 pub mod coefficient;
+mod constants;
 pub mod expand;
 pub mod extended;
 pub mod guards;
 pub mod method;
 pub mod order;
-mod own;
 pub mod polynomial;
 pub mod recurrence;
 pub mod rows;

@@ -9,9 +9,9 @@ mod script;
 
 mod accumulation;
 mod backward;
+mod batch;
 mod crossings;
 mod dips;
-mod lanes;
 mod modes;
 mod not_finite;
 mod recorder;

@@ -1,12 +1,13 @@
 //! Runs that only reject: the recorder is asked all the same, and may end them.
 
+use std::fmt::Debug;
 use std::ops::ControlFlow;
 
 use deltazero_solvers::record::REJECTIONS_A_LOOK;
 use deltazero_solvers::taylor::ExtendedIntegration;
 use deltazero_solvers::{
-    Accepted, Control, Event, Integration, Needs, Next, Outcome, Real, Record, Stats, System,
-    Tolerance,
+    Accepted, Alike, Control, Event, Integration, Needs, Next, Outcome, Over, Real, Record, Stats,
+    System, Tolerance,
 };
 
 use crate::common::steps_itself;
@@ -16,17 +17,15 @@ use crate::log::settings;
 /// that is above the least number.
 struct Cliff;
 
-/// The same without a branch, for lanes: `ẏ = t/(t² + 1e-300)`.
+/// The same without a branch, for batches: `ẏ = t/(t² + 1e-300)`.
 struct Slope;
 
 macro_rules! quadrature {
-    ($name:ident, $in_lanes:literal, $slope:expr) => {
+    ($name:ident, $slope:expr) => {
         impl System for $name {
             type Mode = ();
             type State<S: Real> = [S; 2];
             type Guards<S: Real> = [S; 1];
-
-            const IN_LANES: bool = $in_lanes;
 
             fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
 
@@ -55,8 +54,24 @@ macro_rules! quadrature {
     };
 }
 
-quadrature!(Cliff, false, |t: S| if t.value() > 0.0 { S::cst(1.0) / t } else { S::cst(0.0) });
-quadrature!(Slope, true, |t: S| t / (t * t + S::cst(1e-300)));
+quadrature!(Cliff, |t: S| if t.value() > 0.0 { S::cst(1.0) / t } else { S::cst(0.0) });
+quadrature!(Slope, |t: S| t / (t * t + S::cst(1e-300)));
+
+impl Alike for Slope {
+    type Parameters<C: Copy + Debug> = [C; 0];
+
+    fn parameters(&self, (): &()) -> Option<[f64; 0]> {
+        Some([])
+    }
+
+    fn rhs_of<S: Over<C>, C: Copy + Debug>(_: &[C; 0], t: S, y: &[S; 2], dydt: &mut [S; 2]) {
+        Slope.rhs((), t, y, dydt);
+    }
+
+    fn guards_of<S: Over<C>, C: Copy + Debug>(_: &[C; 0], t: S, y: &[S; 2], g: &mut [S; 1]) {
+        Slope.guards((), t, y, g);
+    }
+}
 
 /// Ends a run at the second look.
 #[derive(Default)]
@@ -116,7 +131,7 @@ fn a_recorder_ends_a_run_that_only_rejects() {
 }
 
 #[test]
-fn each_run_of_several_at_once_ends_by_its_own_recorder_while_it_rejects() {
+fn each_run_of_a_batch_ends_by_its_own_recorder_while_it_rejects() {
     for (method, control) in settings() {
         let is_explicit = ["bs32", "rk45", "dop853", "vern98"].contains(&method.name);
         if matches!(control, Control::Fixed(_)) || !is_explicit {
@@ -124,8 +139,8 @@ fn each_run_of_several_at_once_ends_by_its_own_recorder_while_it_rejects() {
         }
         let mut runs: Vec<_> = (0..3).map(|_| Integration::new(&Slope, 0.0, [0.0; 2])).collect();
         let mut seen: Vec<_> = (0..3).map(|_| Impatient::default()).collect();
-        let control = Control::Adaptive(tolerance());
-        let ends = method.run_many(&mut runs, 1.0, &control, &mut seen).unwrap();
+        let controls = vec![Control::Adaptive(tolerance()); 3];
+        let ends = method.run_batch(&mut runs, 1.0, &controls, &mut seen).unwrap();
         for ((run, end), seen) in runs.iter().zip(ends).zip(&seen) {
             assert_ended(method.name, end.unwrap(), run.point.t, seen);
         }

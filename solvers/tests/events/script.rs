@@ -1,6 +1,8 @@
 //! A hybrid system written as data, so that a rule's case is one line.
 
-use deltazero_solvers::{Next, Outcome, Real, System};
+use std::fmt::Debug;
+
+use deltazero_solvers::{Alike, Next, Outcome, Over, Real, System};
 
 use crate::common::at_most;
 use crate::log::{ROUNDING, run, settings};
@@ -51,7 +53,7 @@ pub(crate) fn chain(guards: &[&[f64]]) -> Script {
 }
 
 /// The polynomial with the coefficients `c` of 1, x, x², …
-fn polynomial<S: Real>(c: &[f64], x: S) -> S {
+fn polynomial<S: Over<C>, C: Copy>(c: &[C], x: S) -> S {
     c.iter().rev().fold(S::cst(0.0), |p, c| p * x + *c)
 }
 
@@ -59,8 +61,6 @@ impl System for Script {
     type Mode = usize;
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = Vec<S>;
-
-    const IN_LANES: bool = true;
 
     fn n_guards(&self) -> usize {
         self.guards[0].len()
@@ -93,6 +93,51 @@ impl System for Script {
             y[1] = S::cst(z);
         }
         guard.next
+    }
+}
+
+/// Numbers of a guard among the parameters, of which the first two guards are the first: two coefficients of `p`, and
+/// `a`. The rate follows.
+const OF_GUARD: usize = 3;
+
+/// Scripts differ in coefficients alone in modes of up to two guards that are linear in x.
+impl Alike for Script {
+    type Parameters<C: Copy + Debug> = Vec<C>;
+
+    fn parameters(&self, mode: &usize) -> Option<Vec<f64>> {
+        let guards = &self.guards[*mode];
+        if guards.len() > 2 || guards.iter().any(|guard| guard.p.len() > 2) {
+            return None;
+        }
+        let of_guard = |i: usize| {
+            let (p, a) = guards.get(i).map_or((&[][..], 0.0), |guard| (&guard.p, guard.a));
+            [p.first().copied().unwrap_or(0.0), p.get(1).copied().unwrap_or(0.0), a]
+        };
+        let mut parameters = [of_guard(0), of_guard(1)].concat();
+        let longest = self.rate.iter().map(Vec::len).max()?;
+        parameters.extend(&self.rate[*mode]);
+        parameters.resize(2 * OF_GUARD + longest, 0.0);
+        Some(parameters)
+    }
+
+    fn rhs_of<S: Over<C>, C: Copy + Debug>(
+        of: &Vec<C>,
+        _t: S,
+        &[x, _]: &[S; 2],
+        dydt: &mut [S; 2],
+    ) {
+        *dydt = [S::cst(1.0), polynomial(&of[2 * OF_GUARD..], x)];
+    }
+
+    fn guards_of<S: Over<C>, C: Copy + Debug>(
+        of: &Vec<C>,
+        _t: S,
+        &[x, z]: &[S; 2],
+        g: &mut Vec<S>,
+    ) {
+        for (g, guard) in g.iter_mut().zip(of.chunks(OF_GUARD)) {
+            *g = polynomial(&guard[..2], x) + z * guard[2];
+        }
     }
 }
 

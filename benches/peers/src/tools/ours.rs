@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use deltazero_study::setting::Events;
 use deltazero_study::run::{Accuracy, Limits, Setting};
-use deltazero::run::{BlockTrajectory, Run, integrate_pair, mode_changes};
+use deltazero::run::{BlockTrajectory, Run, integrate_at_once, mode_changes};
 use deltazero_solvers::{Grid, METHODS, Method, Stats};
 
 use crate::entry::{Entry, Handling, ladder};
@@ -37,7 +37,7 @@ pub(super) fn entries(problem: &Problem) -> Vec<Entry<'_>> {
             Entry::new(TOOL, (method.name, handling), number, run)
         })
     });
-    let in_pairs = METHODS.iter().filter(|method| method.is_for_pairs()).flat_map(|method| {
+    let in_pairs = METHODS.iter().filter(|method| method.is_for_batches()).flat_map(|method| {
         accuracies(method).into_iter().map(move |(number, accuracy)| {
             let setting = Setting { method, events: Events::Located, accuracy };
             let run = move || Ok(pair(problem, &setting)?);
@@ -72,8 +72,8 @@ fn run(problem: &Problem, setting: &Setting) -> Result<[Track; 2], deltazero_sol
 fn pair(problem: &Problem, setting: &Setting) -> Result<[Track; 2], deltazero_solvers::Error> {
     let blocks = problem.mechanism.blocks();
     let mut trajectories = [0, 1].map(|_| BlockTrajectory::on(Grid::Times(problem.times.clone())));
-    let runs =
-        integrate_pair([blocks[0], blocks[1]], setting, problem.t_end, trajectories.each_mut());
+    let starts: Vec<_> = blocks.iter().map(|block| (*block, block.initial_state())).collect();
+    let runs = integrate_at_once(&starts, setting, problem.t_end, &mut trajectories);
     for run in &runs {
         run.outcome.clone()?;
     }

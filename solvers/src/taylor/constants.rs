@@ -1,55 +1,40 @@
-//! Series of several runs, and constants of each.
+//! Operations of series in lanes with a constant in each lane.
 
 use std::ops::{Add, Mul, Sub};
 
 use super::coefficient::Coefficient;
 use super::series::Series;
-use crate::lanes::scalar::{Lanes, Own, Simd};
+use crate::lanes::{Lanes, Simd};
 use crate::real::Over;
 
-impl<V: Simd> Add<Own<V>> for Series<'_, Lanes<V>>
-where
-    Lanes<V>: Coefficient,
-{
-    type Output = Self;
+macro_rules! with_constant {
+    ($trait:ident, $name:ident, |$x:ident, $c:ident| $result:expr) => {
+        impl<V: Simd> $trait<Lanes<V>> for Series<'_, Lanes<V>>
+        where
+            Lanes<V>: Coefficient,
+        {
+            type Output = Self;
 
-    #[inline(always)]
-    fn add(self, own: Own<V>) -> Self {
-        self.plus(own.number())
-    }
+            #[inline(always)]
+            fn $name(self, $c: Lanes<V>) -> Self {
+                let $x = self;
+                $result
+            }
+        }
+    };
 }
 
-impl<V: Simd> Sub<Own<V>> for Series<'_, Lanes<V>>
-where
-    Lanes<V>: Coefficient,
-{
-    type Output = Self;
+with_constant!(Add, add, |x, c| x.plus(c));
+with_constant!(Sub, sub, |x, c| x.plus(-c));
+with_constant!(Mul, mul, |x, c| x.linear(x.coefficient * c));
 
-    #[inline(always)]
-    fn sub(self, own: Own<V>) -> Self {
-        self.plus(-own.number())
-    }
-}
-
-impl<V: Simd> Mul<Own<V>> for Series<'_, Lanes<V>>
-where
-    Lanes<V>: Coefficient,
-{
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, own: Own<V>) -> Self {
-        self.linear(self.coefficient * own)
-    }
-}
-
-impl<V: Simd> Over<Own<V>> for Series<'_, Lanes<V>>
+impl<V: Simd> Over<Lanes<V>> for Series<'_, Lanes<V>>
 where
     Lanes<V>: Coefficient,
 {
     #[inline(always)]
-    fn of(constant: Own<V>) -> Self {
-        Self::constant(constant.number())
+    fn of(constant: Lanes<V>) -> Self {
+        Self::constant(constant)
     }
 }
 
@@ -77,8 +62,8 @@ mod tests {
             let start = |x: f64| [x, 1.0, 0.0][k.min(2)];
             let n = Cell::new(0);
             let of_both = Series::new(both.table(&n, k), Lanes::<f64x2>::from_fn(|i| start(x[i])));
-            let own = [c, d].map(|c| Own::from_fn(|i| c[i]));
-            let of_both = with_constants(of_both, own).map(|series| series.coefficient(k));
+            let constants = [c, d].map(|c| Lanes::from_fn(|i| c[i]));
+            let of_both = with_constants(of_both, constants).map(|series| series.coefficient(k));
             for (i, rows) in each.iter().enumerate() {
                 n.set(0);
                 let alone = Series::new(rows.table(&n, k), start(x[i]));

@@ -1,4 +1,4 @@
-//! Runs computed with at once: each as it would be alone.
+//! Runs of a batch: each as it would be alone.
 #![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
 use deltazero_solvers::problems::BouncingBall;
@@ -50,25 +50,39 @@ fn shown<P: System>(
     format!("{end:?} {point:?} {:?} {steps:?} {states:?} {events:?} {samples:?}", run.stats)
 }
 
-/// Runs from `starts` together and one by one; how those together ended.
-fn same_bits<P: System<State<f64> = [f64; 2]>>(
+/// Runs of `problems` from their starts in one batch and one by one, each under its control. Returns how those of the
+/// batch ended, and the number of rejected steps.
+fn same_bits<P: Alike<State<f64> = [f64; 2]>>(
+    method: &Method,
+    controls: &[Control],
+    runs: &[(&P, f64, [f64; 2])],
+    t_end: f64,
+    mut recorders: impl FnMut() -> Vec<Recorder<P>>,
+) -> (Vec<Result<Outcome, Error>>, u64) {
+    let begun = || runs.iter().map(|(problem, t, y)| Integration::new(*problem, *t, *y));
+    let (mut batch, mut seen) = (begun().collect::<Vec<_>>(), recorders());
+    let ends = method.run_batch(&mut batch, t_end, controls, &mut seen).unwrap();
+    let mut n_rejected = 0;
+    for (i, (mut run, mut record)) in begun().zip(recorders()).enumerate() {
+        let mut solver = method.solver(runs[i].0, controls[i].clone()).unwrap();
+        let end = run.run(t_end, &mut *solver, &mut record);
+        let (one, many) = (shown(&run, &end, &record), shown(&batch[i], &ends[i], &seen[i]));
+        assert_eq!(one, many, "{} with {:?}: run {i}", method.name, controls[i]);
+        n_rejected += run.stats.n_rejected;
+    }
+    (ends, n_rejected)
+}
+
+/// Runs of one problem under one control.
+fn many_have_same_bits<P: Alike<State<f64> = [f64; 2]>>(
     problem: &P,
     (method, control): &Setting,
     starts: &[[f64; 2]],
     t_end: f64,
 ) -> Vec<Result<Outcome, Error>> {
-    let runs = || starts.iter().map(|y| Integration::new(problem, 0.0, *y)).collect::<Vec<_>>();
-    let (mut together, mut alone) = (runs(), runs());
-    let mut seen = recorders::<P>(starts.len());
-    let ends = method.run_many(&mut together, t_end, control, &mut seen).unwrap();
-    let mut seen_alone = recorders::<P>(starts.len());
-    for (i, (run, record)) in alone.iter_mut().zip(&mut seen_alone).enumerate() {
-        let mut solver = method.solver(problem, control.clone()).unwrap();
-        let end = run.run(t_end, &mut *solver, record);
-        let (one, many) = (shown(run, &end, record), shown(&together[i], &ends[i], &seen[i]));
-        assert_eq!(one, many, "{} with {control:?}: run {i}", method.name);
-    }
-    ends
+    let n = starts.len();
+    let runs: Vec<_> = starts.iter().map(|y| (problem, 0.0, *y)).collect();
+    same_bits(method, &vec![control.clone(); n], &runs, t_end, || recorders::<P>(n)).0
 }
 
 /// Explicit tableau methods, series, and one that is neither.
@@ -77,13 +91,13 @@ fn tried() -> impl Iterator<Item = Setting> {
     settings().into_iter().filter(move |(method, _)| names.contains(&method.name))
 }
 
-/// Three modes with rates of degree three, a reset, and a mode that most runs skip.
+/// Three modes with rates of degree three, a reset, a mode without parameters, and one that most runs skip.
 fn script() -> Script {
     Script {
         rate: vec![vec![-1.0, 0.5], vec![0.3, -2.0, 0.7, 0.1], vec![-0.5, 0.0, 1.0]],
         guards: vec![
             vec![floor(1, 0.4), guard(&[2.5, -1.0], 0.0, 2)],
-            vec![guard(&[1.3, -1.0], -0.2, 2), unused()],
+            vec![guard(&[1.3, -1.0, 0.0], -0.2, 2), unused()],
             vec![floor(0, 0.7), unused()],
         ],
     }
@@ -95,25 +109,25 @@ fn starts(n: usize, [x, z]: [f64; 2], by: [f64; 2]) -> Vec<[f64; 2]> {
 }
 
 #[test]
-fn runs_together_have_the_bits_of_runs_alone() {
+fn runs_of_a_batch_have_the_bits_of_runs_alone() {
     let ball = BouncingBall { restitution: 0.7, gravity: 9.8, height: 1.0 };
     for setting in tried() {
-        // One, fewer and more than there are lanes, more than the pool holds.
-        for n in [1, 5, 23] {
-            same_bits(&script(), &setting, &starts(n, [0.0, 0.3], [0.03, 0.05]), 3.0);
-            same_bits(&ball, &setting, &starts(n, [0.0, 1.0], [0.1, 0.3]), 2.0);
+        // One, two, fewer and more than there are lanes.
+        for n in [1, 2, 5, 23] {
+            many_have_same_bits(&script(), &setting, &starts(n, [0.0, 0.3], [0.03, 0.05]), 3.0);
+            many_have_same_bits(&ball, &setting, &starts(n, [0.0, 1.0], [0.1, 0.3]), 2.0);
         }
-        same_bits(&ball, &setting, &starts(150, [0.5, 0.0], [0.01, -0.01]), 0.7);
+        many_have_same_bits(&ball, &setting, &starts(150, [0.5, 0.0], [0.01, -0.01]), 0.7);
     }
 }
 
 #[test]
-fn runs_together_do_not_depend_on_their_order() {
+fn runs_of_a_batch_do_not_depend_on_their_order() {
     for setting in tried() {
         let mut starts = starts(23, [0.0, 0.3], [0.03, 0.05]);
         starts.reverse();
         starts.swap(2, 17);
-        same_bits(&script(), &setting, &starts, 3.0);
+        many_have_same_bits(&script(), &setting, &starts, 3.0);
     }
 }
 
@@ -126,7 +140,7 @@ fn a_run_that_fails_ends_alone() {
     let starts: Vec<_> = (0..13).map(|i| [if i % 4 == 1 { 33.0 } else { 0.0 }, 0.0]).collect();
     let is_explicit = |setting: &Setting| !setting.0.is_implicit();
     for setting in tried().filter(is_explicit) {
-        let ends = same_bits(&script, &setting, &starts, 3.0);
+        let ends = many_have_same_bits(&script, &setting, &starts, 3.0);
         for (i, end) in ends.iter().enumerate() {
             let broken_off = recorders::<Script>(i + 1)[i].0.break_at.0 == 5;
             match end {
@@ -137,34 +151,21 @@ fn a_run_that_fails_ends_alone() {
     }
 }
 
-/// Two runs as a pair, and each alone; how they ended and how many steps were rejected.
+/// Two runs at once; how they ended and how many steps were rejected.
 fn pair_has_same_bits<P: Alike<State<f64> = [f64; 2]>>(
     (method, controls): (&Method, [Control; 2]),
     problems: &[P; 2],
     starts: [(f64, [f64; 2]); 2],
     t_end: f64,
 ) -> (Vec<Result<Outcome, Error>>, u64) {
-    let begun = || {
-        [0, 1].map(|i| {
-            let (t, y) = starts[i];
-            Integration::new(&problems[i], t, y)
-        })
-    };
-    let recorders = |n| recorders::<P>(n).split_off(n - 2);
+    let runs = [0, 1].map(|i| (&problems[i], starts[i].0, starts[i].1));
     let (mut all, mut n_rejected) = (Vec::new(), 0);
     // The last two need nothing and any, all and nothing, nothing (twice), nothing and any.
     for n in [2, 4, 5, 10, 12] {
-        let (mut together, mut seen) = (begun(), recorders(n));
-        let ([a, b], [shown_a, shown_b]) = (&mut together, &mut seen[..]) else { unreachable!() };
-        let ends = method.run_pair([a, b], t_end, controls.each_ref(), [shown_a, shown_b]).unwrap();
-        for (i, (mut run, mut record)) in begun().into_iter().zip(recorders(n)).enumerate() {
-            let mut solver = method.solver(&problems[i], controls[i].clone()).unwrap();
-            let end = run.run(t_end, &mut *solver, &mut record);
-            let (one, two) = (shown(&run, &end, &record), shown(&together[i], &ends[i], &seen[i]));
-            assert_eq!(one, two, "{} with {controls:?}: run {i}", method.name);
-            n_rejected += run.stats.n_rejected;
-        }
+        let recorders = || recorders::<P>(n).split_off(n - 2);
+        let (ends, n) = same_bits(method, &controls, &runs, t_end, recorders);
         all.extend(ends);
+        n_rejected += n;
     }
     (all, n_rejected)
 }
@@ -199,6 +200,30 @@ fn two_runs_of_systems_of_a_kind_have_the_bits_of_runs_alone() {
 }
 
 #[test]
+fn many_runs_of_systems_of_a_kind_have_the_bits_of_runs_alone() {
+    let ball = |i: usize| {
+        let i = i as f64;
+        BouncingBall { restitution: 0.5 + 0.02 * i, gravity: 1.6 + 0.7 * i, height: 0.1 * i }
+    };
+    let balls: Vec<_> = (0..19).map(ball).collect();
+    let runs: Vec<_> =
+        balls.iter().enumerate().map(|(i, ball)| (ball, 0.01 * i as f64, ball.start())).collect();
+    for (method, control) in tried() {
+        let of = |i: usize| match &control {
+            Control::Fixed(h) => Control::Fixed(h / (1.0 + i as f64)),
+            // Series of several orders, the first of which is that of a quarter of all.
+            Control::Adaptive(_) => {
+                crate::common::tolerance([1e-8, 1e-5, 3e-8, 1e-11][i % 4] * (1.0 + 1e-3 * i as f64))
+            }
+        };
+        let controls: Vec<_> = (0..runs.len()).map(of).collect();
+        for t_end in [0.05, 1.5] {
+            same_bits(method, &controls, &runs, t_end, || recorders::<BouncingBall>(runs.len()));
+        }
+    }
+}
+
+#[test]
 fn one_of_two_runs_may_have_a_tolerance_and_the_other_a_step() {
     let ball = BouncingBall { restitution: 0.7, gravity: 9.8, height: 1.0 };
     let moon = BouncingBall { restitution: 0.5, gravity: 1.6, height: 0.3 };
@@ -224,8 +249,6 @@ impl System for Drag {
     type Mode = ();
     type State<S: Real> = [S; 2];
     type Guards<S: Real> = [S; 1];
-
-    const IN_LANES: bool = true;
 
     fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
 
@@ -254,9 +277,9 @@ impl Drag {
 }
 
 impl Alike for Drag {
-    type Numbers<C: Copy + Debug> = [C; 3];
+    type Parameters<C: Copy + Debug> = [C; 3];
 
-    fn numbers(&self, (): &()) -> Option<[f64; 3]> {
+    fn parameters(&self, (): &()) -> Option<[f64; 3]> {
         Some(self.constants())
     }
 
@@ -288,7 +311,7 @@ fn two_runs_whose_series_do_not_end_have_the_bits_of_runs_alone() {
     let [near, far] = [(0.0, [1.0, 0.0]), (0.1, [0.3, -2.0])];
     let tolerance = crate::common::tolerance;
     let mut n_rejected = 0;
-    for method in METHODS.iter().filter(|method| method.is_for_pairs()) {
+    for method in METHODS.iter().filter(|method| method.is_for_batches()) {
         let controls = if method.is_fixed_step() {
             vec![[Control::Fixed(0.01), Control::Fixed(0.007)]]
         } else {
@@ -312,30 +335,108 @@ fn two_runs_whose_series_do_not_end_have_the_bits_of_runs_alone() {
 }
 
 #[test]
-fn two_runs_need_controls_that_the_method_takes() {
+fn runs_need_controls_that_the_method_takes() {
     let ball = BouncingBall { restitution: 0.7, gravity: 9.8, height: 1.0 };
-    let rk4 = Method::named("rk4").unwrap();
     let mut runs = [0.0, 0.1].map(|t| Integration::new(&ball, t, ball.start()));
-    let [a, b] = &mut runs;
     let (fixed, tolerance) = (Control::Fixed(0.1), crate::common::tolerance(1e-6));
-    let ends = rk4.run_pair([a, b], 1.0, [&fixed, &tolerance], [&mut (), &mut ()]);
-    assert!(matches!(ends, Err(Error::BadControl { method: "rk4", .. })), "{ends:?}");
-    // Of one that runs one after the other no run begins either.
-    let [a, b] = &mut runs;
-    let bdf = Method::named("bdf").unwrap();
-    let ends = bdf.run_pair([a, b], 1.0, [&tolerance, &fixed], [&mut (), &mut ()]);
-    assert!(matches!(ends, Err(Error::BadControl { method: "bdf", .. })), "{ends:?}");
-    assert_eq!(runs[0].point.t, 0.0);
+    // No run begins, not even one of those that would follow one after the other.
+    for (name, controls) in
+        [("rk4", [fixed.clone(), tolerance.clone()]), ("bdf", [tolerance.clone(), fixed.clone()])]
+    {
+        let method = Method::named(name).unwrap();
+        let ends = method.run_batch(&mut runs, 1.0, &controls, &mut [(), ()]);
+        assert!(matches!(&ends, Err(Error::BadControl { method, .. }) if *method == name));
+        assert_eq!(runs[0].point.t, 0.0);
+    }
+    let rk4 = Method::named("rk4").unwrap();
+    assert_eq!(rk4.run_batch::<Script, ()>(&mut [], 1.0, &[], &mut []), Ok(Vec::new()));
 }
 
 #[test]
-fn runs_together_need_a_control_that_the_method_takes() {
-    let script = script();
-    let mut runs = vec![Integration::new(&script, 0.0, [0.0, 1.0])];
+#[should_panic(expected = "parameters")]
+fn systems_of_a_kind_have_as_many_parameters_as_each_other() {
+    let scripts = [script(), Script { rate: vec![vec![1.0; 9]; 3], ..script() }];
+    let mut runs = scripts.each_ref().map(|script| Integration::new(script, 0.0, [0.0, 0.3]));
     let rk4 = Method::named("rk4").unwrap();
-    let tolerance = crate::common::tolerance(1e-6);
-    let ends = rk4.run_many(&mut runs, 1.0, &tolerance, &mut [()]);
-    assert!(matches!(ends, Err(Error::BadControl { method: "rk4", .. })), "{ends:?}");
-    let ends = rk4.run_many::<Script, ()>(&mut [], 1.0, &Control::Fixed(0.1), &mut []);
-    assert_eq!(ends, Ok(Vec::new()));
+    let _ = rk4.run_batch(&mut runs, 1.0, &vec![Control::Fixed(0.1); 2], &mut [(), ()]);
+}
+
+/// A mass on a spring whose functions of its parameters are wrong: the slope, or the guard.
+struct Wrong<const GUARD: bool>(Drag);
+
+impl<const GUARD: bool> System for Wrong<GUARD> {
+    type Mode = ();
+    type State<S: Real> = [S; 2];
+    type Guards<S: Real> = [S; 1];
+
+    fn dim(&self) -> usize {
+        2
+    }
+
+    fn n_guards(&self) -> usize {
+        1
+    }
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
+
+    fn rhs<S: Real>(&self, (): (), t: S, y: &[S; 2], dydt: &mut [S; 2]) {
+        self.0.rhs((), t, y, dydt);
+        if !GUARD {
+            dydt[1] = dydt[1] + y[0] * 1e-12;
+        }
+    }
+
+    fn guards<S: Real>(&self, (): (), t: S, y: &[S; 2], g: &mut [S; 1]) {
+        self.0.guards((), t, y, g);
+        if GUARD {
+            g[0] = g[0] * (1.0 + 1e-12);
+        }
+    }
+
+    fn guard_bounds(&self, (): (), t: f64, y: &[f64; 2], bounds: &mut [f64; 1]) {
+        self.0.guard_bounds((), t, y, bounds);
+    }
+
+    fn transition<S: Real>(&self, (): (), guard: usize, t: S, y: &mut [S; 2]) -> Next<()> {
+        self.0.transition((), guard, t, y)
+    }
+}
+
+impl<const GUARD: bool> Alike for Wrong<GUARD> {
+    type Parameters<C: Copy + Debug> = [C; 3];
+
+    fn parameters(&self, (): &()) -> Option<[f64; 3]> {
+        Some(self.0.constants())
+    }
+
+    fn rhs_of<S: Over<C>, C: Copy + Debug>(of: &[C; 3], t: S, y: &[S; 2], dydt: &mut [S; 2]) {
+        Drag::rhs_of(of, t, y, dydt);
+    }
+
+    fn guards_of<S: Over<C>, C: Copy + Debug>(of: &[C; 3], t: S, y: &[S; 2], g: &mut [S; 1]) {
+        Drag::guards_of(of, t, y, g);
+    }
+}
+
+#[test]
+fn parameters_that_do_not_describe_their_mode_are_an_error() {
+    let drag = Drag { stiffness: 9.0, drag: 0.3, floor: -0.5 };
+    fn functions<const GUARD: bool>(setting: &Setting, wrong: &Wrong<GUARD>) -> Vec<&'static str> {
+        let mut runs = [1.0, 1.1].map(|x| Integration::new(wrong, 0.0, [x, 0.0]));
+        let controls = vec![setting.1.clone(); 2];
+        let ends = setting.0.run_batch(&mut runs, 2.0, &controls, &mut [(), ()]).unwrap();
+        let function = |end| match end {
+            Err(Error::UnlikeParameters { function, .. }) => function,
+            end => panic!("{} with {:?}: {end:?}", setting.0.name, setting.1),
+        };
+        ends.into_iter().map(function).collect()
+    }
+    for setting in tried().filter(|(method, _)| method.is_for_batches()) {
+        // Series with fixed steps are computed one after the other.
+        if setting.0.name == "taylor" && matches!(setting.1, Control::Fixed(_)) {
+            continue;
+        }
+        assert_eq!(functions(&setting, &Wrong::<false>(drag)), ["rhs_of"; 2]);
+        assert_eq!(functions(&setting, &Wrong::<true>(drag)), ["guards_of"; 2]);
+    }
 }

@@ -1,0 +1,155 @@
+//! Steps of the Taylor method of several runs at once.
+
+use super::parameters::{ByParameters, pick, set};
+use super::steps::{Judgement, Steps};
+use crate::lanes::{Lanes, Simd};
+use crate::system::{Alike, System};
+use crate::taylor::TaylorMethod;
+use crate::taylor::coefficient::Coefficient;
+use crate::taylor::order::reach_by;
+use crate::tolerance::{norm_sq, weigh, weighed_sq};
+
+/// The Taylor method of systems like `P` over the numbers `B`.
+type Taylor<P, B> = TaylorMethod<<P as System>::State<B>, <P as System>::Guards<B>, B>;
+
+/// Steps by series of one order. A run whose series is to be cut, or proposes no size, takes that step alone.
+pub(super) struct SeriesSteps<P: Alike, V: Simd>
+where
+    Lanes<V>: Coefficient<Rounded = Lanes<V>>,
+{
+    method: Taylor<P, Lanes<V>>,
+    judgement: Judgement<V>,
+    /// Whether the series are begun at the present starts.
+    is_begun: bool,
+}
+
+impl<P: Alike, V: Simd> SeriesSteps<P, V>
+where
+    Lanes<V>: Coefficient<Rounded = Lanes<V>>,
+{
+    /// By series of `order`, for systems like `problem`.
+    pub(super) fn new(problem: &P, order: usize) -> Self {
+        let n = problem.dim();
+        Self {
+            method: TaylorMethod::new(n, problem.n_guards(), order),
+            judgement: Judgement::new(n),
+            is_begun: false,
+        }
+    }
+
+    fn order(&self) -> usize {
+        self.method.step.y.len() - 1
+    }
+}
+
+impl<P: Alike, V: Simd> Steps<P, V> for SeriesSteps<P, V>
+where
+    Lanes<V>: Coefficient<Rounded = Lanes<V>>,
+{
+    type Method = Taylor<P, f64>;
+
+    // One run is faster than alone, because this code has no modes to tell apart.
+    const LEAST: usize = 1;
+
+    const N_RHS: u64 = 0;
+
+    fn n_rhs_of_end(_method: &Self::Method) -> u64 {
+        0
+    }
+
+    fn judgement(&self) -> &Judgement<V> {
+        &self.judgement
+    }
+
+    fn judgement_mut(&mut self) -> &mut Judgement<V> {
+        &mut self.judgement
+    }
+
+    fn load(&mut self, lane: usize, method: &Self::Method) {
+        let (all, one) = (&mut self.method.step, &method.step);
+        all.t0.set(lane, one.t0);
+        set(&mut all.y[0], lane, &one.y[0]);
+        self.is_begun = false;
+    }
+
+    #[inline(always)]
+    fn prepare(&mut self, field: &ByParameters<P, V>) {
+        if !std::mem::replace(&mut self.is_begun, true) {
+            self.method.begin(field);
+        }
+        self.method.finish(field);
+        if let Some(tolerances) = self.judgement.tolerances() {
+            let step = &mut self.method.step;
+            weigh(tolerances, step.y[0].as_ref(), step.weights.as_mut());
+        }
+    }
+
+    #[inline(always)]
+    fn propose(&self, lane: usize, method: &mut Self::Method) -> Option<f64> {
+        let step = &self.method.step;
+        let norm_sq = |k: usize| weighed_sq(step.y[k].as_ref(), step.weights.as_ref()).lane(lane);
+        method.reaches(reach_by(self.order(), norm_sq))
+    }
+
+    #[inline(always)]
+    fn serves(&self, method: &Self::Method) -> bool {
+        method.degree == Some(self.order())
+    }
+
+    #[inline(always)]
+    fn t0(&self) -> Lanes<V> {
+        self.method.step.t0
+    }
+
+    #[inline(always)]
+    fn take(&mut self, field: &ByParameters<P, V>, t1: Lanes<V>, h: Lanes<V>) {
+        self.method.take(field, t1, h);
+        let (step, guards) = (&self.method.step, &self.method.guards);
+        let (y0, y1) = (step.y[0].as_ref(), step.y1.as_ref());
+        if let Some(tolerances) = self.judgement.tolerances() {
+            self.judgement.error_sq = norm_sq(tolerances, self.method.error.as_ref(), y0, y1);
+        }
+        self.judgement.look_at_ends(y1, step.slope1.as_ref());
+        let highest = guards.highest_low();
+        for (i, end) in guards.end.as_ref().iter().enumerate() {
+            self.judgement.is_plain &= guards.is_clear(i, h, highest, *end);
+        }
+    }
+
+    fn guard_at_end(&self, i: usize) -> Lanes<V> {
+        self.method.guards.end.as_ref()[i]
+    }
+
+    #[inline(always)]
+    fn advance(&mut self) {
+        self.method.go_on();
+    }
+
+    fn unload_start(&self, lane: usize, t0: f64, method: &mut Self::Method) {
+        method.step.t0 = t0;
+        for (all, y) in self.method.step.y.iter().zip(&mut method.step.y).take(2) {
+            pick(all, lane, y);
+        }
+    }
+
+    #[inline(always)]
+    fn unload_end(&self, lane: usize, t1: f64, _h: f64, method: &mut Self::Method) {
+        let (all, one) = (&self.method.step, &mut method.step);
+        (one.t1, one.degree) = (t1, all.degree);
+        pick(&all.y1, lane, &mut one.y1);
+        pick(&all.slope1, lane, &mut one.slope1);
+    }
+
+    fn unload_dense(&self, lane: usize, method: &mut Self::Method) {
+        for (all, y) in self.method.step.y.iter().zip(&mut method.step.y) {
+            pick(all, lane, y);
+        }
+        method.is_expanded = true;
+    }
+
+    fn unload_within(&self, lane: usize, method: &mut Self::Method) {
+        self.unload_dense(lane, method);
+        method.guards.take(&self.method.guards, |all, own| pick(all, lane, own));
+        pick(&self.method.error, lane, &mut method.error);
+    }
+}
