@@ -4,9 +4,9 @@ use std::ops::ControlFlow;
 
 use deltazero_solvers::{Accepted, Event, Needs, Record};
 
-use crate::energy_balance::{Balance, EnergyBalance};
+use crate::account::Account;
+use crate::energy_balance::Balance;
 use crate::errors::contact_summary::ContactSummary;
-use crate::errors::contacts::Contacts;
 use crate::problem::{Problem, Quantity, change};
 use crate::run::{Brake, Braked, PartRun, Setting, integrate};
 use crate::stiffness::Stiffness;
@@ -68,12 +68,11 @@ pub(crate) fn brief<P: Problem>(
     brake: &mut dyn Brake,
 ) -> Brief {
     let y0 = problem.start();
-    let audit =
-        (EnergyBalance::new(problem, setting.events, &y0), Stiffness::new(problem, &|_| {}));
-    let counts = (Counts::new(problem), Contacts::new(problem, setting.events));
-    let mut record = (audit, (Braked(brake), counts));
+    let account = Account::new(problem, setting.method.order, setting.events, &y0);
+    let audit = (account, Stiffness::new(problem, &|_| {}));
+    let mut record = (audit, (Braked(brake), Counts::new(problem)));
     let run = integrate(problem, setting, y0, t_end, &mut record);
-    let ((balance, stiffness), (_, (counts, contacts))) = record;
+    let ((Account { balance, contacts }, stiffness), (_, counts)) = record;
     let is_explicit = !setting.method.is_implicit() && !setting.method.chooses();
     let mut warnings: Vec<Code> =
         balance.check.warnings(setting.rtol()).into_iter().map(|warning| warning.code).collect();

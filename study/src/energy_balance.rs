@@ -6,8 +6,9 @@ use deltazero_solvers::{Accepted, Event, Next, Record};
 use serde::{Deserialize, Serialize};
 
 use crate::json_number;
+use crate::points::{Points, mode_inside};
 use crate::problem::{Energy, Power, Problem};
-use crate::quadrature::GAUSS;
+use crate::quadrature::{GAUSS, Nodes};
 use crate::self_check::SelfCheck;
 use crate::setting::Events;
 
@@ -44,8 +45,7 @@ impl std::ops::AddAssign for Balance {
 
 /// Integrates the powers of one problem along its run: Gauss quadrature on the dense output of every step. Of a problem
 /// without energies there is no balance.
-#[derive(Clone, Debug)]
-pub struct EnergyBalance<'a, P> {
+pub struct EnergyBalance<'a, P: Problem> {
     problem: &'a P,
     events: Events,
     is_given: bool,
@@ -56,17 +56,35 @@ pub struct EnergyBalance<'a, P> {
     kinetic: f64,
     /// What it says of the run.
     pub check: SelfCheck,
+    /// Of the step that it added last.
+    pub(crate) points: Points<P>,
 }
 
 impl<'a, P: Problem> EnergyBalance<'a, P> {
     /// The balance of a run of `problem` from `y0` that treats events in this way.
     pub fn new(problem: &'a P, events: Events, y0: &P::State<f64>) -> Self {
+        Self::with(&GAUSS, problem, events, y0)
+    }
+
+    /// The same by these nodes.
+    pub(crate) fn with(nodes: Nodes, problem: &'a P, events: Events, y0: &P::State<f64>) -> Self {
         let energy = problem.energies(&problem.initial_mode(0.0, y0), 0.0, y0);
         let (is_given, Energy { kinetic, elastic }) =
             (energy.is_some(), energy.unwrap_or_default());
         let start = kinetic + elastic;
         let check = SelfCheck::of(problem.laws(), start);
-        Self { problem, events, is_given, start, work: 0.0, dissipated: 0.0, kinetic, check }
+        let points = Points::of(nodes);
+        Self {
+            problem,
+            events,
+            is_given,
+            start,
+            work: 0.0,
+            dissipated: 0.0,
+            kinetic,
+            check,
+            points,
+        }
     }
 
     /// The balance at the end of the run, at `(t, y)` in `mode`; none where no energies are given.
@@ -77,32 +95,27 @@ impl<'a, P: Problem> EnergyBalance<'a, P> {
         Some(Balance { work, kinetic, elastic, dissipated, residual })
     }
 
-    fn mode_inside(&self, mode: &P::Mode, t: f64, y: &P::State<f64>) -> P::Mode {
-        match self.events {
-            Events::Located => mode.clone(),
-            Events::Blind => self.problem.mode_read(mode, t, y),
-        }
+    /// Whether the problem tells of energies.
+    pub(crate) fn is_given(&self) -> bool {
+        self.is_given
     }
 }
 
 impl<P: Problem> Record<P> for EnergyBalance<'_, P> {
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let step = accepted.step;
-        let mode = self.mode_inside(&accepted.mode, step.t1(), step.y1());
+        let mode = mode_inside(self.problem, self.events, &accepted.mode, step.t1(), step.y1());
         if self.is_given {
-            let h = step.t1() - step.t0();
             let drive_work = self.problem.drive_work(step.y0(), step.y1());
             self.work += drive_work.unwrap_or(0.0);
-            let mut y = step.y0().clone();
-            for (node, weight) in GAUSS {
-                let t = step.t0() + node * h;
-                step.interpolate(t, &mut y);
-                let mode = self.mode_inside(&accepted.mode, t, &y);
-                let power: Power = self.problem.powers(&mode, t, &y).unwrap_or_default();
-                self.dissipated += weight * h * power.dissipated();
-                self.check.dissipated(weight * h * power.damping, weight * h * power.friction);
+            self.points.look(self.problem, self.events, accepted);
+            for node in self.points.nodes() {
+                let power = self.problem.powers(&node.mode, node.t, &node.y);
+                let power: Power = power.unwrap_or_default();
+                self.dissipated += node.weight * power.dissipated();
+                self.check.dissipated(node.weight * power.damping, node.weight * power.friction);
                 if drive_work.is_none() {
-                    self.work += weight * h * power.drive;
+                    self.work += node.weight * power.drive;
                 }
             }
             if let Some(balance) = self.at(&mode, step.t1(), step.y1()) {

@@ -20,6 +20,7 @@
 //! | [`mod@work_precision`], [`steps`] | the tables of a study |
 //! | [`selection`], [`map`] | which method reaches an accuracy at the least cost; over two parameters of a model |
 
+mod account;
 pub mod brief;
 pub mod check;
 pub mod columns;
@@ -34,6 +35,7 @@ pub mod motion;
 pub mod parallel;
 pub mod part;
 pub mod plan;
+mod points;
 pub mod problem;
 pub mod problems;
 pub mod quadrature;

@@ -3,8 +3,9 @@
 use deltazero_solvers::{Grid, Stats, Trajectory, WorkByKind};
 use serde::{Deserialize, Serialize};
 
-use crate::energy_balance::{Balance, EnergyBalance};
-use crate::errors::contacts::{Contact, Contacts, contact_errors, total_impulse};
+use crate::account::Account;
+use crate::energy_balance::Balance;
+use crate::errors::contacts::{Contact, contact_errors, total_impulse};
 use crate::errors::dense::Distance;
 use crate::errors::work::WorkByPhase;
 use crate::errors::worse;
@@ -114,13 +115,11 @@ pub(crate) fn measure<P: Problem>(
     let (y0, n_sites) = (problem.start(), problem.n_sites());
     let trajectory = Trajectory::on(grid.clone());
     let distance = Distance::new(n_sites, reference.nodes_within(), &reference.scale);
-    let contacts = Contacts::new(problem, setting.events);
-    let balance = EnergyBalance::new(problem, setting.events, &y0);
+    let account = Account::new(problem, setting.method.order, setting.events, &y0);
     let phase = |mode: P::Mode| problem.role(&mode, leading_site(problem, &mode)).phase();
-    let mut record =
-        ((trajectory, Braked(brake)), ((distance, contacts), (balance, WorkByKind::new(phase))));
+    let mut record = ((trajectory, Braked(brake)), ((distance, account), WorkByKind::new(phase)));
     let run = integrate(problem, setting, y0, t_end, &mut record);
-    let ((trajectory, _), ((distance, contacts), (balance, kinds))) = record;
+    let ((trajectory, _), ((distance, Account { balance, contacts }), kinds)) = record;
     let dense = distance.sites.iter().zip(distance.l2());
     MeasuredPart {
         trace: Trace::of(problem, &trajectory),

@@ -6,8 +6,9 @@ use deltazero_solvers::{
     Error, Grid, Next, Outcome, Sample, Stats, Switch, Trajectory, WorkByKind,
 };
 
-use crate::energy_balance::{Balance, EnergyBalance};
-use crate::errors::contacts::{Contact, Contacts};
+use crate::account::Account;
+use crate::energy_balance::Balance;
+use crate::errors::contacts::Contact;
 use crate::problem::{Problem, Quantity, Touch, change, leading_site};
 use crate::run::{Brake, Braked, ModeChange, OwnRun, PartRun, Setting, integrate};
 use crate::stiffness::Stiffness;
@@ -130,11 +131,13 @@ pub(crate) fn simulate<P: Problem>(
         }
     };
     let phase = |mode: P::Mode| problem.role(&mode, leading_site(problem, &mode)).phase();
-    let audit = (EnergyBalance::new(problem, setting.events, &y0), Stiffness::new(problem, &told));
-    let counts = (WorkByKind::new(phase), Contacts::new(problem, setting.events));
-    let mut record = ((Trajectory::on(grid.clone()), audit), (Braked(brake), counts));
+    let account = Account::new(problem, setting.method.order, setting.events, &y0);
+    let audit = (account, Stiffness::new(problem, &told));
+    let mut record =
+        ((Trajectory::on(grid.clone()), audit), (Braked(brake), WorkByKind::new(phase)));
     let run = integrate(problem, setting, y0.clone(), *t_end, &mut record);
-    let ((kept, (balance, stiffness)), (_, (work, contacts))) = record;
+    let ((kept, (account, stiffness)), (_, work)) = record;
+    let Account { balance, contacts } = account;
     let mut warnings = balance.check.warnings(setting.rtol());
     warnings.extend(stiffness.warning().filter(|_| is_explicit).map(|mut warning| {
         warning.message += problem.out_of_stiffness();

@@ -3,19 +3,20 @@
 use std::ops::ControlFlow;
 
 use deltazero_solvers::root::{Bracket, find_root};
-use deltazero_solvers::{Accepted, Event, Needs, Next, Record, Step, System, Vector};
+use deltazero_solvers::{Accepted, Event, Needs, Next, Record, Step, Vector};
 use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use super::worse;
+use crate::points::{Point, Points, mode_inside};
 use crate::problem::{Problem, Touch};
-use crate::quadrature::GAUSS;
+use crate::quadrature::{GAUSS, Nodes};
 use crate::setting::Events;
 
 /// How exactly the time of a peak is found, as a fraction of its step: the force is flat there.
 const PRECISION: f64 = 1e-9;
-/// Points of a step at which the force is looked at: both ends and the nodes.
-const N_POINTS: usize = GAUSS.len() + 2;
+/// The most points of a step at which the force is looked at: both ends and the nodes.
+const MOST_POINTS: usize = GAUSS.len() + 2;
 
 /// One contact.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -71,12 +72,12 @@ struct Felt {
 /// ωh = 0.8, where the states at the ends of its steps are better.
 ///
 /// What a blind run feels in a step that it begins outside belongs to the contact that it is in after it.
-#[derive(Clone, Debug)]
-pub struct Contacts<'a, P> {
+pub struct Contacts<'a, P: Problem> {
     problem: &'a P,
     events: Events,
     /// Of each site; none of a problem that has no contact.
     sites: Vec<SiteContacts>,
+    points: Points<P>,
 }
 
 /// The contacts of one site so far.
@@ -92,13 +93,18 @@ struct SiteContacts {
 impl<'a, P: Problem> Contacts<'a, P> {
     /// No contact yet in a run of `problem` that treats events in this way.
     pub fn new(problem: &'a P, events: Events) -> Self {
+        Self::with(&GAUSS, problem, events)
+    }
+
+    /// The same by these nodes.
+    pub(crate) fn with(nodes: Nodes, problem: &'a P, events: Events) -> Self {
         let y0 = problem.start();
         let mode = problem.initial_mode(0.0, &y0);
         let has_contacts = |site| problem.touch(&mode, 0.0, &y0, site).is_some();
         let n_sites = problem.n_sites();
         let is_any = (0..n_sites).any(has_contacts);
         let sites = vec![SiteContacts::default(); if is_any { n_sites } else { 0 }];
-        Self { problem, events, sites }
+        Self { problem, events, sites, points: Points::of(nodes) }
     }
 
     /// The contacts of each site; its last one may not have ended. None where the problem tells of no contact.
@@ -126,11 +132,7 @@ impl<'a, P: Problem> Contacts<'a, P> {
     ) -> (P::Mode, P::State<f64>) {
         let mut y = step.y0().clone();
         step.interpolate(t, &mut y);
-        let mode = match self.events {
-            Events::Located => mode.clone(),
-            Events::Blind => self.problem.mode_read(mode, t, &y),
-        };
-        (mode, y)
+        (mode_inside(self.problem, self.events, mode, t, &y), y)
     }
 
     /// The slope of the state.
@@ -162,26 +164,28 @@ impl<'a, P: Problem> Contacts<'a, P> {
         &self,
         mode: &P::Mode,
         step: &dyn Step<P::State<f64>>,
-        points: &mut Points<P>,
+        points: &mut [Point<P>],
         (k, before): (usize, Felt),
     ) -> Felt {
         let h = step.t1() - step.t0();
-        let touches: [Touch<f64>; N_POINTS] =
-            std::array::from_fn(|i| self.touch(&points[i].mode, points[i].t, &points[i].y, k));
-        let forces: Values = std::array::from_fn(|i| (points[i].t, touches[i].force));
-        let nodes = forces[1..].iter().zip(GAUSS);
-        let impulse = h * nodes.map(|((_, force), (_, weight))| weight * force).sum::<f64>();
-        let depths: Values = std::array::from_fn(|i| (points[i].t, touches[i].depth));
+        let (mut impulse, mut rates) = (0.0, [0.0; MOST_POINTS]);
+        let mut forces = [(0.0, 0.0); MOST_POINTS];
+        let mut depths = forces;
+        for (i, Point { t, weight, mode, y, .. }) in points.iter().enumerate() {
+            let touch = self.touch(mode, *t, y, k);
+            impulse += weight * touch.force;
+            (forces[i], depths[i], rates[i]) = ((*t, touch.force), (*t, touch.depth), touch.rate);
+        }
+        let n = points.len();
         let depth_at = |t: f64| {
             let (mode, y) = self.inside(mode, step, t);
             let touch = self.touch(&mode, t, &y, k);
             (touch.depth, touch.rate)
         };
-        let (_, depth) =
-            largest(&depths, before.depth, PRECISION * h, |i| touches[i].rate, depth_at);
+        let (_, depth) = largest(&depths[..n], before.depth, PRECISION * h, |i| rates[i], depth_at);
         // One slope for all sites.
         let rate = |i: usize| {
-            let Point { t, mode, y, slope } = &mut points[i];
+            let Point { t, mode, y, slope, .. } = &mut points[i];
             let slope = slope.get_or_insert_with(|| self.slope(mode, *t, y));
             self.rate(mode, *t, y, slope, k)
         };
@@ -190,40 +194,64 @@ impl<'a, P: Problem> Contacts<'a, P> {
             let slope = self.slope(&mode, t, &y);
             (self.touch(&mode, t, &y, k).force, self.rate(&mode, t, &y, &slope, k))
         };
-        let peak = largest(&forces, before.peak.1, PRECISION * h, rate, force_at);
+        let peak = largest(&forces[..n], before.peak.1, PRECISION * h, rate, force_at);
         Felt { impulse, peak, depth: depth.max(0.0) }
-    }
-
-    /// The problem at the points of a step.
-    fn points(&self, mode: &P::Mode, step: &dyn Step<P::State<f64>>) -> Points<P> {
-        let (t0, h) = (step.t0(), step.t1() - step.t0());
-        std::array::from_fn(|i| {
-            let t = match i {
-                0 => t0,
-                i if i < N_POINTS - 1 => t0 + GAUSS[i - 1].0 * h,
-                _ => step.t1(),
-            };
-            let (mode, y) = self.inside(mode, step, t);
-            Point { t, mode, y, slope: None }
-        })
     }
 }
 
-/// Times of the points of a step, and a quantity there.
-type Values = [(f64, f64); N_POINTS];
+impl<P: Problem> Contacts<'_, P> {
+    /// Whether a step begun in `mode` is one to look at.
+    pub(crate) fn feels(&self, mode: &P::Mode) -> bool {
+        let mut sites = 0..self.sites.len();
+        match self.events {
+            Events::Located => sites.any(|k| self.is_contact(mode, k)),
+            Events::Blind => !sites.is_empty(),
+        }
+    }
 
-/// When a smooth quantity is largest in a step, to `precision` [s], and how large: at one of the points that it
+    /// Adds a step with these points.
+    pub(crate) fn add(&mut self, accepted: &Accepted<'_, P>, points: &mut [Point<P>]) {
+        let (mode, step) = (&accepted.mode, accepted.step);
+        for k in 0..self.sites.len() {
+            if !self.is_contact(mode, k) {
+                if self.events == Events::Blind {
+                    let before = Felt::default();
+                    self.sites[k].outside = self.of_step(mode, step, points, (k, before));
+                }
+                continue;
+            }
+            let site = &mut self.sites[k];
+            if !std::mem::replace(&mut site.is_in_contact, true) {
+                // A run that starts in contact.
+                site.list.push(Contact::begun(step.t0(), None, Felt::default()));
+            }
+            let before = site.list.last().map_or(Felt::default(), Contact::felt);
+            let felt = self.of_step(mode, step, points, (k, before));
+            if let Some(contact) = self.sites[k].list.last_mut() {
+                contact.end = step.t1();
+                contact.impulse += felt.impulse;
+                contact.depth = contact.depth.max(felt.depth);
+                if felt.peak.1 > contact.peak {
+                    (contact.peak_at, contact.peak) = felt.peak;
+                }
+            }
+        }
+    }
+}
+
+/// When a smooth quantity is largest in a step, to `precision` [s], and how large: at one of the times that it
 /// has these `values` at, or, where it may be above `highest`, beside it, where its rate is zero. `rate` is that
 /// rate at a point, `inside` quantity and rate at a time.
 fn largest(
-    values: &Values,
+    values: &[(f64, f64)],
     highest: f64,
     precision: f64,
     mut rate: impl FnMut(usize) -> f64,
     inside: impl Fn(f64) -> (f64, f64),
 ) -> (f64, f64) {
-    let top = (1..N_POINTS).fold(0, |top, i| if values[i].1 > values[top].1 { i } else { top });
-    let [a, b] = [top.saturating_sub(1), (top + 1).min(N_POINTS - 1)];
+    let n = values.len();
+    let top = (1..n).fold(0, |top, i| if values[i].1 > values[top].1 { i } else { top });
+    let [a, b] = [top.saturating_sub(1), (top + 1).min(n - 1)];
     let found = values[top];
     // No smooth quantity rises above three points by more than they differ.
     if 2.0 * found.1 - values[a].1.min(values[b].1) > highest && rate(a) > 0.0 && rate(b) < 0.0 {
@@ -235,51 +263,13 @@ fn largest(
     found
 }
 
-/// A problem at one point of a step.
-struct Point<P: System> {
-    t: f64,
-    mode: P::Mode,
-    y: P::State<f64>,
-    /// Once it was asked for.
-    slope: Option<P::State<f64>>,
-}
-
-type Points<P> = [Point<P>; N_POINTS];
-
 impl<P: Problem> Record<P> for Contacts<'_, P> {
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
-        let (mode, step) = (&accepted.mode, accepted.step);
-        let is_located = self.events == Events::Located;
-        if is_located && (0..self.sites.len()).all(|k| !self.is_contact(mode, k)) {
-            return ControlFlow::Continue(());
-        }
-        if self.sites.is_empty() {
-            return ControlFlow::Continue(());
-        }
-        let mut points = self.points(mode, step);
-        for k in 0..self.sites.len() {
-            if !self.is_contact(mode, k) {
-                if !is_located {
-                    let before = Felt::default();
-                    self.sites[k].outside = self.of_step(mode, step, &mut points, (k, before));
-                }
-                continue;
-            }
-            let site = &mut self.sites[k];
-            if !std::mem::replace(&mut site.is_in_contact, true) {
-                // A run that starts in contact.
-                site.list.push(Contact::begun(step.t0(), None, Felt::default()));
-            }
-            let before = site.list.last().map_or(Felt::default(), Contact::felt);
-            let felt = self.of_step(mode, step, &mut points, (k, before));
-            if let Some(contact) = self.sites[k].list.last_mut() {
-                contact.end = step.t1();
-                contact.impulse += felt.impulse;
-                contact.depth = contact.depth.max(felt.depth);
-                if felt.peak.1 > contact.peak {
-                    (contact.peak_at, contact.peak) = felt.peak;
-                }
-            }
+        if self.feels(&accepted.mode) {
+            let mut points = std::mem::replace(&mut self.points, Points::of(&[]));
+            points.look(self.problem, self.events, accepted);
+            self.add(accepted, points.all());
+            self.points = points;
         }
         ControlFlow::Continue(())
     }

@@ -10,8 +10,9 @@ use deltazero_solvers::{
 use num_dual::Dual64;
 
 use super::ReferenceError;
-use crate::energy_balance::{Balance, EnergyBalance};
-use crate::errors::contacts::{Contact, Contacts};
+use crate::account::Account;
+use crate::energy_balance::Balance;
+use crate::errors::contacts::Contact;
 use crate::errors::dense::{Node, Nodes};
 use crate::errors::{ErrorScale, Largest, match_events, worse};
 use crate::part::{Part, Start, counted};
@@ -248,6 +249,13 @@ impl Maker {
         }
     }
 
+    fn order(&self) -> usize {
+        match self {
+            Self::Method(setting) => setting.method.order,
+            Self::Extended(_) => MAX_ORDER,
+        }
+    }
+
     fn described(&self) -> String {
         let text = match self {
             Self::Method(setting) => setting.to_string(),
@@ -291,15 +299,14 @@ pub(crate) fn path<P: Problem>(
 ) -> Result<Path, ReferenceError> {
     let y0 = start.of(problem);
     let trajectory = Trajectory::on(Grid::Times(times.to_vec()));
-    let contacts = Contacts::new(problem, Events::Located);
-    let balance = EnergyBalance::new(problem, Events::Located, &y0);
+    let account = Account::new(problem, maker.order(), Events::Located, &y0);
     let mut watch = limits.watch(maker.price());
     let mut record = (
         ((trajectory, Braked(&mut watch)), Roots::new(problem, maker)),
-        (Nodes::new(problem.n_sites()), (contacts, balance)),
+        (Nodes::new(problem.n_sites()), account),
     );
     let run = maker.run(problem, y0, t_end, &mut record);
-    let (((trajectory, _), roots), (nodes, (contacts, balance))) = record;
+    let (((trajectory, _), roots), (nodes, Account { balance, contacts })) = record;
     match &run.outcome {
         Err(error) => Err(ReferenceError::Failed {
             method: maker.name(),

@@ -1,0 +1,85 @@
+//! The problem at points of a step: both ends, and the nodes of a quadrature between them.
+
+use deltazero_solvers::{Accepted, System};
+
+use crate::problem::Problem;
+use crate::quadrature::Nodes;
+use crate::setting::Events;
+
+/// A problem at one point of a step.
+pub(crate) struct Point<P: System> {
+    /// Time [s].
+    pub(crate) t: f64,
+    /// Time that the point stands for [s]: zero of both ends.
+    pub(crate) weight: f64,
+    pub(crate) mode: P::Mode,
+    pub(crate) y: P::State<f64>,
+    /// The slope of the state, once it was asked for.
+    pub(crate) slope: Option<P::State<f64>>,
+}
+
+/// The points of the step looked at last, in the order of time.
+pub(crate) struct Points<P: System> {
+    nodes: Nodes,
+    list: Vec<Point<P>>,
+}
+
+impl<P: Problem> Points<P> {
+    /// Of a quadrature by these nodes.
+    pub(crate) fn of(nodes: Nodes) -> Self {
+        Self { nodes, list: Vec::new() }
+    }
+
+    /// Looks at a step of a run of `problem` that treats events in this way.
+    pub(crate) fn look(&mut self, problem: &P, events: Events, accepted: &Accepted<'_, P>) {
+        let (step, begun) = (accepted.step, &accepted.mode);
+        let (t0, h) = (step.t0(), step.t1() - step.t0());
+        self.list.clear();
+        self.add(problem, events, begun, (t0, 0.0, step.y0().clone()));
+        for (node, weight) in self.nodes {
+            let t = t0 + node * h;
+            let mut y = step.y0().clone();
+            step.interpolate(t, &mut y);
+            self.add(problem, events, begun, (t, weight * h, y));
+        }
+        self.add(problem, events, begun, (step.t1(), 0.0, step.y1().clone()));
+    }
+
+    fn add(
+        &mut self,
+        problem: &P,
+        events: Events,
+        begun: &P::Mode,
+        (t, weight, y): (f64, f64, P::State<f64>),
+    ) {
+        let mode = mode_inside(problem, events, begun, t, &y);
+        self.list.push(Point { t, weight, mode, y, slope: None });
+    }
+
+    /// All of them.
+    pub(crate) fn all(&mut self) -> &mut [Point<P>] {
+        &mut self.list
+    }
+
+    /// Those of the quadrature.
+    pub(crate) fn nodes(&self) -> &[Point<P>] {
+        match &self.list[..] {
+            [_, nodes @ .., _] => nodes,
+            _ => &[],
+        }
+    }
+}
+
+/// The mode of `problem` at `(t, y)` inside a step begun in the mode `begun`.
+pub(crate) fn mode_inside<P: Problem>(
+    problem: &P,
+    events: Events,
+    begun: &P::Mode,
+    t: f64,
+    y: &P::State<f64>,
+) -> P::Mode {
+    match events {
+        Events::Located => begun.clone(),
+        Events::Blind => problem.mode_read(begun, t, y),
+    }
+}
