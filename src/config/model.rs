@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use deltazero_text::{ModelFile, Parameter};
+use deltazero_text::{ModelFile, Parameter, SETTINGS};
 use serde_json::Value;
 
 use super::error::ConfigError;
@@ -15,9 +15,6 @@ use crate::mechanisms::Chosen;
 
 /// The tables of a configuration that hold a model and the values of its parameters.
 pub const TABLES: [&str; 2] = ["model", "parameters"];
-
-/// Tables of a model file that are settings of a run, not of the model.
-pub(super) const SETTINGS: [&str; 5] = ["run", "solver", "study", "contest", "regimes"];
 
 /// A model file, read.
 #[derive(Clone)]

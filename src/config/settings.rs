@@ -5,7 +5,7 @@ use std::path::Path;
 
 use deltazero_solvers::Method;
 use deltazero_study::setting::{Digits, Events};
-use deltazero_text::Parameter;
+use deltazero_text::{Parameter, SETTINGS};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
@@ -211,7 +211,7 @@ impl Settings {
                 return Target::Parameter(parameter);
             }
         }
-        let is_used = |table: &str| self.model.is_none() || model::SETTINGS.contains(&table);
+        let is_used = |table: &str| self.model.is_none() || SETTINGS.contains(&table);
         match find(path) {
             Some(key) if is_used(key.table().unwrap_or(key.path)) => Target::Key(key),
             None if path.is_empty() || names_in(path).is_some() && is_used(path) => Target::Table,
@@ -230,11 +230,10 @@ impl Settings {
         let Some(model) = self.model.as_ref().filter(|_| !path.is_empty()) else {
             return not_a_key(path, given);
         };
-        if self.model.is_some() && names_in(path).is_some() && model::SETTINGS.contains(&path) {
+        if self.model.is_some() && names_in(path).is_some() && SETTINGS.contains(&path) {
             return not_a_key(path, given);
         }
-        let settings =
-            keys().filter(|key| key.table().is_some_and(|own| model::SETTINGS.contains(&own)));
+        let settings = keys().filter(|key| key.table().is_some_and(|own| SETTINGS.contains(&own)));
         let names = model.names().chain(settings.map(|key| key.path));
         let nearest = nearest_of(path, names.map(str::to_owned).collect());
         let (place, key) = (given.place.clone(), excerpt(path).into());

@@ -59,7 +59,7 @@ pub(crate) fn compile(
         groups: groups(&expander),
         observables: observables(&mut expander)?,
         sparsity: Sparsity::new(&expander.graph, &rates),
-        unit_of_time: file.t_end.map_or(1.0, |(t_end, _)| t_end.min(1.0)),
+        unit_of_time: file.t_end.map_or(1.0, |t_end| t_end.min(1.0)),
         is_autonomous: !rates.iter().any(|rates| expander.graph.is_of_time(rates)),
         starts,
         scales,

@@ -6,10 +6,10 @@ use crate::document::{At, Entries, Entry};
 use crate::expression::{Comparison, Expression, Indices, Kind};
 use crate::report::{Checked, Complaint, Span};
 
-/// Keys at the top of a file that are the program's; they are handed on.
-pub(crate) const SETTINGS: [&str; 5] = ["run", "solver", "study", "contest", "regimes"];
+/// Tables of a file that are settings of the program and not of the model; of them only `run.t_end` is read here.
+pub const SETTINGS: [&str; 5] = ["run", "solver", "study", "contest", "regimes"];
 
-/// All keys at the top of a file.
+/// The other keys at the top of a file.
 const KEYS: &[&str] = &[
     "name",
     "about",
@@ -26,11 +26,6 @@ const KEYS: &[&str] = &[
     "energy",
     "power",
     "parts",
-    "run",
-    "solver",
-    "study",
-    "contest",
-    "regimes",
 ];
 
 /// A file, declaration by declaration.
@@ -41,7 +36,8 @@ pub(crate) struct Declarations {
     pub(crate) source: String,
     /// The mode at t = 0.
     pub(crate) mode: Option<At<String>>,
-    pub(crate) t_end: Option<(f64, Span)>,
+    /// The end of the runs [s].
+    pub(crate) t_end: Option<f64>,
     pub(crate) parameters: Vec<ParameterDeclaration>,
     pub(crate) definitions: Vec<Definition>,
     pub(crate) states: Vec<StateDeclaration>,
@@ -156,7 +152,7 @@ pub(crate) struct PartDeclaration {
 /// Reads a file's declarations.
 pub(crate) fn declarations(text: &str, table: &DeTable<'_>) -> Checked<Declarations> {
     let whole = Span { start: 0, end: text.find('\n').unwrap_or(text.len()) };
-    let file = Entries::new(text, table, whole).only(KEYS)?;
+    let file = Entries::new(text, table, whole).only(&[KEYS, &SETTINGS].concat())?;
     let words = |key| -> Checked<String> {
         Ok(file.read(key, Entry::text)?.map_or(String::new(), |text| text.value))
     };
@@ -165,7 +161,7 @@ pub(crate) fn declarations(text: &str, table: &DeTable<'_>) -> Checked<Declarati
         about: words("about")?,
         source: words("source")?,
         mode: file.read("mode", Entry::text)?,
-        t_end: file.read("t_end", t_end)?,
+        t_end: t_end(&file)?,
         parameters: each(file.table("parameters")?, parameter)?,
         definitions: each(file.table("definitions")?, definition)?,
         states: each(file.table("states")?, state)?,
@@ -193,10 +189,20 @@ pub(crate) fn declarations(text: &str, table: &DeTable<'_>) -> Checked<Declarati
     Ok(all)
 }
 
-fn t_end(entry: Entry<'_>) -> Checked<(f64, Span)> {
-    match entry.number()? {
-        t_end if t_end > 0.0 => Ok((t_end, entry.key_span)),
-        _ => Err(Complaint::new(entry.span, "`t_end` is above zero")),
+/// `t_end`, or `run.t_end`, which it is short for; what is wrong with the latter the program says, as of every setting.
+fn t_end(file: &Entries<'_>) -> Checked<Option<f64>> {
+    let run = file.get("run").filter(|run| run.is_table()).map(|run| run.entries()).transpose()?;
+    let long = run.and_then(|run| run.get("t_end"));
+    let Some(short) = file.get("t_end") else {
+        return Ok(long.and_then(|long| long.number().ok()).filter(|t_end| *t_end > 0.0));
+    };
+    match short.number()? {
+        _ if long.is_some() => {
+            let message = "`t_end` is short for `run.t_end`, which is given too";
+            Err(Complaint::new(short.key_span, message))
+        }
+        t_end if t_end > 0.0 => Ok(Some(t_end)),
+        _ => Err(Complaint::new(short.span, "`t_end` is above zero")),
     }
 }
 

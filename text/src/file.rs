@@ -1,11 +1,11 @@
 //! A checked file: what the crate's users hold.
 
-use toml::de::{DeTable, DeValue};
+use toml::de::DeTable;
 
 use deltazero_study::{Part, Subject};
 
 use crate::compile::{Compiled, compile};
-use crate::declarations::{Declarations, PartDeclaration, SETTINGS, declarations};
+use crate::declarations::{Declarations, PartDeclaration, declarations};
 use crate::dimensions::check_units;
 use crate::names::Names;
 use crate::report::{Checked, Complaint, Report, Source, Span};
@@ -21,7 +21,6 @@ pub struct ModelFile {
     file: Declarations,
     names: Names,
     parameters: Vec<Parameter>,
-    settings: toml::Table,
     warnings: Vec<Complaint>,
 }
 
@@ -86,20 +85,11 @@ impl ModelFile {
             Complaint::new(error.span().map_or(start, Span::from), error.message())
         };
         let table = DeTable::parse(text).map_err(not_toml)?;
-        let mut file = declarations(text, table.get_ref())?;
-        let mut settings: toml::Table = text.parse().map_err(not_toml)?;
-        settings.retain(|key, _| SETTINGS.contains(&key));
-        add_t_end(&mut settings, &mut file)?;
+        let file = declarations(text, table.get_ref())?;
         let names = Names::new(&file)?;
         let parameters = parameters(&file)?;
-        let mut checked = Self {
-            source: source.clone(),
-            file,
-            names,
-            parameters,
-            settings,
-            warnings: Vec::new(),
-        };
+        let mut checked =
+            Self { source: source.clone(), file, names, parameters, warnings: Vec::new() };
         let of_parts = checked.compiled(&[])?;
         check_units(&checked.file, &checked.names)?;
         checked.warnings = of_parts.into_iter().flat_map(|part| part.warnings).collect();
@@ -133,18 +123,9 @@ impl ModelFile {
         &self.parameters
     }
 
-    /// The tables `run`, `solver`, `study`, `contest` and `regimes`, as given.
-    pub fn settings(&self) -> &toml::Table {
-        &self.settings
-    }
-
-    /// A complaint of the program about one of these settings, such as `["run", "t_end"]`, shown at its place in the file.
-    pub fn complaint(&self, keys: &[&str], message: &str) -> Report {
-        let span = DeTable::parse(&self.source.text)
-            .ok()
-            .and_then(|table| setting_span(table.get_ref(), keys))
-            .unwrap_or(Span { start: 0, end: 0 });
-        self.source.error(Complaint::new(span, message))
+    /// The end of the runs that it gives [s].
+    pub fn t_end(&self) -> Option<f64> {
+        self.file.t_end
     }
 
     /// What is not wrong but should be looked at.
@@ -169,7 +150,7 @@ impl ModelFile {
     /// As [`models`](Self::models).
     pub fn subject(&self, values: &[(String, f64)], t_end: f64) -> Result<Subject, Report> {
         let mut own = self.clone();
-        own.file.t_end = Some((t_end, Span { start: 0, end: 0 }));
+        own.file.t_end = Some(t_end);
         Ok(Subject { parts: own.models(values)?.into_iter().map(part).collect() })
     }
 
@@ -242,19 +223,6 @@ fn part(model: TextModel) -> Part {
     }
 }
 
-/// Where the value of a key is; where a part of its path is missing, the table before it.
-fn setting_span(table: &DeTable<'_>, keys: &[&str]) -> Option<Span> {
-    let (first, rest) = keys.split_first()?;
-    let (key, value) = table.iter().find(|(key, _)| key.get_ref() == *first)?;
-    match value.get_ref() {
-        DeValue::Table(inner) => {
-            let inner = setting_span(inner, rest);
-            Some(inner.unwrap_or_else(|| key.span().into()))
-        }
-        _ => Some(value.span().into()),
-    }
-}
-
 /// The parameters as users see them.
 fn parameters(file: &Declarations) -> Checked<Vec<Parameter>> {
     let parameter = |declared: &crate::declarations::ParameterDeclaration| {
@@ -271,29 +239,4 @@ fn parameters(file: &Declarations) -> Checked<Vec<Parameter>> {
         })
     };
     file.parameters.iter().map(parameter).collect()
-}
-
-/// Writes `t_end` of the top to the table `run`, or that of the table to the file.
-fn add_t_end(settings: &mut toml::Table, file: &mut Declarations) -> Checked<()> {
-    let run = settings.entry("run").or_insert_with(|| toml::Table::new().into());
-    let Some(run) = run.as_table_mut() else { return Ok(()) };
-    match (file.t_end, run.get("t_end")) {
-        (Some((_, span)), Some(_)) => {
-            let message = "`t_end` is short for `run.t_end`, which is given too";
-            return Err(Complaint::new(span, message));
-        }
-        (Some((t_end, _)), None) => {
-            run.insert("t_end".to_owned(), t_end.into());
-        }
-        (None, Some(t_end)) => {
-            let number = t_end.as_float().or(t_end.as_integer().map(|t_end| t_end as f64));
-            let nowhere = Span { start: 0, end: 0 };
-            file.t_end = number.filter(|t_end| *t_end > 0.0).map(|t_end| (t_end, nowhere));
-        }
-        (None, None) => {}
-    }
-    if run.is_empty() {
-        settings.remove("run");
-    }
-    Ok(())
 }

@@ -83,6 +83,7 @@ mod token;
 mod units;
 mod vector;
 
+pub use declarations::SETTINGS;
 pub use file::{ModelFile, Parameter, Range};
 pub use mode::Mode;
 pub use report::Report;

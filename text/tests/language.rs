@@ -290,13 +290,17 @@ fn kinks_of_what_moves_are_warned_of() {
 }
 
 #[test]
-fn settings_of_the_program_are_handed_on() {
-    let file = file(&format!("{ROW}\n[solver]\nmethod = \"rk45\"\n"));
-    assert_eq!(file.settings()["solver"]["method"].as_str(), Some("rk45"));
-    assert_eq!(file.settings()["run"]["t_end"].as_float(), Some(0.5));
-    let report = file.complaint(&["solver", "method"], "no method is called so");
-    assert_eq!(report.to_string().lines().nth(3).unwrap().trim_end(), "43 | method = \"rk45\"");
-    assert_eq!(file.parameters()[0].range.max, Some(1000.0));
+fn the_end_of_the_runs_is_given_at_the_top_or_among_the_settings() {
+    assert_eq!(file(ROW).t_end(), Some(0.5));
+    let long = format!("{BALL}[run]\nt_end = 2\n[solver]\nmethod = \"any\"\n");
+    assert_eq!(file(&long).t_end(), Some(2.0));
+    assert_eq!(file(BALL).t_end(), None);
+    assert_eq!(file(ROW).parameters()[0].range.max, Some(1000.0));
+    let twice = refusal(&format!("t_end = 1\n{long}"));
+    assert!(
+        twice.contains("`t_end` is short for `run.t_end`") && twice.contains(":1:1"),
+        "{twice}"
+    );
 }
 
 fn refusal(text: &str) -> String {

@@ -6,6 +6,7 @@ mod joints;
 mod json;
 mod mechanisms;
 mod messages;
+mod models;
 mod numbers;
 
 use super::settings::Settings;

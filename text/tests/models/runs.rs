@@ -40,7 +40,7 @@ pub(crate) fn parameter(name: &str, parameter: &str) -> f64 {
 
 /// The end of the run that the file asks for [s].
 pub(crate) fn t_end(name: &str) -> f64 {
-    file(name).settings()["run"]["t_end"].as_float().unwrap()
+    file(name).t_end().unwrap()
 }
 
 /// An event; several at one time are one, from the mode before the first to the mode after the last.
