@@ -2,11 +2,12 @@
 
 use std::ops::Deref;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use deltazero_study::Subject;
 use deltazero_study::forecast::Forecast;
-use deltazero_study::map::{Contested, MapPlan, contested};
+use deltazero_study::map::{Contested, MapPlan, contested, contests};
 use serde::{Deserialize, Serialize};
 
 use super::plan::{rules, sample_times};
@@ -70,6 +71,18 @@ impl Site {
             joint.contact.damping = damping;
         }
         own
+    }
+
+    /// What is studied there.
+    fn subject(&self, config: &Config) -> Subject {
+        let own = self.config(config);
+        own.mechanism.subject(&own)
+    }
+
+    /// Its cells with these contests, one an accuracy.
+    fn cells(&self, contests: Vec<Contested>) -> impl Iterator<Item = Cell> {
+        let Self { reading, stiffness, damping_ratio } = *self;
+        contests.into_iter().map(move |contest| Cell { reading, stiffness, damping_ratio, contest })
     }
 
     fn holds(&self, cell: &Cell) -> bool {
@@ -137,7 +150,8 @@ pub fn estimate(
     for (n, &(damping_ratio, stiffness)) in trials.iter().enumerate() {
         shown(n, trials.len());
         let start = Instant::now();
-        cells(&short, &Site { stiffness, damping_ratio, ..*missing.first()? }, stop);
+        let site = Site { stiffness, damping_ratio, ..*missing.first()? };
+        contested(site.subject(&short), &map_plan(&short), stop);
         if stop.load(Ordering::Relaxed) {
             return None;
         }
@@ -176,7 +190,8 @@ pub struct Done<'a> {
     pub cells: &'a [Cell],
 }
 
-/// Runs the contest in every cell that is not `known`; `done` is shown each site that is. Returns the cells in the order of the grid; once `stop` is set, those that were finished.
+/// Runs the contest in every cell that is not `known`; `done` is shown each site that is. Returns the cells in the order of
+/// the grid; once `stop` is set, those that were finished.
 pub fn regimes(
     config: &Config,
     known: Vec<Cell>,
@@ -184,27 +199,15 @@ pub fn regimes(
     done: &(dyn Fn(&Done<'_>) + Sync),
 ) -> Vec<Cell> {
     let missing = missing(config, &known);
-    let (next, cells_so_far) = (AtomicUsize::new(0), Mutex::new(known));
-    std::thread::scope(|scope| {
-        for _ in 0..config.regimes.threads.min(missing.len()) {
-            scope.spawn(|| {
-                loop {
-                    let place = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(site) = missing.get(place) else { break };
-                    let start = Instant::now();
-                    let own = cells(config, site, stop);
-                    if stop.load(Ordering::Relaxed) {
-                        break;
-                    }
-                    if let Ok(mut all) = cells_so_far.lock() {
-                        all.retain(|cell| !site.holds(cell));
-                        all.extend(own);
-                        sort(config, &mut all);
-                        done(&Done { site, place, took: start.elapsed(), cells: &all });
-                    }
-                }
-            });
-        }
+    let cells_so_far = Mutex::new(known);
+    let (plan, threads) = (map_plan(config), config.regimes.threads);
+    let subject = |site: &Site| site.subject(config);
+    contests(&missing, subject, &plan, threads, stop, |place, own, took| {
+        let (Some(site), Ok(mut all)) = (missing.get(place), cells_so_far.lock()) else { return };
+        all.retain(|cell| !site.holds(cell));
+        all.extend(site.cells(own));
+        sort(config, &mut all);
+        done(&Done { site, place, took, cells: &all });
     });
     cells_so_far.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
@@ -247,12 +250,4 @@ pub fn map_plan(config: &Config) -> MapPlan {
         max_rhs: config.study.max_rhs,
         max_seconds: config.study.max_seconds,
     }
-}
-
-/// The cells of one site, one an accuracy.
-fn cells(config: &Config, site: &Site, stop: &AtomicBool) -> Vec<Cell> {
-    let own = site.config(config);
-    let Site { reading, stiffness, damping_ratio } = *site;
-    let cell = |contest| Cell { reading, stiffness, damping_ratio, contest };
-    contested(own.mechanism.subject(&own), &map_plan(config), stop).into_iter().map(cell).collect()
 }

@@ -1,10 +1,12 @@
 //! Where does which method win? The contest over a grid of two parameters of a model, at several accuracies.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use crate::parallel::in_parallel;
+use crate::parallel::on_threads;
 use crate::part::Subject;
 use crate::plan::sample_times;
 use crate::run::Limits;
@@ -189,6 +191,33 @@ pub fn contested(subject: Subject, plan: &MapPlan, stop: &AtomicBool) -> Vec<Con
     plan.accuracies.iter().map(contest).collect()
 }
 
+/// Has the contests run on the subject of each of `sites`, the first ones first, on so many threads. `done` is told of each
+/// site by its number, with its contests and what they took; once `stop` is set, of none any more.
+pub fn contests<J: Sync>(
+    sites: &[J],
+    subject: impl Fn(&J) -> Subject + Sync,
+    plan: &MapPlan,
+    threads: usize,
+    stop: &AtomicBool,
+    done: impl Fn(usize, Vec<Contested>, Duration) + Sync,
+) {
+    on_threads(
+        sites,
+        threads,
+        || (),
+        |(), i, site| {
+            if stop.load(Ordering::Relaxed) {
+                return;
+            }
+            let start = Instant::now();
+            let contests = contested(subject(site), plan, stop);
+            if !stop.load(Ordering::Relaxed) {
+                done(i, contests, start.elapsed());
+            }
+        },
+    );
+}
+
 /// A parameter of a model with the values that a map has of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapAxis {
@@ -259,16 +288,20 @@ impl Map {
         stop: &AtomicBool,
         shown: &(dyn Fn() + Sync),
     ) -> Self {
-        let cells = |(at, subject): &([f64; 2], Subject)| {
-            if stop.load(Ordering::Relaxed) {
-                return Vec::new();
+        let places: Vec<_> = subjects.iter().map(|_| Mutex::new(Vec::new())).collect();
+        let subject = |(_, subject): &([f64; 2], Subject)| subject.clone();
+        contests(subjects, subject, plan, threads, stop, |i, own, _| {
+            if let Some(Ok(mut place)) = places.get(i).map(Mutex::lock) {
+                *place = own;
             }
-            let contests = contested(subject.clone(), plan, stop).into_iter();
-            let cells = contests.map(|contest| MapCell { at: *at, contest }).collect();
             shown();
-            cells
-        };
-        let cells = in_parallel(subjects, threads, cells).into_iter().flatten().collect();
+        });
+        let own = places.into_iter().map(|own| own.into_inner().unwrap_or_default());
+        let cells = subjects
+            .iter()
+            .zip(own)
+            .flat_map(|((at, _), own)| own.into_iter().map(|contest| MapCell { at: *at, contest }));
+        let cells = cells.collect();
         Self { axes, cells }
     }
 }
