@@ -1,6 +1,5 @@
 //! `deltazero audit`.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
@@ -25,11 +24,11 @@ pub(super) struct AuditArgs {
 pub(super) fn run(args: &AuditArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let config =
         one_bay(default_only(args.run.load()?, "the claims are those of the struts' paper")?)?;
-    let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out/audit"));
-    let output = Output::open(&dir, hash("audit", &used(&config)?), args.run.force)?;
+    let dir = args.run.to.dir("deltazero-out/audit");
+    let output = Output::open(&dir, hash("audit", &used(&config)?), args.run.to.force)?;
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.threads.map_or_else(cores, usize::from);
-    let bar = Bar::new(args.run.quiet);
+    let bar = Bar::new(args.run.to.quiet);
     let audit = audit(&config, threads, stop, &|progress| bar.show(progress));
     if stop.load(Ordering::Relaxed) {
         return Err(Failure::Interrupted("nothing is written; the same command begins anew"));
@@ -38,12 +37,12 @@ pub(super) fn run(args: &AuditArgs, stop: &AtomicBool) -> Result<(), Failure> {
     bar.say("figures");
     write(&output, &config, &audit)?;
     drop(bar);
-    if args.run.json {
+    if args.run.to.json {
         print(&format!("{:#}\n", json!(audit.rows)))?;
     } else {
         print(&report::audit::text(&audit))?;
     }
-    if !args.run.quiet {
+    if !args.run.to.quiet {
         say(&format!(
             "written to {}: audit.html, audit.md, audit.csv, audit.json, courses.csv, figures/",
             output.path()

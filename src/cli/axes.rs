@@ -1,6 +1,5 @@
 //! `deltazero regimes --axis …`: the contest over any two numbers of a mechanism, or parameters of a model.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use deltazero::config::find;
@@ -43,17 +42,17 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
             subjects.push(([*x, *y], subject(args, &axes, [*x, *y])?));
         }
     }
-    let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out/map"));
+    let dir = args.run.to.dir("deltazero-out/map");
     let asked = json!({ "config": config.to_json(), "axes": args.axis });
-    let output = Output::open(&dir, hash("map", &asked), args.run.force)?;
+    let output = Output::open(&dir, hash("map", &asked), args.run.to.force)?;
     if let Some(threads) = args.threads {
         config.regimes.threads = usize::from(threads);
     }
-    note_left_out(&config, &config.contest.events, args.run.quiet);
-    warn(&config.mechanism.warnings(&config), args.run.quiet);
+    note_left_out(&config, &config.contest.events, args.run.to.quiet);
+    warn(&config.mechanism.warnings(&config), args.run.to.quiet);
 
     let (n, done) = (subjects.len(), AtomicUsize::new(0));
-    let bar = Bar::new(args.run.quiet);
+    let bar = Bar::new(args.run.to.quiet);
     bar.show_part(0, n, String::new());
     bar.tick();
     let shown = || bar.show_part(done.fetch_add(1, Ordering::Relaxed) + 1, n, String::new());
@@ -77,8 +76,8 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
         "cells": map.cells,
     });
     output.write("map.json", format!("{record:#}\n").as_bytes())?;
-    print(&if args.run.json { format!("{record:#}\n") } else { table })?;
-    if !args.run.quiet {
+    print(&if args.run.to.json { format!("{record:#}\n") } else { table })?;
+    if !args.run.to.quiet {
         say(&format!("written to {}: map.md, map.csv, map.json, figures/", output.path()));
     }
     Ok(())

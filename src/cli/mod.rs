@@ -102,15 +102,13 @@ impl ConfigFrom {
     }
 }
 
-/// Where a configuration comes from and its results go.
+/// Where results go, and what is said of them.
 #[derive(Args)]
-struct RunArgs {
-    #[command(flatten)]
-    from: ConfigFrom,
+struct ResultsTo {
     /// Directory for the results
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Overwrite a directory that holds the results of another configuration
+    /// Overwrite a directory that holds the results of another configuration or plan
     #[arg(long)]
     force: bool,
     /// No progress and no messages but errors
@@ -119,6 +117,22 @@ struct RunArgs {
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
+}
+
+impl ResultsTo {
+    /// The directory, `usual` where none is named.
+    fn dir(&self, usual: &str) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| PathBuf::from(usual))
+    }
+}
+
+/// Where a configuration comes from and its results go.
+#[derive(Args)]
+struct RunArgs {
+    #[command(flatten)]
+    from: ConfigFrom,
+    #[command(flatten)]
+    to: ResultsTo,
 }
 
 impl RunArgs {

@@ -1,6 +1,5 @@
 //! `deltazero regimes`.
 
-use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -46,20 +45,20 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
         config = quick(&config);
         dir = "deltazero-out/regimes-quick";
     }
-    let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from(dir));
+    let dir = args.run.to.dir(dir);
     let output =
-        Output::open(&dir, hash("regimes", &json_without_threads(&config)), args.run.force)?;
+        Output::open(&dir, hash("regimes", &json_without_threads(&config)), args.run.to.force)?;
     if let Some(threads) = args.threads {
         config.regimes.threads = usize::from(threads);
     }
     let known = known(&output);
-    note_left_out(&config, &config.contest.events, args.run.quiet);
-    let forecast = Mutex::new(announce(&config, &known, args.run.quiet, stop));
+    note_left_out(&config, &config.contest.events, args.run.to.quiet);
+    let forecast = Mutex::new(announce(&config, &known, args.run.to.quiet, stop));
 
     let n_sites = sites(&config).len();
     let failed: Mutex<Option<Failure>> = Mutex::new(None);
     let n_accuracies = config.regimes.accuracy.len();
-    let bar = Bar::new(args.run.quiet);
+    let bar = Bar::new(args.run.to.quiet);
     bar.show_part(known.len() / n_accuracies, n_sites, String::new());
     bar.tick();
     let done = |&Done { site, place, took, cells }: &Done<'_>| {
@@ -98,8 +97,8 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     let text = markdown(&config, &cells, &drawings);
     output.write("regimes.md", text.as_bytes())?;
     write_json(&output, &config, &cells)?;
-    print(&if args.run.json { format!("{:#}\n", json!(cells)) } else { text })?;
-    if !args.run.quiet {
+    print(&if args.run.to.json { format!("{:#}\n", json!(cells)) } else { text })?;
+    if !args.run.to.quiet {
         say(&format!(
             "written to {}: regimes.html, regimes.md, regimes.csv, regimes.json, figures/",
             output.path()

@@ -1,6 +1,5 @@
 //! `deltazero simulate`.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -47,12 +46,12 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     let setting = deltazero::run::setting(&config)
         .ok_or_else(|| Failure::Usage(format!("no method {}", config.solver.method)))?;
     let rows = Rows::new(&config, &setting)?;
-    let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out/simulate"));
-    let output = Output::open(&dir, hash("simulate", &config.to_json()), args.run.force)?;
+    let dir = args.run.to.dir("deltazero-out/simulate");
+    let output = Output::open(&dir, hash("simulate", &config.to_json()), args.run.to.force)?;
 
     let subject = config.mechanism.subject(&config);
-    let bar = TimeBar::new(args.run.quiet);
-    let tell = |warning: &Warning| warn(std::slice::from_ref(warning), args.run.quiet);
+    let bar = TimeBar::new(args.run.to.quiet);
+    let tell = |warning: &Warning| warn(std::slice::from_ref(warning), args.run.to.quiet);
     let (n, t_end) = (subject.parts.len(), config.run.t_end);
     let simulated = subject.parts.iter().enumerate().map(|(i, part)| {
         let grid = Grid::uniform(config.run.sample, t_end);
@@ -81,13 +80,13 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     output.write("events.csv", events_csv(&sites).as_bytes())?;
     output.write("run.json", format!("{summary:#}\n").as_bytes())?;
 
-    if args.run.json {
+    if args.run.to.json {
         print(&format!("{summary:#}\n"))?;
     } else {
         print(&report_lines(&summary, &parts, horizon))?;
     }
-    warn(&warnings, args.run.quiet);
-    if !args.run.quiet {
+    warn(&warnings, args.run.to.quiet);
+    if !args.run.to.quiet {
         say(&format!("written to {}: trajectory.csv, events.csv, run.json", output.path()));
     }
     match outcome(&parts) {

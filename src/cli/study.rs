@@ -1,6 +1,5 @@
 //! `deltazero study`.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::SystemTime;
 
@@ -52,17 +51,17 @@ impl StudyArgs {
 
 pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut config = args.load()?;
-    let dir = args.run.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out"));
+    let dir = args.run.to.dir("deltazero-out");
     let hash = hash("study", &json_of_runs(&config)?);
-    let output = Output::open(&dir, hash, args.run.force)?;
+    let output = Output::open(&dir, hash, args.run.to.force)?;
     if let Some(threads) = args.threads {
         config.study.threads = usize::from(threads);
     }
-    note_left_out(&config, &config.study.events, args.run.quiet);
-    warn(&config.mechanism.warnings(&config), args.run.quiet);
-    let bar = Bar::new(args.run.quiet);
+    note_left_out(&config, &config.study.events, args.run.to.quiet);
+    warn(&config.mechanism.warnings(&config), args.run.to.quiet);
+    let bar = Bar::new(args.run.to.quiet);
     let known = unfinished_rows(&output);
-    let reference = match reference(&output, &config, stop, args.run.quiet) {
+    let reference = match reference(&output, &config, stop, args.run.to.quiet) {
         Ok(reference) => reference,
         Err(_) if stop.load(Ordering::Relaxed) => {
             return Err(Failure::Interrupted(
@@ -93,14 +92,14 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     drop(bar);
 
     let table = &study.table;
-    if args.run.json {
+    if args.run.to.json {
         let mut json = json!(table);
         name_reading(&mut json, &config);
         print(&format!("{json:#}\n"))?;
     } else {
         print(&report::answer(table))?;
     }
-    if !args.run.quiet {
+    if !args.run.to.quiet {
         summarise(&output, table);
     }
     if table.rows.iter().any(|row| row.status == Status::Ok) {

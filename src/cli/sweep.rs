@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 use super::meter::Meter;
 use super::output::{Output, hash};
-use super::{Failure, print, say};
+use super::{Failure, ResultsTo, print, say};
 
 /// The record of a sweep.
 const RECORD: &str = "sweep.json";
@@ -33,9 +33,8 @@ pub(super) struct SweepArgs {
     /// Set one key of the plan's configuration, after its file (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Directory for the results
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    to: ResultsTo,
     /// Runs at the same time; the default is one a core
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -48,15 +47,6 @@ pub(super) struct SweepArgs {
     /// Exit 1 if a run failed
     #[arg(long)]
     strict: bool,
-    /// Overwrite a directory that holds the results of another plan or configuration
-    #[arg(long)]
-    force: bool,
-    /// No progress and no messages but errors
-    #[arg(long)]
-    quiet: bool,
-    /// Print the record of the sweep as JSON
-    #[arg(long)]
-    json: bool,
 }
 
 /// A part of a sweep: every chunk whose number leaves I − 1 when divided by N.
@@ -122,13 +112,13 @@ struct Command<'a> {
 
 pub(super) fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let sweep = Sweep::read(&args.plan, &args.set)?;
-    let dir = args.out.clone().unwrap_or_else(|| PathBuf::from("deltazero-out/sweep"));
+    let dir = args.to.dir("deltazero-out/sweep");
     let identity = sweep.identity();
     let hash = hash("sweep", &identity);
-    refuse_another(&dir, &identity, &hash, args.force)?;
+    refuse_another(&dir, &identity, &hash, args.to.force)?;
     let output = match args.shard {
         Some(shard) => Output::open_part(&dir, hash, &shard.name())?,
-        None => Output::open(&dir, hash, args.force)?,
+        None => Output::open(&dir, hash, args.to.force)?,
     };
     let chunks = Chunks::new(&dir, &output.hash, sweep.n_runs, sweep.plan.chunk);
     let known = output.own(RECORD);
@@ -217,7 +207,7 @@ impl Command<'_> {
         self.make(missing, n_runs)?;
         let failed = own.iter().filter_map(|chunk| self.chunks.failed(*chunk)).sum();
         self.write(&name, &record(true, failed))?;
-        if self.args.json {
+        if self.args.to.json {
             print(&format!("{:#}\n", record(true, failed)))?;
         } else {
             let ok = n_runs - failed;
@@ -288,7 +278,7 @@ impl Command<'_> {
         }
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         let threads = self.args.threads.map_or_else(cores, usize::from);
-        let meter = Meter::new(self.args.quiet, n_runs - left, n_runs);
+        let meter = Meter::new(self.args.to.quiet, n_runs - left, n_runs);
         let made = |made| match made {
             Made::Run(_) => meter.made(),
             Made::Known(n) => meter.known(n),
@@ -318,7 +308,7 @@ impl Command<'_> {
 
     fn tell(&self, record: &Value) -> Result<(), Failure> {
         let failed = record["failed"].as_u64().unwrap_or(0);
-        if self.args.json {
+        if self.args.to.json {
             print(&format!("{record:#}\n"))?;
         } else {
             let n = self.sweep.n_runs;
@@ -377,7 +367,7 @@ impl Command<'_> {
     }
 
     fn say(&self, text: &str) {
-        if !self.args.quiet {
+        if !self.args.to.quiet {
             say(text);
         }
     }
