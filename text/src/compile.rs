@@ -22,12 +22,13 @@ pub(crate) struct Compiled {
     pub(crate) warnings: Vec<Complaint>,
 }
 
-/// Compiles one part with these values of parameters.
+/// Compiles one part with these values of parameters, to be run to `t_end` [s] if that is known.
 pub(crate) fn compile(
     file: &Declarations,
     names: &Names,
     parameters: Vec<f64>,
     part: Option<&PartDeclaration>,
+    t_end: Option<f64>,
 ) -> Checked<Compiled> {
     let mut expander = Expander::new(file, names, parameters);
     expander.layout = layout(&mut expander)?;
@@ -59,7 +60,7 @@ pub(crate) fn compile(
         groups: groups(&expander),
         observables: observables(&mut expander)?,
         sparsity: Sparsity::new(&expander.graph, &rates),
-        unit_of_time: file.t_end.map_or(1.0, |t_end| t_end.min(1.0)),
+        unit_of_time: t_end.map_or(1.0, |t_end| t_end.min(1.0)),
         is_autonomous: !rates.iter().any(|rates| expander.graph.is_of_time(rates)),
         starts,
         scales,

@@ -70,6 +70,40 @@ pub(crate) enum Relation {
     NotEqual,
 }
 
+impl Expression {
+    /// Calls `each` with every name in it but those of functions.
+    pub(crate) fn for_each_name<'a>(&'a self, each: &mut dyn FnMut(&'a str)) {
+        match &self.kind {
+            Kind::Number(_) => {}
+            Kind::Name(name) => each(name),
+            Kind::Element(name, index) => {
+                each(name);
+                index.for_each_name(each);
+            }
+            Kind::Negative(inner) => inner.for_each_name(each),
+            Kind::Chain(first, rest) => {
+                first.for_each_name(each);
+                rest.iter().for_each(|(_, inner)| inner.for_each_name(each));
+            }
+            Kind::Power(base, exponent) => {
+                base.for_each_name(each);
+                exponent.for_each_name(each);
+            }
+            Kind::Call(_, arguments) => arguments.iter().for_each(|own| own.for_each_name(each)),
+            Kind::Sum(sum) => {
+                let (indices, inner) = &**sum;
+                [&indices.first, &indices.last, inner]
+                    .iter()
+                    .for_each(|own| own.for_each_name(each));
+            }
+            Kind::Choice(choice) => {
+                let (Comparison { left, right, .. }, a, b) = &**choice;
+                [left, right, a, b].iter().for_each(|own| own.for_each_name(each));
+            }
+        }
+    }
+}
+
 /// Parentheses, calls and powers within each other, at most.
 const DEEPEST: usize = 100;
 

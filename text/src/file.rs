@@ -9,6 +9,7 @@ use crate::declarations::{Declarations, PartDeclaration, declarations};
 use crate::dimensions::check_units;
 use crate::names::Names;
 use crate::report::{Checked, Complaint, Report, Source, Span};
+use crate::shape::parameters_of_shape;
 use crate::system::TextModel;
 
 /// Bytes of a file, at most.
@@ -90,7 +91,7 @@ impl ModelFile {
         let parameters = parameters(&file)?;
         let mut checked =
             Self { source: source.clone(), file, names, parameters, warnings: Vec::new() };
-        let of_parts = checked.compiled(&[])?;
+        let of_parts = checked.compiled(&[], checked.file.t_end)?;
         check_units(&checked.file, &checked.names)?;
         checked.warnings = of_parts.into_iter().flat_map(|part| part.warnings).collect();
         checked.warnings.sort_by_key(|warning| warning.place());
@@ -138,7 +139,7 @@ impl ModelFile {
     /// # Errors
     /// A name that is none of a parameter, a value out of its range, or what is wrong with the equations at these values.
     pub fn models(&self, values: &[(String, f64)]) -> Result<Vec<TextModel>, Report> {
-        match self.compiled(values) {
+        match self.compiled(values, self.file.t_end) {
             Ok(parts) => Ok(parts.into_iter().map(|part| part.model).collect()),
             Err(complaint) => Err(self.source.error(complaint)),
         }
@@ -149,12 +150,23 @@ impl ModelFile {
     /// # Errors
     /// As [`models`](Self::models).
     pub fn subject(&self, values: &[(String, f64)], t_end: f64) -> Result<Subject, Report> {
-        let mut own = self.clone();
-        own.file.t_end = Some(t_end);
-        Ok(Subject { parts: own.models(values)?.into_iter().map(part).collect() })
+        let parts = self.compiled(values, Some(t_end)).map_err(|error| self.source.error(error))?;
+        Ok(Subject { parts: parts.into_iter().map(|own| part(own.model)).collect() })
     }
 
-    fn compiled(&self, values: &[(String, f64)]) -> Checked<Vec<Compiled>> {
+    /// Whether the number of states or observables may follow from the value of this parameter.
+    pub fn is_of_shape(&self, parameter: &str) -> bool {
+        parameters_of_shape(&self.file).contains(&parameter)
+    }
+
+    /// The same file by another name in messages.
+    pub fn renamed(&self, name: &str) -> Self {
+        let mut own = self.clone();
+        own.source.name = name.into();
+        own
+    }
+
+    fn compiled(&self, values: &[(String, f64)], t_end: Option<f64>) -> Checked<Vec<Compiled>> {
         let mut parameters: Vec<f64> = self.parameters.iter().map(|own| own.value).collect();
         for (name, value) in values {
             let i = self.parameter(name, Span { start: 0, end: 0 })?;
@@ -162,10 +174,10 @@ impl ModelFile {
             parameters[i] = *value;
         }
         if self.file.parts.is_empty() {
-            return Ok(vec![compile(&self.file, &self.names, parameters, None)?]);
+            return Ok(vec![compile(&self.file, &self.names, parameters, None, t_end)?]);
         }
         let parts = self.file.parts.iter();
-        parts.map(|part| self.part(part, parameters.clone(), values)).collect()
+        parts.map(|part| self.part(part, parameters.clone(), values, t_end)).collect()
     }
 
     fn part(
@@ -173,6 +185,7 @@ impl ModelFile {
         part: &PartDeclaration,
         mut parameters: Vec<f64>,
         values: &[(String, f64)],
+        t_end: Option<f64>,
     ) -> Checked<Compiled> {
         for (name, value) in &part.parameters {
             let i = self.parameter(&name.value, name.span)?;
@@ -185,7 +198,7 @@ impl ModelFile {
             self.check_range(i, *value, name.span)?;
             parameters[i] = *value;
         }
-        compile(&self.file, &self.names, parameters, Some(part))
+        compile(&self.file, &self.names, parameters, Some(part), t_end)
     }
 
     fn parameter(&self, name: &str, span: Span) -> Checked<usize> {

@@ -50,7 +50,7 @@
 //! |---|---|
 //! | read | `document` (TOML with places), `token` and `expression` (formulas), `declarations` (the file as it stands) |
 //! | check | `names` (what they mean), `units` and `dimensions`; complaints are `report`s |
-//! | expand | `layout` (where states are), `expand` (indices, sums, definitions) into one `graph`; `derivative`, `sparsity` |
+//! | expand | `layout` (where states are, `shape`: what that follows from), `expand` (indices, sums, definitions) into one `graph`; `derivative`, `sparsity` |
 //! | compile | `compile`, mode by mode, to a `tape` of operations |
 //! | run | `evaluate` a tape with any number, `functions`, `bounds` of rounding |
 //! | tell | `mode`, `system`, `problem` |
@@ -76,6 +76,7 @@ pub mod models;
 mod names;
 mod problem;
 mod report;
+mod shape;
 mod sparsity;
 mod system;
 mod tape;

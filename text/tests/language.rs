@@ -303,6 +303,20 @@ fn the_end_of_the_runs_is_given_at_the_top_or_among_the_settings() {
     );
 }
 
+#[test]
+fn a_parameter_is_of_the_shape_where_lengths_are_made_of_it() {
+    let row = file(ROW);
+    let names = row.parameters().iter().map(|parameter| parameter.name.as_str());
+    let of_shape: Vec<&str> = names.filter(|name| row.is_of_shape(name)).collect();
+    assert_eq!(of_shape, ["n"]);
+    let text = "[parameters]\nrows = 2\ncolumns = 2\nk = 1\n[definitions]\nn = \"rows*columns\"\n\
+                F = { value = \"k*x[i]\", for = \"i in 1..n\", observe = true }\n\
+                [states]\nx = { start = 1, length = 4 }\n[modes.a]\nrates = { x = \"-k*x[i]\" }\n";
+    let wide = file(text);
+    let of_shape = ["rows", "columns", "k"].map(|name| wide.is_of_shape(name));
+    assert_eq!(of_shape, [true, true, false]);
+}
+
 fn refusal(text: &str) -> String {
     ModelFile::parse("model.toml", text).unwrap_err().to_string()
 }
