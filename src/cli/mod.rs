@@ -35,7 +35,7 @@ use deltazero_study::warning::Warning;
 ///
 /// Without a command: the study of the paper's Table 1, 0-2 s, into ./deltazero-out.
 /// With --set mechanism=NAME, simulate, study and recommend are about another mechanism; `deltazero config` lists them.
-/// With --model FILE they and regimes are about your own model, a text file; `deltazero model` has some to start from.
+/// With --model FILE they, regimes and sweep are about your own model, a text file; `deltazero model` has some to start from.
 #[derive(Parser)]
 #[command(version, args_conflicts_with_subcommands = true)]
 struct Cli {

@@ -8,12 +8,12 @@ use std::time::Instant;
 use clap::Args;
 use deltazero::study::machine::Machine;
 use deltazero::sweep::chunks::Chunks;
-use deltazero::sweep::{Joined, Made, Sweep, SweepError, Work, join, whole, work};
+use deltazero::sweep::{Joined, Made, Over, Sweep, SweepError, Work, join, whole, work};
 use serde_json::{Value, json};
 
 use super::meter::Meter;
 use super::output::{Output, hash};
-use super::{Failure, ResultsTo, print, say};
+use super::{Failure, ResultsTo, print, say, warn};
 
 /// The record of a sweep.
 const RECORD: &str = "sweep.json";
@@ -27,10 +27,13 @@ const RESUME: &str = "what was finished is on disk, the same command goes on fro
 
 #[derive(Args)]
 pub(super) struct SweepArgs {
-    /// Plan in TOML: axes and random draws of any keys of the configuration
+    /// Plan in TOML: axes and random draws of any keys of the configuration, or parameters of the model
     #[arg(value_name = "PLAN")]
     plan: PathBuf,
-    /// Set one key of the plan's configuration, after its file (repeatable)
+    /// A model of your own in TOML, in place of that of the plan; `deltazero model` has some to start from
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// Set one key of the plan's configuration, or a parameter of the model, after its file (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
     #[command(flatten)]
@@ -111,11 +114,17 @@ struct Command<'a> {
 }
 
 pub(super) fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let sweep = Sweep::read(&args.plan, &args.set)?;
     let dir = args.to.dir("deltazero-out/sweep");
+    let begun = begun(&dir);
+    let model = begun.as_ref().filter(|_| !args.to.force).and_then(model_of);
+    let over = Over { model: args.model.as_deref(), sets: &args.set, begun: model };
+    let sweep = Sweep::read(&args.plan, &over)?;
     let identity = sweep.identity();
     let hash = hash("sweep", &identity);
-    refuse_another(&dir, &identity, &hash, args.to.force)?;
+    if let Some(begun) = begun.filter(|begun| !args.to.force && begun["hash"] != hash) {
+        return Err(another(&dir, &begun, &identity));
+    }
+    warn(&sweep.config().mechanism.warnings(sweep.config()), args.to.quiet);
     let output = match args.shard {
         Some(shard) => Output::open_part(&dir, hash, &shard.name())?,
         None => Output::open(&dir, hash, args.to.force)?,
@@ -146,20 +155,35 @@ pub(super) fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
 }
 
-/// Says what is different, where a directory holds another sweep.
-fn refuse_another(dir: &Path, identity: &Value, hash: &str, force: bool) -> Result<(), Failure> {
-    let text = std::fs::read(dir.join(RECORD)).unwrap_or_default();
-    let Ok(record) = serde_json::from_slice::<Value>(&text) else { return Ok(()) };
-    if force || record["hash"] == hash {
-        return Ok(());
-    }
-    let parts = ["plan", "config", "version"].into_iter();
-    let different = parts.filter(|part| record[*part] != identity[*part]);
-    let different = different.collect::<Vec<_>>().join(" and ").replace("config", "configuration");
-    Err(Failure::Usage(format!(
+/// The record of the sweep that a directory holds, if it holds one.
+fn begun(dir: &Path) -> Option<Value> {
+    serde_json::from_slice(&std::fs::read(dir.join(RECORD)).ok()?).ok()
+}
+
+/// Name and text of the model of a sweep, if it has one.
+fn model_of(record: &Value) -> Option<(String, String)> {
+    let word = |name| record["config"]["model"][name].as_str().map(str::to_owned);
+    Some((word("name")?, word("text")?))
+}
+
+/// Says what is different in the sweep that a directory holds.
+fn another(dir: &Path, begun: &Value, identity: &Value) -> Failure {
+    let part = |of: &Value, part: &str| match part {
+        "model" => of["config"]["model"].clone(),
+        "configuration" => {
+            let mut config = of["config"].clone();
+            config.as_object_mut().map(|config| config.remove("model"));
+            config
+        }
+        other => of[other].clone(),
+    };
+    let parts = ["plan", "model", "configuration", "version"].into_iter();
+    let different = parts.filter(|name| part(begun, name) != part(identity, name));
+    let different = different.collect::<Vec<_>>().join(" and ");
+    Failure::Usage(format!(
         "{}: holds a sweep of another {different}; name another directory with --out, or begin anew with --force",
         dir.display()
-    )))
+    ))
 }
 
 impl Command<'_> {

@@ -62,18 +62,17 @@ pub use parts::{
 pub use print::default_toml;
 pub use range::{End, Range};
 pub use schema::json_schema;
-pub use variants::Variants;
+pub use variants::{Variants, Varied};
 pub use words::{AXES, ContactLaw, Curvature, FrictionLaw, METHODS, ReadingName};
 
 use crate::mechanisms::Chosen;
-pub use model::TABLES as MODEL_TABLES;
+pub use model::{Model, TABLES as MODEL_TABLES};
 use settings::Settings;
 pub use settings::{MOST_ROWS, ROW_BYTES};
 
 pub(crate) use given::{Datum, Given};
 pub(crate) use keys::one_joint;
 pub(crate) use toml_source::{document, read};
-pub(crate) use variants::key_at;
 
 /// A complete configuration, checked.
 ///
@@ -133,6 +132,7 @@ impl Config {
         file: Option<&Path>,
         sets: &[String],
     ) -> Result<Self, ConfigError> {
+        let model = model.map(Model::read).transpose()?;
         Settings::load(model, file, sets)?.config()
     }
 

@@ -16,11 +16,11 @@ use crate::mechanisms::Chosen;
 /// The tables of a configuration that hold a model and the values of its parameters.
 pub const TABLES: [&str; 2] = ["model", "parameters"];
 
-/// A model file, read.
+/// A model file, read and checked.
 #[derive(Clone)]
-pub(super) struct Model {
+pub struct Model {
     file: Arc<ModelFile>,
-    text: String,
+    text: Arc<str>,
 }
 
 impl Model {
@@ -28,13 +28,22 @@ impl Model {
     ///
     /// # Errors
     /// It cannot be read, or is no model.
-    pub(super) fn read(path: &Path) -> Result<Self, ConfigError> {
-        Self::new(&path.display().to_string(), toml_source::read(path)?)
+    pub fn read(path: &Path) -> Result<Self, ConfigError> {
+        Self::new(&path.display().to_string(), &toml_source::read(path)?)
     }
 
-    fn new(name: &str, text: String) -> Result<Self, ConfigError> {
-        let file = ModelFile::parse(name, &text).map_err(refused)?;
-        Ok(Self { file: Arc::new(file), text })
+    /// The file with this text, which messages call `name`.
+    ///
+    /// # Errors
+    /// It is no model.
+    pub fn new(name: &str, text: &str) -> Result<Self, ConfigError> {
+        let file = ModelFile::parse(name, text).map_err(refused)?;
+        Ok(Self { file: Arc::new(file), text: text.into() })
+    }
+
+    /// The same file by another name in messages.
+    pub fn renamed(&self, name: &str) -> Self {
+        Self { file: Arc::new(self.file.renamed(name)), text: Arc::clone(&self.text) }
     }
 
     /// The model that a configuration carries in its table `model`, if it carries one.
@@ -47,7 +56,7 @@ impl Model {
             Some(Datum::Word(word)) => Ok(word.clone()),
             _ => Err(table.wrong_type("model", "a table with the words name and text")),
         };
-        Self::new(&word("name")?, word("text")?).map(Some)
+        Self::new(&word("name")?, &word("text")?).map(Some)
     }
 
     /// The settings that the file holds.
@@ -72,6 +81,11 @@ impl Model {
         self.file.parameters().iter().find(|parameter| parameter.name == name)
     }
 
+    /// Whether the columns of runs may follow from the value of this parameter.
+    pub(super) fn is_of_shape(&self, parameter: &Parameter) -> bool {
+        self.file.is_of_shape(&parameter.name)
+    }
+
     /// Names of the parameters.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         self.file.parameters().iter().map(|parameter| parameter.name.as_str())
@@ -90,19 +104,23 @@ impl Model {
     }
 }
 
-/// The value given to a parameter.
-///
-/// # Errors
-/// No number, or one that the parameter does not take.
-pub(super) fn value_of(parameter: &Parameter, given: &Given) -> Result<Value, ConfigError> {
+/// The numbers that a parameter takes.
+pub(super) fn kind_of(parameter: &Parameter) -> Kind {
     let own = &parameter.range;
     let end = |closed: Option<f64>, open: Option<f64>| match (closed, open) {
         (Some(bound), _) => End::Closed(bound),
         (None, Some(bound)) => End::Open(bound),
         (None, None) => End::Free,
     };
-    let range = Range { low: end(own.min, own.above), high: end(own.max, own.below) };
-    Kind::Number(range).check(&parameter.name, &parameter.unit, given)
+    Kind::Number(Range { low: end(own.min, own.above), high: end(own.max, own.below) })
+}
+
+/// The value given to a parameter.
+///
+/// # Errors
+/// No number, or one that the parameter does not take.
+pub(super) fn value_of(parameter: &Parameter, given: &Given) -> Result<Value, ConfigError> {
+    kind_of(parameter).check(&parameter.name, &parameter.unit, given)
 }
 
 fn refused(report: deltazero_text::Report) -> ConfigError {

@@ -31,7 +31,7 @@ const MOST_STEPS: f64 = 1e12;
 const PARAMETERS: &str = model::TABLES[1];
 
 /// What a path leads to.
-enum Target<'a> {
+pub(super) enum Target<'a> {
     /// A parameter of the model.
     Parameter(&'a Parameter),
     /// A key.
@@ -52,7 +52,7 @@ fn parameter_path(name: &str) -> String {
 pub(super) struct Settings {
     pub(super) values: BTreeMap<String, (Value, Place)>,
     /// The model from a file that is integrated in place of a mechanism; its parameters are keys.
-    model: Option<Model>,
+    pub(super) model: Option<Model>,
 }
 
 impl Settings {
@@ -118,13 +118,13 @@ impl Settings {
     /// # Errors
     /// The first complaint.
     pub(super) fn load(
-        model: Option<&Path>,
+        model: Option<Model>,
         file: Option<&Path>,
         sets: &[String],
     ) -> Result<Self, ConfigError> {
         let mut settings = Self::defaults()?;
-        if let Some(path) = model {
-            settings.take_model(Model::read(path)?)?;
+        if let Some(model) = model {
+            settings.take_model(model)?;
         }
         if let Some(path) = file {
             let text = toml_source::read(path)?;
@@ -198,6 +198,21 @@ impl Settings {
                 self.values.insert(path, (value, given.place.clone()));
             }
             Err(complaint) => *first = Some((line, complaint)),
+        }
+    }
+
+    /// The key, or the parameter of the model, of this path, which is named at `place`.
+    ///
+    /// # Errors
+    /// A path of neither.
+    pub(super) fn named(&self, path: &str, place: &Place) -> Result<Target<'_>, ConfigError> {
+        let datum = Datum::Word(path.to_owned());
+        match self.target(path, &datum) {
+            Target::Table | Target::Nothing => {
+                let (place, text) = (place.clone(), path.to_owned());
+                Err(self.not_a_key(path, &Given { place, text, datum }))
+            }
+            target => Ok(target),
         }
     }
 
@@ -467,7 +482,7 @@ pub(super) fn table(part: &str, message: &dyn ToString) -> ConfigError {
 }
 
 /// The complaint about a path that is no key, or about a table that is none.
-pub(super) fn not_a_key(path: &str, given: &Given) -> ConfigError {
+fn not_a_key(path: &str, given: &Given) -> ConfigError {
     if path.is_empty() {
         return given.wrong_type("the configuration", "a table of keys");
     }

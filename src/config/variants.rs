@@ -7,8 +7,9 @@ use serde_json::Value;
 
 use super::error::{ConfigError, Place};
 use super::given::{Datum, Given, excerpt};
-use super::keys::{JOINT_TABLES, JOINTS, Key, find, one_joint};
-use super::settings::{Settings, not_a_key, table, typed};
+use super::keys::{JOINT_TABLES, JOINTS, Key, one_joint};
+use super::model::{Model, TABLES, kind_of};
+use super::settings::{Settings, Target, table, typed};
 use super::{Config, Kind};
 use crate::mechanisms::Chosen;
 
@@ -18,9 +19,10 @@ const OWN: &str = "tables of the mechanism";
 /// A configuration of which some keys take other values from run to run.
 ///
 /// ```
-/// use deltazero::config::{Config, ConfigError, Variants};
+/// use deltazero::config::{Config, ConfigError, Place, Variants};
 ///
-/// let mut variants = Variants::new(None, &[], &["joint2.contact.stiffness"])?;
+/// let key = ("joint2.contact.stiffness", Place::Default);
+/// let mut variants = Variants::new(None, None, &[], &[key])?;
 /// let stiffer = Config::load(None, &["joint2.contact.stiffness=2e7".to_owned()])?;
 /// assert_eq!(*variants.set(&[2e7.into()])?, stiffer);
 /// # Ok::<(), ConfigError>(())
@@ -28,7 +30,8 @@ const OWN: &str = "tables of the mechanism";
 ///
 /// Where [`Config::load`] reads every key, [`set`](Self::set) keeps those parts of the configuration as JSON in which a
 /// key varies, enters the values there, and reads these parts alone: of a sweep with three keys a whole run of two
-/// steps takes 11 µs of the processor, with its row.
+/// steps takes 11 µs of the processor, with its row. A model from a file is compiled anew where a parameter of it varies,
+/// and read no more.
 #[derive(Clone)]
 pub struct Variants {
     /// All values but the varied ones.
@@ -37,44 +40,64 @@ pub struct Variants {
     keys: Vec<Varied>,
     /// Name and content of each part in which a key varies.
     parts: Vec<(&'static str, Value)>,
+    /// Whether defaults follow from what varies, so that all keys are looked at each time.
+    has_defaults: bool,
 }
 
-/// A key that varies.
+/// A key, or a parameter of the model, that varies.
 #[derive(Clone)]
-struct Varied {
-    path: String,
-    kind: Kind,
-    unit: &'static str,
-    targets: Vec<Target>,
+pub struct Varied {
+    /// Its path; that of a parameter is its name.
+    pub path: String,
+    /// The values that it takes.
+    pub kind: Kind,
+    /// Unit; empty for what has none.
+    pub unit: String,
+    /// The key; none of a parameter.
+    pub key: Option<&'static Key>,
+    /// Whether it is a parameter of which the columns of runs may follow.
+    pub is_of_shape: bool,
+    places: Vec<Entered>,
 }
 
 /// A place that its value is entered at.
 #[derive(Clone)]
-struct Target {
+struct Entered {
     /// Index of the part.
     part: usize,
     /// Names of tables and key inside it; none for a part that is the value.
-    path: Vec<&'static str>,
+    path: Vec<String>,
 }
 
 impl Variants {
-    /// The configuration that [`Config::load`] makes of `file` and `sets`, of which `paths` are to vary.
+    /// The configuration that [`Config::load_with`] makes of `model`, `file` and `sets`, of which `paths` are to vary, each
+    /// with the place that it is named at.
     ///
     /// # Errors
-    /// As [`Config::load`]; a path that is no key, or the key `mechanism`, which changes what keys there are.
-    pub fn new(file: Option<&Path>, sets: &[String], paths: &[&str]) -> Result<Self, ConfigError> {
-        let mut settings = Settings::load(None, file, sets)?;
+    /// As [`Config::load_with`]; a path that is neither a key nor a parameter of the model, or the key `mechanism`, which
+    /// changes what keys there are.
+    pub fn new(
+        model: Option<Model>,
+        file: Option<&Path>,
+        sets: &[String],
+        paths: &[(&str, Place)],
+    ) -> Result<Self, ConfigError> {
+        let mut settings = Settings::load(model, file, sets)?;
         let config = settings.config()?;
-        let mut variants = Self { settings, config, keys: Vec::new(), parts: Vec::new() };
-        for path in paths {
-            let key = find(path).filter(|key| key.path != "mechanism");
-            let key = key.ok_or_else(|| table(path, &"no key that may vary"))?;
-            let targets = variants.targets(path, key, paths);
-            let varied =
-                Varied { path: (*path).to_owned(), kind: key.kind, unit: key.unit, targets };
-            variants.keys.push(varied);
+        let varied = |(path, place): &(&str, Place)| varied(&settings, path, place);
+        let keys: Vec<Varied> = paths.iter().map(varied).collect::<Result<_, _>>()?;
+        let has_model = settings.model.is_some();
+        let has_defaults = has_model && keys.iter().any(|key| key.path == "run.t_end");
+        let mut variants = Self { settings, config, keys, parts: Vec::new(), has_defaults };
+        for i in 0..variants.keys.len() {
+            variants.keys[i].places = variants.places(i);
         }
         Ok(variants)
+    }
+
+    /// What varies.
+    pub fn varied(&self) -> &[Varied] {
+        &self.keys
     }
 
     /// The configuration as it was set last.
@@ -88,7 +111,16 @@ impl Variants {
     /// What the key does not take.
     pub(crate) fn checked(&self, i: usize, given: &Given) -> Result<Value, ConfigError> {
         let key = &self.keys[i];
-        key.kind.check(&key.path, key.unit, given)
+        key.kind.check(&key.path, &key.unit, given)
+    }
+
+    /// The value that the number `x` is as the key number `i`.
+    ///
+    /// # Errors
+    /// As [`Config::load`] with it as an argument of `--set`.
+    pub fn number(&self, i: usize, x: f64) -> Result<Value, ConfigError> {
+        let place = Place::Set(excerpt(&format!("{}={x:?}", self.keys[i].path)).into());
+        self.checked(i, &Given { place, text: format!("{x:?}"), datum: Datum::Number(x) })
     }
 
     /// The configuration with these values, one for each path, in their normal form.
@@ -99,7 +131,8 @@ impl Variants {
     /// # Panics
     /// With fewer values than paths.
     pub fn set(&mut self, values: &[Value]) -> Result<&Config, ConfigError> {
-        let is_set = self.keys.iter().zip(values).all(|(key, value)| is_in_range(key, value))
+        let is_set = !self.has_defaults
+            && self.keys.iter().zip(values).all(|(key, value)| is_in_range(key, value))
             && self.enter(values).is_ok()
             && self.settings.cross_check(&self.config).is_ok();
         if !is_set {
@@ -121,40 +154,47 @@ impl Variants {
     /// Enters values, and reads the parts that they are in.
     fn enter(&mut self, values: &[Value]) -> Result<(), ConfigError> {
         for (key, value) in self.keys.iter().zip(values) {
-            for target in &key.targets {
-                let (_, part) = &mut self.parts[target.part];
-                let place = target.path.iter().fold(part, |part, name| &mut part[*name]);
+            for entered in &key.places {
+                let (_, part) = &mut self.parts[entered.part];
+                let place = entered.path.iter().fold(part, |part, name| &mut part[name.as_str()]);
                 place.clone_from(value);
             }
         }
-        self.parts.iter().try_for_each(|(name, part)| read(&mut self.config, name, part))
+        let model = self.settings.model.as_ref();
+        self.parts.iter().try_for_each(|(name, part)| read(&mut self.config, name, part, model))
     }
 
-    /// Where the value of a key is entered: common to both joints, it does not reach a joint that has its own.
-    fn targets(&mut self, path: &str, key: &Key, paths: &[&str]) -> Vec<Target> {
-        let mut targets = Vec::new();
-        let Some(table) = key.table() else {
-            let part = self.part(key.path);
-            return vec![Target { part, path: Vec::new() }];
+    /// Where the value number `i` is entered: common to both joints, it does not reach a joint that has its own.
+    fn places(&mut self, i: usize) -> Vec<Entered> {
+        let path = self.keys[i].path.clone();
+        let Some(key) = self.keys[i].key else {
+            return vec![Entered { part: self.part(OWN), path: vec![TABLES[1].to_owned(), path] }];
         };
+        let name = || key.name().to_owned();
+        let Some(table) = key.table() else {
+            return vec![Entered { part: self.part(key.path), path: Vec::new() }];
+        };
+        let mut places = Vec::new();
         if JOINT_TABLES.contains(&table) {
             for joint in JOINTS {
                 let own = format!("{joint}.{}", key.path);
-                let has_own =
-                    self.settings.values.contains_key(&own) || paths.contains(&own.as_str());
-                if one_joint(path).map_or(!has_own, |(of, _)| of == joint) {
-                    targets.push(Target { part: self.part(joint), path: vec![table, key.name()] });
+                let has_own = self.settings.values.contains_key(&own)
+                    || self.keys.iter().any(|key| key.path == own);
+                if one_joint(&path).map_or(!has_own, |(of, _)| of == joint) {
+                    let path = vec![table.to_owned(), name()];
+                    places.push(Entered { part: self.part(joint), path });
                 }
             }
-            return targets;
+            return places;
         }
         if self.config.mechanism.tables.contains_key(table) {
-            targets.push(Target { part: self.part(OWN), path: vec![table, key.name()] });
+            let path = vec![table.to_owned(), name()];
+            places.push(Entered { part: self.part(OWN), path });
         }
         if is_typed(table) {
-            targets.push(Target { part: self.part(table), path: vec![key.name()] });
+            places.push(Entered { part: self.part(table), path: vec![name()] });
         }
-        targets
+        places
     }
 
     /// The number of a part, which is kept from now on.
@@ -163,7 +203,12 @@ impl Variants {
             return known;
         }
         let value = match name {
-            OWN => Value::Object(self.config.mechanism.tables.clone()),
+            OWN => {
+                let own = self.config.mechanism.tables.iter();
+                // The text of a model is no value.
+                let own = own.filter(|(name, _)| *name != TABLES[0]);
+                own.map(|(name, table)| (name.clone(), table.clone())).collect()
+            }
             _ if JOINTS.contains(&name) => self.settings.joint_tables(name),
             // A key at the root is overwritten before it is read.
             _ => self.settings.table(name, None),
@@ -173,17 +218,28 @@ impl Variants {
     }
 }
 
-/// The key at `path`, which is named at `place`.
-///
-/// # Errors
-/// A path that is no key.
-pub(crate) fn key_at(path: &str, place: &Place) -> Result<&'static Key, ConfigError> {
-    let unknown = || {
-        let datum = Datum::Word(path.to_owned());
-        let given = Given { place: place.clone(), text: path.to_owned(), datum };
-        not_a_key(path, &given)
+/// What is to vary at `path`, which is named at `place`.
+fn varied(settings: &Settings, path: &str, place: &Place) -> Result<Varied, ConfigError> {
+    let varied = match settings.named(path, place)? {
+        Target::Key(key) if key.path != "mechanism" => Varied {
+            path: path.to_owned(),
+            kind: key.kind,
+            unit: key.unit.to_owned(),
+            key: Some(key),
+            is_of_shape: false,
+            places: Vec::new(),
+        },
+        Target::Parameter(parameter) => Varied {
+            path: parameter.name.clone(),
+            kind: kind_of(parameter),
+            unit: parameter.unit.clone(),
+            key: None,
+            is_of_shape: settings.model.as_ref().is_some_and(|model| model.is_of_shape(parameter)),
+            places: Vec::new(),
+        },
+        _ => return Err(table(path, &"no key that may vary")),
     };
-    find(path).ok_or_else(unknown)
+    Ok(varied)
 }
 
 /// Whether a number is one that its key takes; what is no number was checked when it was given.
@@ -192,7 +248,7 @@ fn is_in_range(key: &Varied, value: &Value) -> bool {
         (Kind::Number(range), Some(x)) => range.contains(x),
         (Kind::Number(_), None) => false,
         (Kind::OneOf(_), Some(_)) => {
-            key.kind.check(&key.path, key.unit, &Given::from_json(value)).is_ok()
+            key.kind.check(&key.path, &key.unit, &Given::from_json(value)).is_ok()
         }
         _ => true,
     }
@@ -204,7 +260,12 @@ fn is_typed(table: &str) -> bool {
 }
 
 /// Reads a part into `config`.
-fn read(config: &mut Config, name: &'static str, part: &Value) -> Result<(), ConfigError> {
+fn read(
+    config: &mut Config,
+    name: &'static str,
+    part: &Value,
+    model: Option<&Model>,
+) -> Result<(), ConfigError> {
     fn of<'de, T: Deserialize<'de>>(name: &str, part: &'de Value) -> Result<T, ConfigError> {
         T::deserialize(part).map_err(|error| table(name, &error))
     }
@@ -220,14 +281,21 @@ fn read(config: &mut Config, name: &'static str, part: &Value) -> Result<(), Con
         "study" => config.study = of(name, part)?,
         "contest" => config.contest = of(name, part)?,
         "regimes" => config.regimes = of(name, part)?,
-        _ => {
-            let tables = typed(name, part.clone())?;
-            let entry = config.mechanism.entry;
-            config.mechanism =
-                Chosen::new(entry, tables).map_err(|error| table(entry.name, &error))?;
-        }
+        _ => config.mechanism = own(config, part, model)?,
     }
     Ok(())
+}
+
+/// What is integrated, with these values of its own tables.
+fn own(config: &Config, tables: &Value, model: Option<&Model>) -> Result<Chosen, ConfigError> {
+    let Some(model) = model else {
+        let entry = config.mechanism.entry;
+        let tables = typed(OWN, tables.clone())?;
+        return Chosen::new(entry, tables).map_err(|error| table(entry.name, &error));
+    };
+    let parameters = tables[TABLES[1]].as_object().into_iter().flatten();
+    let values = parameters.filter_map(|(name, value)| Some((name.clone(), value.as_f64()?)));
+    model.chosen(&values.collect::<Vec<_>>(), config.run.t_end)
 }
 
 #[cfg(test)]
@@ -235,6 +303,11 @@ mod tests {
     use super::*;
     use crate::config::{DefaultValue, keys};
     use crate::mechanisms::MECHANISMS;
+
+    fn variants(sets: &[String], paths: &[&str]) -> Variants {
+        let paths: Vec<_> = paths.iter().map(|path| (*path, Place::Default)).collect();
+        Variants::new(None, None, sets, &paths).unwrap()
+    }
 
     /// Values of a kind, some of which it may refuse.
     fn some_values(kind: &Kind, default: &Value) -> Vec<Value> {
@@ -285,7 +358,7 @@ mod tests {
         let mut n_compared = 0;
         for (mechanism, path, values) in cases() {
             let base = [mechanism];
-            let mut variants = Variants::new(None, &base, &[&path]).unwrap();
+            let mut variants = variants(&base, &[&path]);
             for value in values {
                 let sets = [base[0].clone(), format!("{path}={value}")];
                 let loaded = Config::load(None, &sets).map_err(|error| error.to_string());
@@ -301,7 +374,7 @@ mod tests {
     fn keys_that_vary_together_do_not_disturb_each_other() {
         let paths = ["contact.stiffness", "joint2.contact.stiffness", "friction.law", "bays"];
         let base = ["joint1.contact.damping=7.0".to_owned()];
-        let mut variants = Variants::new(None, &base, &paths).unwrap();
+        let mut variants = variants(&base, &paths);
         let values: [[Value; 4]; 3] = [
             [1e6.into(), 2e6.into(), "coulomb".into(), 3.into()],
             [3e6.into(), 2e6.into(), "lugre".into(), 1.into()],
@@ -316,7 +389,7 @@ mod tests {
 
     #[test]
     fn a_variant_that_is_refused_leaves_the_next_one_right() {
-        let mut variants = Variants::new(None, &[], &["friction.law", "joint.clearance"]).unwrap();
+        let mut variants = variants(&[], &["friction.law", "joint.clearance"]);
         let refused = variants.set(&["lugre".into(), 0.0.into()]).unwrap_err().to_string();
         assert!(refused.contains("does not go with friction.law = lugre"), "{refused}");
         let refused = variants.set(&["lugre".into(), (-1.0).into()]).unwrap_err().to_string();

@@ -10,7 +10,7 @@ use serde_json::Value;
 use super::SweepError;
 use super::columns::Shape;
 use super::plan::{Axis, Plan, Values};
-use crate::config::{ConfigError, Kind, Place, Variants, key_at};
+use crate::config::{ConfigError, Kind, Variants, Varied};
 
 /// Combinations for which columns are looked up.
 const MOST_SHAPES: u64 = 4096;
@@ -50,13 +50,13 @@ enum Class {
 }
 
 impl Class {
-    fn of(axis: &Axis) -> Result<Self, ConfigError> {
-        let key = key_at(&axis.key, &Place::Default)?;
-        Ok(match (key.table(), key.kind) {
-            (Some(table), _) if NOT_OF_SHAPE.contains(&table) => Self::One,
+    fn of(varied: &Varied) -> Self {
+        match (varied.key.map(|key| key.table()), varied.kind) {
+            (None, _) if varied.is_of_shape => Self::Each,
+            (Some(Some(table)), _) if NOT_OF_SHAPE.contains(&table) => Self::One,
             (_, Kind::Number(_)) => Self::Zero,
             _ => Self::Each,
-        })
+        }
     }
 
     /// The class of the value number `i` of `axis`.
@@ -108,7 +108,8 @@ impl Layout {
         plan: &Plan,
         variants: &mut Variants,
     ) -> Result<Self, SweepError> {
-        let classes: Vec<Class> = plan.axes.iter().map(Class::of).collect::<Result<_, _>>()?;
+        let axes = variants.varied().iter().take(plan.axes.len());
+        let classes: Vec<Class> = axes.map(Class::of).collect();
         let all = classes.iter().zip(&plan.axes);
         let examples: Vec<_> = all.map(|(class, axis)| class.examples(axis)).collect();
         let n = examples.iter().try_fold(1_u64, |n, own| n.checked_mul(own.len() as u64));

@@ -33,11 +33,12 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::config::{Config, Variants};
+use crate::config::{Config, MODEL_TABLES, Variants};
 use crate::report::field;
 
 pub use error::SweepError;
 pub use join::{Failed, Joined, join};
+pub use read::Over;
 pub use runner::Runner;
 pub use work::{Made, Work, work};
 
@@ -58,13 +59,13 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Reads the plan in `path`; its configuration has `sets` over it, each `key=value`.
+    /// Reads the plan in `path`, with what stands over it.
     ///
     /// # Errors
     /// The first complaint: about the plan, its configuration, a value that a key is to take, or if of no combination of
     /// words and whole numbers a run can be made.
-    pub fn read(path: &Path, sets: &[String]) -> Result<Self, SweepError> {
-        let read::Read { plan, variants, n_runs } = read::plan(path, sets)?;
+    pub fn read(path: &Path, over: &Over<'_>) -> Result<Self, SweepError> {
+        let read::Read { plan, variants, n_runs } = read::plan(path, over)?;
         let file = path.display().to_string();
         let layout = Layout::new(&file, &plan, &mut variants.clone())?;
         Ok(Self { plan, n_runs, variants, layout })
@@ -87,9 +88,16 @@ impl Sweep {
         })
     }
 
-    /// The names of the columns.
+    /// The names of the columns. A parameter of a model with the name of another column has its long name.
     pub fn columns(&self) -> Vec<String> {
-        let keys = self.plan.keys().into_iter().map(str::to_owned);
+        let is_taken = |key: &str| {
+            ["run", "status"].contains(&key) || self.layout.names.iter().any(|name| name == key)
+        };
+        let own = |key: &str| {
+            let long = if is_taken(key) { format!("{}.", MODEL_TABLES[1]) } else { String::new() };
+            long + key
+        };
+        let keys = self.plan.keys().into_iter().map(own);
         let names = ["run".to_owned()].into_iter().chain(keys).chain(["status".to_owned()]);
         names.chain(self.layout.names.iter().cloned()).collect()
     }

@@ -9,8 +9,8 @@ use super::plan::{Axis, Draw, Plan, Random, Values};
 use super::table::{Table, pair, refused, tables};
 use super::{MOST_CHUNKS, SweepError};
 use crate::config::{
-    Config, ConfigError, Datum, Given, Kind, MODEL_TABLES, Place, Variants, document, key_at,
-    one_joint, read,
+    Config, ConfigError, Datum, Given, Kind, Model, Place, Variants, Varied, document, one_joint,
+    read,
 };
 
 /// Largest number of runs.
@@ -22,10 +22,21 @@ const MOST_IN_CHUNK: u64 = 1_000_000;
 const CHUNK: u64 = 1000;
 const CHUNKS_OF_A_SMALL_PLAN: u64 = 64;
 
-const ROOT: [&str; 4] = ["config", "axis", "random", "chunk"];
+const ROOT: [&str; 5] = ["config", "model", "axis", "random", "chunk"];
 const AXIS: [&str; 5] = ["key", "values", "linear", "log", "points"];
 const RANDOM: [&str; 4] = ["samples", "seed", "sampling", "key"];
 const DRAW: [&str; 4] = ["key", "uniform", "log_uniform", "normal"];
+
+/// What stands over a plan.
+#[derive(Clone, Debug, Default)]
+pub struct Over<'a> {
+    /// A model from a file, in place of that of the plan.
+    pub model: Option<&'a Path>,
+    /// Settings over the configuration, each `key=value`.
+    pub sets: &'a [String],
+    /// Name and text of the model of a sweep that was begun; it takes the place of a file of this name that is gone.
+    pub begun: Option<(String, String)>,
+}
 
 /// A plan with the configuration that it varies.
 pub(super) struct Read {
@@ -34,18 +45,21 @@ pub(super) struct Read {
     pub(super) n_runs: u64,
 }
 
-/// Reads the plan in `path`, whose configuration has `sets` over it.
+/// Reads the plan in `path`, with what stands over it.
 ///
 /// # Errors
 /// The first complaint: about the plan, its configuration, or a value that a key is to take.
-pub(super) fn plan(path: &Path, sets: &[String]) -> Result<Read, SweepError> {
+pub(super) fn plan(path: &Path, over: &Over<'_>) -> Result<Read, SweepError> {
     let file = path.display().to_string();
     let given = document(&file, &read(path)?)?;
     let root = Table::new("a plan", &given, &ROOT)?;
-    let base = match root.get("config") {
-        None => None,
-        Some(_) => Some(path.with_file_name(root.word("config", "")?.0)),
+    let beside = |key| match root.get(key) {
+        None => Ok(None),
+        Some(_) => root.word(key, "").map(|(name, _)| Some(path.with_file_name(name))),
     };
+    let (base, model) = (beside("config")?, beside("model")?);
+    let model = over.model.map(Path::to_owned).or(model);
+    let model = model.map(|file| self::model(&file, over.begun.as_ref())).transpose()?;
     let axes = tables("axis", root.get("axis"))?;
     let axes: Vec<Table<'_>> = each("[[axis]]", axes, &AXIS)?;
     let random = root.get("random").map(|given| Table::new("[random]", given, &RANDOM));
@@ -57,19 +71,12 @@ pub(super) fn plan(path: &Path, sets: &[String]) -> Result<Read, SweepError> {
             "has neither [[axis]] nor [random]; give one of them, or use `deltazero simulate`";
         return Err(root.incomplete(what));
     }
-    let (paths, places) = keys(axes.iter().chain(&drawn))?;
-    let variants = Variants::new(base.as_deref(), sets, &paths)?;
-    if variants.config().mechanism.tables.contains_key(MODEL_TABLES[0]) {
-        return Err(root.incomplete(
-            "has a configuration of a model from a file, which sweeps do not take yet",
-        ));
-    }
-    for (path, place) in paths.iter().zip(&places) {
-        is_of_mechanism(variants.config(), path, place)?;
-    }
-    let of_axis = |(i, table)| axis(&variants, i, paths[i], table);
+    let paths = keys(axes.iter().chain(&drawn))?;
+    let variants = Variants::new(model, base.as_deref(), over.sets, &paths)?;
+    check_keys(&variants, &paths)?;
+    let of_axis = |(i, table)| axis(&variants, i, table);
     let own = axes.iter().enumerate().map(of_axis).collect::<Result<_, _>>()?;
-    let draws = (axes.len()..).zip(&drawn).map(|(i, table)| draw(&variants, i, paths[i], table));
+    let draws = (axes.len()..).zip(&drawn).map(|(i, table)| draw(&variants, i, table));
     let draws: Vec<Draw> = draws.collect::<Result<_, _>>()?;
     let random = random.as_ref().map(|table| self::random(table, draws)).transpose()?;
     let chunk = root.whole("chunk", 1, MOST_IN_CHUNK)?;
@@ -95,37 +102,50 @@ fn each<'a>(
     all.iter().map(|given| Table::new(name, given, known)).collect()
 }
 
-/// The keys that the tables name, and where; each once.
+/// The model in a file, which goes by its name without its folders, so that rows do not tell where it was; or that of a sweep
+/// that was begun with it.
+fn model(file: &Path, begun: Option<&(String, String)>) -> Result<Model, ConfigError> {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    match begun {
+        Some((own, text)) if *own == name && !file.exists() => Model::new(&name, text),
+        _ => Ok(Model::read(file)?.renamed(&name)),
+    }
+}
+
+/// The keys that the tables name, and where.
 fn keys<'a>(
     tables: impl Iterator<Item = &'a Table<'a>>,
-) -> Result<(Vec<&'a str>, Vec<&'a Place>), SweepError> {
-    let (mut paths, mut places) = (Vec::new(), Vec::<&Place>::new());
+) -> Result<Vec<(&'a str, Place)>, SweepError> {
+    let mut keys = Vec::new();
     for table in tables {
         let (path, given) = table.word("key", "has no \"key\"; give a key of the configuration")?;
-        let refused = |reason: String| SweepError::NotSwept {
-            place: given.place.clone(),
-            key: path.to_owned(),
-            reason,
-        };
-        key_at(path, &given.place)?;
         if path == "mechanism" {
-            return Err(refused(
-                "each mechanism has keys and columns of its own; make a plan for each".into(),
-            ));
+            let reason =
+                "each mechanism has keys and columns of its own; make a plan for each".to_owned();
+            return Err(not_swept(&given.place, path, reason));
         }
-        if let Some(i) = paths.iter().position(|known| *known == path) {
-            return Err(refused(format!("it is swept already, at {}; give it once", places[i])));
-        }
-        paths.push(path);
-        places.push(&given.place);
+        keys.push((path, given.place.clone()));
     }
-    Ok((paths, places))
+    Ok(keys)
+}
+
+/// Whether each key is named once, and is one that the mechanism uses.
+fn check_keys(variants: &Variants, named: &[(&str, Place)]) -> Result<(), SweepError> {
+    let varied = variants.varied();
+    for (i, (own, (path, place))) in varied.iter().zip(named).enumerate() {
+        if let Some(first) = varied[..i].iter().position(|known| known.path == own.path) {
+            let reason = format!("it is swept already, at {}; give it once", named[first].1);
+            return Err(not_swept(place, path, reason));
+        }
+        is_of_mechanism(variants.config(), own, place)?;
+    }
+    Ok(())
 }
 
 /// Whether the mechanism uses a key: one that it does not use would change nothing.
-fn is_of_mechanism(config: &Config, path: &str, place: &Place) -> Result<(), SweepError> {
-    let (entry, key) = (config.mechanism.entry, key_at(path, place)?);
-    let reason = if !entry.has(key) {
+fn is_of_mechanism(config: &Config, varied: &Varied, place: &Place) -> Result<(), SweepError> {
+    let (entry, path) = (config.mechanism.entry, &varied.path);
+    let reason = if varied.key.is_some_and(|key| !entry.has(key)) {
         format!(
             "mechanism = {} does not use it; `deltazero config --set mechanism={}` lists the keys that it uses",
             entry.name, entry.name
@@ -135,11 +155,16 @@ fn is_of_mechanism(config: &Config, path: &str, place: &Place) -> Result<(), Swe
     } else {
         return Ok(());
     };
-    Err(SweepError::NotSwept { place: place.clone(), key: path.to_owned(), reason })
+    Err(not_swept(place, path, reason))
+}
+
+fn not_swept(place: &Place, key: &str, reason: String) -> SweepError {
+    SweepError::NotSwept { place: place.clone(), key: key.to_owned(), reason }
 }
 
 /// The axis that a table describes, of the key number `i`.
-fn axis(variants: &Variants, i: usize, key: &str, table: &Table<'_>) -> Result<Axis, SweepError> {
+fn axis(variants: &Variants, i: usize, table: &Table<'_>) -> Result<Axis, SweepError> {
+    let Varied { path: key, kind, .. } = &variants.varied()[i];
     let forms = ["values", "linear", "log"].map(|form| table.get(form).map(|given| (form, given)));
     let given: Vec<_> = forms.into_iter().flatten().collect();
     let &[(form, given)] = &given[..] else {
@@ -154,7 +179,7 @@ fn axis(variants: &Variants, i: usize, key: &str, table: &Table<'_>) -> Result<A
             ));
         }
         let values = listed(variants, i, key, given)?;
-        return Ok(Axis { key: key.to_owned(), values });
+        return Ok(Axis { key: key.clone(), values });
     }
     let Some(points) = table.whole("points", 2, MOST_POINTS)? else {
         return Err(
@@ -168,7 +193,6 @@ fn axis(variants: &Variants, i: usize, key: &str, table: &Table<'_>) -> Result<A
     for entry in entries {
         variants.checked(i, entry)?;
     }
-    let kind = key_at(key, &given.place)?.kind;
     let whole = matches!(kind, Kind::Integer(..));
     let values = match form {
         "linear" => Values::Linear { ends, points, whole },
@@ -177,7 +201,7 @@ fn axis(variants: &Variants, i: usize, key: &str, table: &Table<'_>) -> Result<A
     if !matches!(kind, Kind::Number(_)) {
         check_each(variants, i, &values, given)?;
     }
-    Ok(Axis { key: key.to_owned(), values })
+    Ok(Axis { key: key.clone(), values })
 }
 
 /// Whether a key takes each of these numbers; between its ends a key that takes numbers of a range does.
@@ -205,7 +229,8 @@ fn listed(variants: &Variants, i: usize, key: &str, given: &Given) -> Result<Val
 }
 
 /// What a table draws, of the key number `i`.
-fn draw(variants: &Variants, i: usize, key: &str, table: &Table<'_>) -> Result<Draw, SweepError> {
+fn draw(variants: &Variants, i: usize, table: &Table<'_>) -> Result<Draw, SweepError> {
+    let Varied { path: key, kind, is_of_shape, .. } = &variants.varied()[i];
     let forms = ["uniform", "log_uniform", "normal"];
     let given = forms.iter().filter_map(|form| table.get(form).map(|given| (*form, given)));
     let given: Vec<_> = given.collect();
@@ -213,10 +238,14 @@ fn draw(variants: &Variants, i: usize, key: &str, table: &Table<'_>) -> Result<D
         return Err(table.incomplete("takes one of uniform, log_uniform, normal"));
     };
     let is_number = |kind: &Kind| matches!(kind, Kind::Number(_));
-    let takes_numbers = match key_at(key, table.place)?.kind {
+    let takes_numbers = match kind {
         Kind::OneOf(kinds) => kinds.iter().any(is_number),
-        kind => is_number(&kind),
+        kind => is_number(kind),
     };
+    if *is_of_shape {
+        let reason = format!("{key} makes the length of a vector; give an axis of its values");
+        return Err(refused(form, given, reason));
+    }
     if !takes_numbers {
         let reason = format!("{key} takes no decimal numbers; give an axis of its values");
         return Err(refused(form, given, reason));
@@ -243,7 +272,7 @@ fn draw(variants: &Variants, i: usize, key: &str, table: &Table<'_>) -> Result<D
     for end in ends {
         variants.checked(i, end)?;
     }
-    Ok(Draw { key: key.to_owned(), law })
+    Ok(Draw { key: key.clone(), law })
 }
 
 fn random(table: &Table<'_>, keys: Vec<Draw>) -> Result<Random, SweepError> {

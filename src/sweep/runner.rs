@@ -61,8 +61,7 @@ impl<'a> Runner<'a> {
         rows.push(',');
         match &status {
             Ok(()) => rows.push_str(OK),
-            // A run is a line.
-            Err(error) => rows.push_str(&field(&error.replace(['\n', '\r'], " "))),
+            Err(error) => rows.push_str(&field(&in_a_line(error))),
         }
         self.write_cells(rows);
         rows.push('\n');
@@ -139,6 +138,12 @@ fn status_of(
         (Ok(Outcome::Interrupted), None) => Err(format!("{name}interrupted")),
         (Ok(_), _) => Ok(()),
     }
+}
+
+/// What is wrong, in one line, as a run is: of a report on a model what it says and where, without the text there.
+fn in_a_line(error: &str) -> String {
+    let lines = error.lines().map(str::trim).take_while(|line| *line != "|");
+    lines.collect::<Vec<_>>().join(" ").replace('\r', " ")
 }
 
 fn write_value(rows: &mut String, value: &Value) {

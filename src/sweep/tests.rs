@@ -54,7 +54,8 @@ impl Scratch {
 
     fn sweep(&self, text: &str, sets: &[&str]) -> Result<Sweep, SweepError> {
         let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
-        Sweep::read(&self.write("plan.toml", text), &sets)
+        let over = Over { sets: &sets, ..Over::default() };
+        Sweep::read(&self.write("plan.toml", text), &over)
     }
 
     /// `runs.csv` made in a directory by so many threads, each of `shards` for itself.

@@ -21,6 +21,7 @@ mod simulate;
 mod study;
 #[cfg(unix)]
 mod sweep;
+mod sweep_models;
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,11 +1,13 @@
-//! The settings that a model's file holds.
+//! Models from files: the settings that they hold, and their parameters as keys that vary.
 
 use std::fs;
 use std::path::PathBuf;
 
+use deltazero_text::models::MODELS;
+use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::config::{Config, ConfigError};
+use crate::config::{Config, ConfigError, Model, Place, Variants};
 
 const BALL: &str = "t_end = 2\n[parameters]\ng = { value = 9.81, above = 0 }\n[states]\nx = 1\nv = 0\n\
                     [modes.flight]\nrates = { x = \"v\", v = \"-g\" }\n";
@@ -35,4 +37,36 @@ fn a_wrong_setting_of_a_model_is_told_with_its_line() {
     let refused = load(&BALL.replace("t_end = 2", "[run]\nt_end = -1"), &[]);
     let refused = refused.unwrap_err().to_string();
     assert!(refused.contains("ball.toml:2: run.t_end = -1 is out of range"), "{refused}");
+}
+
+#[test]
+fn a_variant_of_a_model_is_the_configuration_that_set_gives() {
+    for model in MODELS {
+        let own = load(model.text, &[]).unwrap();
+        let (name, value) =
+            own.mechanism.tables["parameters"].as_object().unwrap().iter().next().unwrap();
+        let paths = [name.as_str(), "solver.rtol", "run.t_end"];
+        let values: [Value; 3] = [value.clone(), 1e-5.into(), (0.5 * own.run.t_end).into()];
+        for n in 1..=3 {
+            let keys: Vec<_> = paths[..n].iter().map(|path| (*path, Place::Default)).collect();
+            let from = Model::new("ball.toml", model.text).unwrap();
+            let mut variants = Variants::new(Some(from), None, &[], &keys).unwrap();
+            let sets = paths.iter().zip(&values).map(|(path, value)| format!("{path}={value}"));
+            let sets: Vec<String> = sets.take(n).collect();
+            let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+            // The file of the other is called by its folder too.
+            let mut loaded = load(model.text, &sets).unwrap();
+            loaded.mechanism.tables["model"]["name"] = "ball.toml".into();
+            assert_eq!(*variants.set(&values[..n]).unwrap(), loaded, "{}: {sets:?}", model.name);
+        }
+    }
+}
+
+#[test]
+fn a_value_that_a_parameter_refuses_leaves_the_next_one_right() {
+    let model = Model::new("ball.toml", BALL).unwrap();
+    let mut variants = Variants::new(Some(model), None, &[], &[("g", Place::Default)]).unwrap();
+    let refused = variants.set(&[(-1.0).into()]).unwrap_err().to_string();
+    assert_eq!(refused, "--set g=-1.0: g = -1.0 is out of range: must be greater than 0");
+    assert_eq!(variants.set(&[2.0.into()]).unwrap().mechanism.tables["parameters"]["g"], 2.0);
 }
