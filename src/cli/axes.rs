@@ -2,12 +2,12 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use deltazero::config::find;
+use deltazero::config::{Model, Place, Variants};
 use deltazero::figures::map::winners;
 use deltazero::report::regimes::map_csv;
 use deltazero::studied::{map_markdown, map_table};
 use deltazero::study::regimes::map_plan;
-use deltazero_study::Subject;
+use deltazero::sweep::plan::Values;
 use deltazero_study::map::{Map, MapAxis};
 use serde_json::json;
 
@@ -20,26 +20,31 @@ use super::{Failure, note_left_out, print, say, warn};
 const NOT_OF_MECHANISM: [&str; 5] = ["run", "solver", "study", "contest", "regimes"];
 /// Most values of an axis.
 const MOST: usize = 1000;
+const NOTHING_KEPT: &str = "a map over --axis keeps nothing; give the command again";
 
 /// Runs the contest in every cell of the two axes, and writes the map.
 pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut axes = axes(&args.axis)?;
-    let mut config = args.run.load()?;
-    for axis in &mut axes {
-        let table = axis.name.split('.').next().unwrap_or_default();
-        if NOT_OF_MECHANISM.contains(&table) && config.mechanism.unit_of(&axis.name).is_none() {
+    let mut variants = variants(args, &axes)?;
+    let mut config = variants.config().clone();
+    for (axis, varied) in axes.iter_mut().zip(variants.varied()) {
+        let table = varied.key.and_then(|key| key.table());
+        if table.is_some_and(|table| NOT_OF_MECHANISM.contains(&table)) {
             let name = &axis.name;
             let why = "is no number of the mechanism: every cell is run by the same settings";
             return Err(Failure::Usage(format!("--axis {name} {why}; give it by --set")));
         }
-        let of_key = find(&axis.name).map(|key| key.unit);
-        axis.unit = config.mechanism.unit_of(&axis.name).or(of_key).unwrap_or_default().to_owned();
+        axis.unit.clone_from(&varied.unit);
     }
     // All cells are looked at before the first is run: a value out of range is told at once.
     let mut subjects = Vec::new();
     for x in &axes[0].values {
         for y in &axes[1].values {
-            subjects.push(([*x, *y], subject(args, &axes, [*x, *y])?));
+            if stop.load(Ordering::Relaxed) {
+                return Err(Failure::Interrupted(NOTHING_KEPT));
+            }
+            let config = variants.set(&[variants.number(0, *x)?, variants.number(1, *y)?])?;
+            subjects.push(([*x, *y], config.mechanism.subject(config)));
         }
     }
     let dir = args.run.to.dir("deltazero-out/map");
@@ -60,9 +65,7 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     let map = Map::of(axes, &subjects, &plan, config.regimes.threads, stop, &shown);
     drop(bar);
     if stop.load(Ordering::Relaxed) {
-        return Err(Failure::Interrupted(
-            "a map over --axis keeps nothing; give the command again",
-        ));
+        return Err(Failure::Interrupted(NOTHING_KEPT));
     }
     let table = map_table(&map);
     let pictures = output.draw(&[winners(&map)])?;
@@ -83,11 +86,19 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     Ok(())
 }
 
-/// The subject of a cell.
-fn subject(args: &RegimesArgs, axes: &[MapAxis; 2], at: [f64; 2]) -> Result<Subject, Failure> {
-    let set = |(axis, value): (&MapAxis, f64)| format!("{}={value:?}", axis.name);
-    let config = args.run.from.load_with(&axes.iter().zip(at).map(set).collect::<Vec<_>>())?;
-    Ok(config.mechanism.subject(&config))
+/// The configuration of which the numbers of the two axes vary.
+fn variants(args: &RegimesArgs, axes: &[MapAxis; 2]) -> Result<Variants, Failure> {
+    let from = &args.run.from;
+    if axes.iter().any(|axis| axis.name == "mechanism") {
+        let why = "is a word: give two numbers of the mechanism";
+        return Err(Failure::Usage(format!("--axis mechanism {why}")));
+    }
+    let model = from.model.as_deref().map(Model::read).transpose()?;
+    let paths = axes.each_ref().map(|axis| {
+        let value = axis.values.first().copied().unwrap_or_default();
+        (axis.name.as_str(), Place::Set(format!("{}={value:?}", axis.name).into()))
+    });
+    Ok(Variants::new(model, from.config.as_deref(), &from.set, &paths)?)
 }
 
 /// The two axes, each `NAME=v1,v2,…` or `NAME=a:b:n`: n values from a to b, each the same factor above the one before.
@@ -118,12 +129,9 @@ fn axis(text: &str) -> Result<MapAxis, Failure> {
         [list] => list.split(',').map(number).collect::<Option<Vec<f64>>>(),
         [from, to, n] => match (number(from), number(to), n.trim().parse::<usize>()) {
             (Some(from), Some(to), Ok(n)) if from > 0.0 && to > from && (2..=MOST).contains(&n) => {
-                let at = |k: usize| match k {
-                    0 => from,
-                    k if k == n - 1 => to,
-                    k => from * libm::pow(to / from, k as f64 / (n - 1) as f64),
-                };
-                Some((0..n).map(at).collect())
+                let points = n as u64;
+                let values = Values::Log { ends: [from, to], points, whole: false };
+                (0..points).map(|i| values.number(i)).collect()
             }
             (Some(_), Some(_), Ok(_)) => {
                 return Err(refuse("a:b:n needs 0 < a < b and n from 2 to 1000"));
