@@ -20,10 +20,11 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
+use deltazero_study::parallel::in_parallel;
+use drawn::Judged;
 use drawn::audit::Budget;
 use drawn::draw::Draw;
 use drawn::verdict::Class;
-use drawn::{Judged, on_threads};
 
 /// What a run may cost: some seconds; time is for what no count foresees.
 const BUDGET: Budget = Budget { work: 2e6, wall_s: 60.0 };
@@ -64,8 +65,9 @@ fn main() {
         std::fs::create_dir_all(dir).expect("the directory can be made");
     }
     let (done, start) = (AtomicUsize::new(0), Instant::now());
-    let all = on_threads(args.n, args.threads, |i| {
-        let i = args.from + i as u64;
+    let draws: Vec<u64> = (args.from..).take(args.n).collect();
+    let all = in_parallel(&draws, args.threads, |i| {
+        let i = *i;
         let judged = Judged::new(Draw::new(args.seed, i), i, BUDGET);
         if let Some(dir) = args.out.as_ref().filter(|_| judged.verdict.class.is_found()) {
             let path = dir.join(format!("{}-{:04}.toml", args.seed, judged.i));

@@ -5,12 +5,13 @@
 mod drawn;
 
 use deltazero::config::Config;
+use deltazero_study::parallel::in_parallel;
+use drawn::Judged;
 use drawn::audit::Budget;
 use drawn::draw::Draw;
-use drawn::{Judged, on_threads};
 
 const SEED: u64 = 1;
-const N: usize = 100;
+const N: u64 = 100;
 /// Of the time that the bench gives a run.
 const SHARE: f64 = 0.4;
 /// Time is for what no count foresees.
@@ -19,8 +20,9 @@ const BUDGET: Budget = Budget { work: 3e5, wall_s: 60.0 };
 #[test]
 fn methods_of_different_kind_agree_on_configurations_drawn_at_random() {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let all = on_threads(N, threads, |i| {
-        Judged::new(Draw::new(SEED, i as u64).shortened(SHARE), i as u64, BUDGET)
+    let draws: Vec<u64> = (0..N).collect();
+    let all = in_parallel(&draws, threads, |i| {
+        Judged::new(Draw::new(SEED, *i).shortened(SHARE), *i, BUDGET)
     });
     let found: Vec<_> = all
         .iter()

@@ -8,9 +8,6 @@ pub(crate) mod ran;
 pub(crate) mod random;
 pub(crate) mod verdict;
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use audit::Budget;
 use draw::Draw;
 use verdict::{Class, Verdict};
@@ -42,33 +39,4 @@ impl Judged {
     pub(crate) fn is(&self, class: Class) -> bool {
         self.verdict.class == class
     }
-}
-
-/// What `work` makes of `0..n` on `threads` threads, in order.
-pub(crate) fn on_threads<T: Send>(
-    n: usize,
-    threads: usize,
-    work: impl Fn(usize) -> T + Sync,
-) -> Vec<T> {
-    let next = AtomicUsize::new(0);
-    let done = Mutex::new(Vec::with_capacity(n));
-    std::thread::scope(|scope| {
-        for _ in 0..threads.max(1) {
-            scope.spawn(|| {
-                loop {
-                    let i = next.fetch_add(1, Ordering::Relaxed);
-                    if i >= n {
-                        break;
-                    }
-                    let result = work(i);
-                    if let Ok(mut done) = done.lock() {
-                        done.push((i, result));
-                    }
-                }
-            });
-        }
-    });
-    let mut done = done.into_inner().unwrap_or_default();
-    done.sort_by_key(|(i, _)| *i);
-    done.into_iter().map(|(_, result)| result).collect()
 }

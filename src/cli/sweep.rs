@@ -92,9 +92,7 @@ impl Shard {
 impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         match error {
-            SweepError::File { .. } | SweepError::Threads { .. } | SweepError::Altered { .. } => {
-                Self::Run(error.to_string())
-            }
+            SweepError::File { .. } | SweepError::Altered { .. } => Self::Run(error.to_string()),
             _ => Self::Usage(error.to_string()),
         }
     }
@@ -191,7 +189,7 @@ impl Command<'_> {
     fn whole(&self) -> Result<(), Failure> {
         let missing: Vec<u64> =
             (0..self.chunks.n()).filter(|chunk| !self.chunks.is_there(*chunk)).collect();
-        self.make(missing, self.sweep.n_runs)?;
+        self.make(&missing, self.sweep.n_runs)?;
         for _ in 0..REPAIRS {
             let joined = self.join()?;
             if joined.altered.is_empty() {
@@ -202,7 +200,7 @@ impl Command<'_> {
                 joined.altered.len()
             ));
             joined.altered.iter().for_each(|chunk| self.chunks.remove(*chunk));
-            self.make(joined.altered, self.sweep.n_runs)?;
+            self.make(&joined.altered, self.sweep.n_runs)?;
         }
         let joined = self.join()?;
         if joined.altered.is_empty() {
@@ -218,7 +216,8 @@ impl Command<'_> {
         let n_runs =
             own.iter().map(|chunk| self.chunks.runs(*chunk)).map(|runs| runs.end - runs.start);
         let n_runs: u64 = n_runs.sum();
-        let missing = own.iter().copied().filter(|chunk| !self.chunks.is_there(*chunk)).collect();
+        let missing: Vec<u64> =
+            own.iter().copied().filter(|chunk| !self.chunks.is_there(*chunk)).collect();
         let record = |finished: bool, failed: u64| {
             json!({
                 "shard": shard.i, "of": shard.n, "hash": self.output.hash, "finished": finished,
@@ -228,7 +227,7 @@ impl Command<'_> {
         };
         let name = format!("{SHARDS}/{}.json", shard.name());
         self.write(&name, &record(false, 0))?;
-        self.make(missing, n_runs)?;
+        self.make(&missing, n_runs)?;
         let failed = own.iter().filter_map(|chunk| self.chunks.failed(*chunk)).sum();
         self.write(&name, &record(true, failed))?;
         if self.args.to.json {
@@ -294,7 +293,7 @@ impl Command<'_> {
     }
 
     /// Makes chunks, of `n_runs` in all with those that are there.
-    fn make(&self, numbers: Vec<u64>, n_runs: u64) -> Result<(), Failure> {
+    fn make(&self, numbers: &[u64], n_runs: u64) -> Result<(), Failure> {
         let left = numbers.iter().map(|chunk| self.chunks.runs(*chunk));
         let left: u64 = left.map(|runs| runs.end - runs.start).sum();
         if left == 0 {

@@ -102,14 +102,6 @@ pub enum SweepError {
         /// What the operating system says.
         source: io::Error,
     },
-    /// No threads.
-    #[error("cannot start {threads} threads: {reason}; give a smaller --threads")]
-    Threads {
-        /// How many were asked for.
-        threads: usize,
-        /// What the operating system says.
-        reason: String,
-    },
     /// Chunks that were found altered again and again.
     #[error(
         "{n} chunks in {} are altered each time they are written; look at the disk",

@@ -63,10 +63,10 @@ impl Scratch {
         let dir = self.0.path().join(dir);
         let chunks = Chunks::new(&dir, "0123456789abcdef", sweep.n_runs, sweep.plan.chunk);
         for (i, n) in shards {
-            let numbers = (0..chunks.n()).filter(|chunk| chunk % n == i - 1).collect();
+            let numbers: Vec<u64> = (0..chunks.n()).filter(|chunk| chunk % n == i - 1).collect();
             let (stop, made) = (AtomicBool::new(false), |_| {});
             let work = Work { sweep, chunks: &chunks, threads, stop: &stop, made: &made };
-            super::work(&work, numbers).unwrap();
+            super::work(&work, &numbers).unwrap();
         }
         joined(sweep, &chunks, &dir)
     }
@@ -108,7 +108,7 @@ fn a_stopped_sweep_keeps_the_rows_of_its_chunks_under_way() {
         }
     };
     let work = Work { sweep: &sweep, chunks: &chunks, threads: 1, stop: &stop, made: &made };
-    super::work(&work, (0..chunks.n()).collect()).unwrap();
+    super::work(&work, &(0..chunks.n()).collect::<Vec<_>>()).unwrap();
     assert!(chunks.is_there(0) && !chunks.is_there(1));
     assert_eq!(chunks.read_begun(1).unwrap().unwrap().n, 3);
     stop.store(false, Ordering::Relaxed);
@@ -119,7 +119,7 @@ fn a_stopped_sweep_keeps_the_rows_of_its_chunks_under_way() {
         }
     };
     let rest = Work { made: &count, threads: 2, ..work };
-    super::work(&rest, (1..chunks.n()).collect()).unwrap();
+    super::work(&rest, &(1..chunks.n()).collect::<Vec<_>>()).unwrap();
     assert_eq!(known.into_inner(), 3);
     assert_eq!(joined(&sweep, &chunks, &dir), whole);
 }

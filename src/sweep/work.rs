@@ -1,11 +1,11 @@
 //! The chunks of a sweep over threads.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 
-use rayon::ThreadPoolBuilder;
-use rayon::iter::{ParallelBridge as _, ParallelIterator as _};
+use deltazero_study::parallel::on_threads;
 
 use super::chunks::{Chunks, Rows};
 use super::{Runner, Sweep, SweepError};
@@ -45,27 +45,24 @@ type Whole = (u64, Rows);
 ///
 /// # Errors
 /// The first file that could not be written; the threads then end as at a stop.
-pub fn work(work: &Work<'_>, numbers: Vec<u64>) -> Result<(), SweepError> {
-    let threads = work.threads.max(1);
-    let pool = ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| SweepError::Threads { threads, reason: error.to_string() })?;
-    let failed = AtomicBool::new(false);
-    std::thread::scope(|scope| {
+pub fn work(work: &Work<'_>, numbers: &[u64]) -> Result<(), SweepError> {
+    let (failed, refused) = (AtomicBool::new(false), Mutex::new(None));
+    let written = std::thread::scope(|scope| {
         let (send, receive) = sync_channel(1);
         let writer = scope.spawn(|| write(work.chunks, receive, &failed));
-        let made = pool.install(|| {
-            numbers.into_iter().par_bridge().try_for_each_init(
-                || (work.sweep.runner(), send.clone()),
-                |(runner, send), chunk| make(work, runner, chunk, &failed, send),
-            )
+        let init = || (work.sweep.runner(), send.clone());
+        on_threads(numbers, work.threads, init, |(runner, send), _, chunk| {
+            let made = make(work, runner, *chunk, &failed, send);
+            if let (Err(error), Ok(mut first)) = (made, refused.lock()) {
+                failed.store(true, Ordering::Relaxed);
+                first.get_or_insert(error);
+            }
         });
         drop(send);
         // The thread has no way to panic.
-        let written = writer.join().unwrap_or(Ok(()));
-        written.and(made)
-    })
+        writer.join().unwrap_or(Ok(()))
+    });
+    written.and(refused.into_inner().ok().flatten().map_or(Ok(()), Err))
 }
 
 /// Writes what comes.
