@@ -6,7 +6,7 @@
 //!
 //! | module | what it is |
 //! |---|---|
-//! | `read`, `table` | a plan's file, every complaint with its place |
+//! | `read`, `keys`, `table` | a plan's file, every complaint with its place |
 //! | [`plan`], [`draw`] | the values of a run, from its number alone |
 //! | `columns`, `layout` | what a run tells, and which columns the runs of a plan have |
 //! | `runner` | one run and its row |
@@ -18,6 +18,7 @@ mod columns;
 pub mod draw;
 mod error;
 mod join;
+mod keys;
 mod layout;
 mod normal;
 pub mod plan;

@@ -7,11 +7,8 @@ use serde_json::Value;
 use super::draw::{Law, MOST_SOBOL, MOST_SOBOL_KEYS, Sampling};
 use super::plan::{Axis, Draw, Plan, Random, Values};
 use super::table::{Table, pair, refused, tables};
-use super::{MOST_CHUNKS, SweepError};
-use crate::config::{
-    Config, ConfigError, Datum, Given, Kind, Model, Place, Variants, Varied, document, one_joint,
-    read,
-};
+use super::{MOST_CHUNKS, SweepError, keys};
+use crate::config::{ConfigError, Datum, Given, Kind, Model, Variants, Varied, document, read};
 
 /// Largest number of runs.
 const MOST_RUNS: u64 = 1_000_000_000_000;
@@ -71,9 +68,9 @@ pub(super) fn plan(path: &Path, over: &Over<'_>) -> Result<Read, SweepError> {
             "has neither [[axis]] nor [random]; give one of them, or use `deltazero simulate`";
         return Err(root.incomplete(what));
     }
-    let paths = keys(axes.iter().chain(&drawn))?;
+    let paths = keys::named(axes.iter().chain(&drawn))?;
     let variants = Variants::new(model, base.as_deref(), over.sets, &paths)?;
-    check_keys(&variants, &paths)?;
+    keys::check(&variants, &paths)?;
     let of_axis = |(i, table)| axis(&variants, i, table);
     let own = axes.iter().enumerate().map(of_axis).collect::<Result<_, _>>()?;
     let draws = (axes.len()..).zip(&drawn).map(|(i, table)| draw(&variants, i, table));
@@ -110,56 +107,6 @@ fn model(file: &Path, begun: Option<&(String, String)>) -> Result<Model, ConfigE
         Some((own, text)) if *own == name && !file.exists() => Model::new(&name, text),
         _ => Ok(Model::read(file)?.renamed(&name)),
     }
-}
-
-/// The keys that the tables name, and where.
-fn keys<'a>(
-    tables: impl Iterator<Item = &'a Table<'a>>,
-) -> Result<Vec<(&'a str, Place)>, SweepError> {
-    let mut keys = Vec::new();
-    for table in tables {
-        let (path, given) = table.word("key", "has no \"key\"; give a key of the configuration")?;
-        if path == "mechanism" {
-            let reason =
-                "each mechanism has keys and columns of its own; make a plan for each".to_owned();
-            return Err(not_swept(&given.place, path, reason));
-        }
-        keys.push((path, given.place.clone()));
-    }
-    Ok(keys)
-}
-
-/// Whether each key is named once, and is one that the mechanism uses.
-fn check_keys(variants: &Variants, named: &[(&str, Place)]) -> Result<(), SweepError> {
-    let varied = variants.varied();
-    for (i, (own, (path, place))) in varied.iter().zip(named).enumerate() {
-        if let Some(first) = varied[..i].iter().position(|known| known.path == own.path) {
-            let reason = format!("it is swept already, at {}; give it once", named[first].1);
-            return Err(not_swept(place, path, reason));
-        }
-        is_of_mechanism(variants.config(), own, place)?;
-    }
-    Ok(())
-}
-
-/// Whether the mechanism uses a key: one that it does not use would change nothing.
-fn is_of_mechanism(config: &Config, varied: &Varied, place: &Place) -> Result<(), SweepError> {
-    let (entry, path) = (config.mechanism.entry, &varied.path);
-    let reason = if varied.key.is_some_and(|key| !entry.has(key)) {
-        format!(
-            "mechanism = {} does not use it; `deltazero config --set mechanism={}` lists the keys that it uses",
-            entry.name, entry.name
-        )
-    } else if one_joint(path).is_some() && !entry.has_two_joints {
-        format!("mechanism = {} has one joint; give the key without joint1 or joint2", entry.name)
-    } else {
-        return Ok(());
-    };
-    Err(not_swept(place, path, reason))
-}
-
-fn not_swept(place: &Place, key: &str, reason: String) -> SweepError {
-    SweepError::NotSwept { place: place.clone(), key: key.to_owned(), reason }
 }
 
 /// The axis that a table describes, of the key number `i`.
