@@ -1,11 +1,11 @@
 //! Random draws, each a function of the seed and the number of its run alone: no state goes from one to the next.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::normal::quantile;
 
 /// How the draws at a grid point are spread.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sampling {
     /// Each draw for itself.
@@ -14,14 +14,17 @@ pub enum Sampling {
     LatinHypercube,
     /// Points of a Sobol sequence, scrambled.
     Sobol,
+    /// The design of [`saltelli`](super::saltelli) over such points, for Sobol indices.
+    Saltelli,
 }
 
 impl Sampling {
     /// The words for it.
-    pub const WORDS: [(&'static str, Self); 3] = [
+    pub const WORDS: [(&'static str, Self); 4] = [
         ("random", Self::Random),
         ("latin_hypercube", Self::LatinHypercube),
         ("sobol", Self::Sobol),
+        ("saltelli", Self::Saltelli),
     ];
 }
 
@@ -35,7 +38,7 @@ pub const MOST_SOBOL_KEYS: usize = 256;
 const HALF_A_STEP: f64 = 1.0 / 33_554_432.0;
 
 /// A distribution.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Law {
     /// Even from a to b.
@@ -88,7 +91,7 @@ impl Place {
                 let slice = shuffled(sample, samples, mixed(!stream, grid));
                 (slice as f64 + own) / samples as f64
             }
-            Sampling::Sobol => {
+            Sampling::Sobol | Sampling::Saltelli => {
                 let scramble = mixed(!seed, grid) as u32;
                 let point = sobol_burley::sample(sample as u32, key as u32, scramble);
                 // Its numbers are multiples of 2⁻²⁴: the middle of what each stands for.
@@ -102,7 +105,7 @@ impl Place {
 ///
 /// G. L. Steele, D. Lea, C. H. Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014, figure 17; its state
 /// goes up by the same odd number at each output, so that every one of them is computed from its number.
-fn mixed(seed: u64, i: u64) -> u64 {
+pub(super) fn mixed(seed: u64, i: u64) -> u64 {
     let z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(i.wrapping_add(1)));
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -7,11 +7,12 @@
 //! | module | what it is |
 //! |---|---|
 //! | `read`, `keys`, `table` | a plan's file, every complaint with its place |
-//! | [`plan`], [`draw`] | the values of a run, from its number alone |
+//! | [`plan`], [`draw`], [`saltelli`] | the values of a run, from its number alone |
 //! | `columns`, `layout` | what a run tells, and which columns the runs of a plan have |
 //! | `runner` | one run and its row |
 //! | [`chunks`], [`whole`] | rows on disk, with their checksums |
 //! | `work`, `join` | chunks over threads; `runs.csv` of all of them |
+//! | [`sensitivity`] | Sobol indices of a column |
 
 pub mod chunks;
 mod columns;
@@ -24,6 +25,8 @@ mod normal;
 pub mod plan;
 mod read;
 mod runner;
+pub mod saltelli;
+pub mod sensitivity;
 mod table;
 #[cfg(test)]
 mod tests;

@@ -1,15 +1,16 @@
 //! A plan: which keys take which values in which run.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::draw::{Law, Place, Sampling};
+use super::saltelli;
 
 /// What a sweep runs.
 ///
 /// The grid is the product of the axes, the last one fastest; at each of its points there are so many draws. Nothing
 /// of it is listed: the values of a run are computed from its number.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// The axes of the grid.
     pub axes: Vec<Axis>,
@@ -20,7 +21,7 @@ pub struct Plan {
 }
 
 /// One key and the values that it takes in turn.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Axis {
     /// Path of the key.
     pub key: String,
@@ -29,7 +30,7 @@ pub struct Axis {
 }
 
 /// The values of an axis.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Values {
     /// These.
@@ -102,9 +103,9 @@ impl Values {
 }
 
 /// Draws at each point of the grid.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Random {
-    /// How many.
+    /// How many; in the design for Sobol indices each makes several runs.
     pub samples: u64,
     /// From what they follow.
     pub seed: u64,
@@ -114,8 +115,18 @@ pub struct Random {
     pub keys: Vec<Draw>,
 }
 
+impl Random {
+    /// Runs at each point of the grid.
+    pub fn n_runs(&self) -> u64 {
+        match self.sampling {
+            Sampling::Saltelli => self.samples * saltelli::runs(self.keys.len()),
+            _ => self.samples,
+        }
+    }
+}
+
 /// One key and the distribution that it is drawn from.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Draw {
     /// Path of the key.
     pub key: String,
@@ -136,9 +147,9 @@ impl Plan {
         self.axes.iter().try_fold(1_u64, |n, axis| n.checked_mul(axis.values.len()))
     }
 
-    /// Draws at each point of the grid.
+    /// Runs at each point of the grid.
     pub fn n_samples(&self) -> u64 {
-        self.random.as_ref().map_or(1, |random| random.samples)
+        self.random.as_ref().map_or(1, Random::n_runs)
     }
 
     /// Number of runs; none where they cannot be counted.
@@ -161,12 +172,16 @@ impl Plan {
     pub fn values(&self, run: u64, indices: &[u64], values: &mut Vec<Value>) {
         values.clear();
         values.extend(self.axes.iter().zip(indices).map(|(axis, i)| axis.values.at(*i)));
-        let Some(Random { samples, seed, sampling, keys }) = &self.random else { return };
-        let (samples, seed) = (*samples, *seed);
-        for (key, draw) in keys.iter().enumerate() {
-            let place = Place { seed, grid: run / samples, sample: run % samples, samples, key };
+        let Some(random) = &self.random else { return };
+        let (grid, at) = (run / random.n_runs(), run % random.n_runs());
+        for (key, draw) in random.keys.iter().enumerate() {
+            let (sample, key) = match random.sampling {
+                Sampling::Saltelli => saltelli::place(at, key, random.keys.len()),
+                _ => (at, key),
+            };
+            let place = Place { seed: random.seed, grid, sample, samples: random.samples, key };
             // −0 as 0, as every number of the configuration.
-            values.push(Value::from(draw.law.at(place.unit(*sampling)) + 0.0));
+            values.push(Value::from(draw.law.at(place.unit(random.sampling)) + 0.0));
         }
     }
 }

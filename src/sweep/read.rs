@@ -241,9 +241,15 @@ fn random(table: &Table<'_>, keys: Vec<Draw>) -> Result<Random, SweepError> {
             known.ok_or_else(|| refused("sampling", given, format!("one of {words} is wanted")))?.1
         }
     };
-    if sampling == Sampling::Sobol && (samples > MOST_SOBOL || keys.len() > MOST_SOBOL_KEYS) {
+    // Each key of the design for Sobol indices has two dimensions of the sequence.
+    let (most_keys, way_out) = match sampling {
+        Sampling::Sobol => (MOST_SOBOL_KEYS, "; use latin_hypercube"),
+        Sampling::Saltelli => (MOST_SOBOL_KEYS / 2, ""),
+        _ => (usize::MAX, ""),
+    };
+    if most_keys < usize::MAX && (samples > MOST_SOBOL || keys.len() > most_keys) {
         let reason = format!(
-            "a Sobol sequence has at most {MOST_SOBOL} samples of {MOST_SOBOL_KEYS} keys here; use latin_hypercube"
+            "a Sobol sequence has at most {MOST_SOBOL} samples of {most_keys} keys here{way_out}"
         );
         let given = table.get("samples").ok_or_else(|| table.incomplete("has no \"samples\""))?;
         return Err(refused("samples", given, reason));
