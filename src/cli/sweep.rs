@@ -367,6 +367,7 @@ impl Command<'_> {
         record["machine"] = json!(Machine::here());
         record["runs"] = self.sweep.n_runs.into();
         record["columns"] = self.sweep.columns().into();
+        record["units"] = self.sweep.units().into();
         record["wall_s"] = (self.wall_before + self.start.elapsed().as_secs_f64()).into();
         record["finished"] = joined.is_some().into();
         if let Some(joined) = joined {

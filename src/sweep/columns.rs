@@ -19,41 +19,68 @@ pub(super) enum Cell {
     Text(String),
 }
 
-/// A column with its name, and what it has of a `T`.
+/// The name of a column with the unit of its numbers, empty for none.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Head {
+    pub(super) name: String,
+    pub(super) unit: String,
+}
+
+impl Head {
+    fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { name: name.into(), unit: unit.into() }
+    }
+}
+
+/// A column with its name and unit, and what it has of a `T`.
 struct Column<T> {
     name: &'static str,
+    unit: &'static str,
     of: fn(&T) -> Cell,
 }
 
 /// The columns of the contacts of a site, or of all.
 const CONTACTS: [Column<ContactSummary>; 5] = [
-    Column { name: "n_contacts", of: |contacts| Cell::Count(contacts.n as u64) },
-    Column { name: "peak_force_n", of: |contacts| Cell::Number(contacts.peak_force_n) },
-    Column { name: "deepest_m", of: |contacts| Cell::Number(contacts.deepest_m) },
+    Column { name: "n_contacts", unit: "", of: |contacts| Cell::Count(contacts.n as u64) },
+    Column { name: "peak_force_n", unit: "N", of: |contacts| Cell::Number(contacts.peak_force_n) },
+    Column { name: "deepest_m", unit: "m", of: |contacts| Cell::Number(contacts.deepest_m) },
     Column {
         name: "largest_impact_speed_m_s",
+        unit: "m/s",
         of: |contacts| Cell::Number(contacts.largest_impact_speed_m_s),
     },
-    Column { name: "impulse_n_s", of: |contacts| Cell::Number(Some(contacts.impulse_n_s)) },
+    Column {
+        name: "impulse_n_s",
+        unit: "N s",
+        of: |contacts| Cell::Number(Some(contacts.impulse_n_s)),
+    },
 ];
 
 /// The columns of energy.
 const ENERGY: [Column<Balance>; 3] = [
-    Column { name: "work_j", of: |balance| Cell::Number(Some(balance.work)) },
-    Column { name: "dissipated_j", of: |balance| Cell::Number(Some(balance.dissipated)) },
-    Column { name: "energy_residual_j", of: |balance| Cell::Number(Some(balance.residual)) },
+    Column { name: "work_j", unit: "J", of: |balance| Cell::Number(Some(balance.work)) },
+    Column {
+        name: "dissipated_j",
+        unit: "J",
+        of: |balance| Cell::Number(Some(balance.dissipated)),
+    },
+    Column {
+        name: "energy_residual_j",
+        unit: "J",
+        of: |balance| Cell::Number(Some(balance.residual)),
+    },
 ];
 
 /// The columns of work.
 const WORK: [Column<Stats>; 3] = [
-    Column { name: "n_rhs", of: |stats| Cell::Count(stats.work.n_rhs) },
-    Column { name: "n_accepted", of: |stats| Cell::Count(stats.n_accepted) },
-    Column { name: "n_rejected", of: |stats| Cell::Count(stats.n_rejected) },
+    Column { name: "n_rhs", unit: "", of: |stats| Cell::Count(stats.work.n_rhs) },
+    Column { name: "n_accepted", unit: "", of: |stats| Cell::Count(stats.n_accepted) },
+    Column { name: "n_rejected", unit: "", of: |stats| Cell::Count(stats.n_rejected) },
 ];
 
-/// The names of columns.
-fn named<T>(columns: &[Column<T>]) -> impl Iterator<Item = &'static str> {
-    columns.iter().map(|column| column.name)
+/// The heads of columns, each name after `prefix`.
+fn headed<T>(prefix: &str, columns: &[Column<T>]) -> impl Iterator<Item = Head> {
+    columns.iter().map(move |column| Head::new(format!("{prefix}{}", column.name), column.unit))
 }
 
 /// What columns have of `told`.
@@ -77,33 +104,34 @@ impl Shape {
         self.parts.iter().map(|(prefixes, _)| prefixes.len()).sum()
     }
 
-    /// The names of the columns, in the order of [`cells`].
-    pub(super) fn names(&self) -> Vec<String> {
-        let mut names = vec!["outcome".to_owned()];
+    /// The heads of the columns, in the order of [`cells`].
+    pub(super) fn heads(&self) -> Vec<Head> {
+        let mut heads = vec![Head::new("outcome", "")];
         for (prefixes, shape) in &self.parts {
             for (prefix, columns) in prefixes.iter().zip(&shape.columns) {
-                names.extend(["t_s", "mode"].map(|name| format!("{prefix}{name}")));
-                names.extend(columns.iter().map(|column| format!("{prefix}{}", header_of(column))));
+                let own = [("t_s", "s"), ("mode", "")];
+                heads.extend(own.map(|(name, unit)| Head::new(format!("{prefix}{name}"), unit)));
+                let head = |column| format!("{prefix}{}", header_of(column));
+                heads.extend(columns.iter().map(|own| Head::new(head(own), own.unit.as_ref())));
             }
         }
         if self.n_sites() > 1 {
             for (prefixes, shape) in &self.parts {
                 for prefix in prefixes {
-                    names.push(format!("{prefix}n_events"));
-                    let contacts = named(&CONTACTS).filter(|_| shape.has_contacts);
-                    names.extend(contacts.map(|name| format!("{prefix}{name}")));
+                    heads.push(Head::new(format!("{prefix}n_events"), ""));
+                    heads.extend(headed(prefix, &CONTACTS).filter(|_| shape.has_contacts));
                 }
             }
         }
         let has_contacts = self.parts.iter().any(|(_, shape)| shape.has_contacts);
         let has_energy = self.parts.iter().any(|(_, shape)| shape.has_energy);
-        let contacts = named(&CONTACTS).filter(|_| has_contacts);
-        let energy = named(&ENERGY).filter(|_| has_energy);
-        let of_all = ["n_events"].into_iter().chain(contacts).chain(energy).chain(named(&WORK));
-        names.extend(of_all.map(str::to_owned));
-        names.push("warnings".to_owned());
-        distinct(&mut names);
-        names
+        heads.push(Head::new("n_events", ""));
+        heads.extend(headed("", &CONTACTS).filter(|_| has_contacts));
+        heads.extend(headed("", &ENERGY).filter(|_| has_energy));
+        heads.extend(headed("", &WORK));
+        heads.push(Head::new("warnings", ""));
+        distinct(&mut heads);
+        heads
     }
 }
 
@@ -116,14 +144,14 @@ fn prefixes(part: &Part) -> Vec<String> {
 }
 
 /// Adds a number to a name that stands there already: of parts that nothing tells apart.
-fn distinct(names: &mut [String]) {
-    for i in 1..names.len() {
-        let (before, rest) = names.split_at_mut(i);
-        let name = rest[0].clone();
+fn distinct(heads: &mut [Head]) {
+    for i in 1..heads.len() {
+        let (before, rest) = heads.split_at_mut(i);
+        let name = rest[0].name.clone();
         let mut n = 1;
-        while before.contains(&rest[0]) {
+        while before.iter().any(|head| head.name == rest[0].name) {
             n += 1;
-            rest[0] = format!("{name}_{n}");
+            rest[0].name = format!("{name}_{n}");
         }
     }
 }
@@ -212,8 +240,8 @@ mod tests {
 
     #[test]
     fn names_that_stand_twice_are_numbered() {
-        let mut names = ["a", "b", "a", "a"].map(str::to_owned);
-        distinct(&mut names);
-        assert_eq!(names, ["a", "b", "a_2", "a_3"]);
+        let mut heads = ["a", "b", "a", "a"].map(|name| Head::new(name, ""));
+        distinct(&mut heads);
+        assert_eq!(heads.map(|head| head.name), ["a", "b", "a_2", "a_3"]);
     }
 }

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use serde_json::Value;
 
 use super::SweepError;
-use super::columns::Shape;
+use super::columns::{Head, Shape};
 use super::plan::{Axis, Plan, Values};
 use crate::config::{ConfigError, Kind, Variants, Varied};
 
@@ -21,8 +21,8 @@ const NOT_OF_SHAPE: [&str; 5] = ["run", "solver", "study", "contest", "regimes"]
 /// The columns of a plan.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
-    /// The names of all, without those before the status.
-    pub(super) names: Vec<String>,
+    /// The heads of all, without those before the status.
+    pub(super) heads: Vec<Head>,
     /// Of each axis, how its values fall into classes.
     classes: Vec<Class>,
     /// Of each combination of classes. Without an entry: no run of it can be made.
@@ -116,24 +116,24 @@ impl Layout {
         if n.is_none_or(|n| n > MOST_SHAPES) {
             return Err(SweepError::TooManyShapes { file: file.to_owned(), most: MOST_SHAPES });
         }
-        let mut layout = Self { names: Vec::new(), classes, cells: HashMap::new() };
+        let mut layout = Self { heads: Vec::new(), classes, cells: HashMap::new() };
         let (mut shapes, mut refusal) = (Vec::new(), None);
         for indices in product(&examples) {
-            match names(plan, &indices, variants) {
-                Ok(names) => shapes.push((layout.class_of(plan, &indices), names)),
+            match heads(plan, &indices, variants) {
+                Ok(heads) => shapes.push((layout.class_of(plan, &indices), heads)),
                 Err(error) => drop(refusal.get_or_insert(error)),
             }
         }
         if let (true, Some(error)) = (shapes.is_empty(), refusal) {
             return Err(error.into());
         }
-        for (_, names) in &shapes {
-            merge(&mut layout.names, names);
+        for (_, heads) in &shapes {
+            merge(&mut layout.heads, heads);
         }
-        for (class, names) in shapes {
-            let place = |column: &String| names.iter().position(|name| name == column);
-            let of_column = layout.names.iter().map(place).collect();
-            layout.cells.insert(class, Places { n: names.len(), of_column });
+        for (class, heads) in shapes {
+            let place = |column: &Head| heads.iter().position(|head| head.name == column.name);
+            let of_column = layout.heads.iter().map(place).collect();
+            layout.cells.insert(class, Places { n: heads.len(), of_column });
         }
         Ok(layout)
     }
@@ -165,28 +165,24 @@ fn product(lists: &[Vec<u64>]) -> Vec<Vec<u64>> {
     })
 }
 
-/// The names of what a run at `indices` tells of, each draw in its middle.
-fn names(
-    plan: &Plan,
-    indices: &[u64],
-    variants: &mut Variants,
-) -> Result<Vec<String>, ConfigError> {
+/// The heads of what a run at `indices` tells of, each draw in its middle.
+fn heads(plan: &Plan, indices: &[u64], variants: &mut Variants) -> Result<Vec<Head>, ConfigError> {
     let axes = plan.axes.iter().zip(indices).map(|(axis, i)| axis.values.at(*i));
     let drawn = plan.random.iter().flat_map(|random| &random.keys);
     let drawn = drawn.map(|draw| Value::from(draw.law.at(0.5)));
     let values: Vec<Value> = axes.chain(drawn).collect();
     let config = variants.set(&values)?;
-    Ok(Shape::of(&config.mechanism.subject(config)).names())
+    Ok(Shape::of(&config.mechanism.subject(config)).heads())
 }
 
 /// Adds those of `own` that are not in `all`, each behind what stands before it in `own`.
-fn merge(all: &mut Vec<String>, own: &[String]) {
+fn merge(all: &mut Vec<Head>, own: &[Head]) {
     let mut end = 0;
-    for name in own {
-        match all.iter().position(|known| known == name) {
+    for head in own {
+        match all.iter().position(|known| known.name == head.name) {
             Some(at) => end = at + 1,
             None => {
-                all.insert(end, name.clone());
+                all.insert(end, head.clone());
                 end += 1;
             }
         }
@@ -200,11 +196,13 @@ mod tests {
     #[test]
     fn columns_of_several_shapes_come_in_the_order_of_each() {
         let mut all = Vec::new();
-        let own = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+        let head = |name: &&str| Head { name: (*name).to_owned(), unit: String::new() };
+        let own = |names: &[&str]| names.iter().map(head).collect::<Vec<_>>();
         merge(&mut all, &own(&["t", "x", "n"]));
         merge(&mut all, &own(&["t", "x", "z", "n", "w"]));
         merge(&mut all, &own(&["t", "n"]));
-        assert_eq!(all, ["t", "x", "z", "n", "w"]);
+        let names: Vec<&str> = all.iter().map(|head| &head.name[..]).collect();
+        assert_eq!(names, ["t", "x", "z", "n", "w"]);
     }
 
     #[test]

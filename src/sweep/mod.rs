@@ -95,7 +95,7 @@ impl Sweep {
     /// The names of the columns. A parameter of a model with the name of another column has its long name.
     pub fn columns(&self) -> Vec<String> {
         let is_taken = |key: &str| {
-            ["run", "status"].contains(&key) || self.layout.names.iter().any(|name| name == key)
+            ["run", "status"].contains(&key) || self.layout.heads.iter().any(|head| head.name == key)
         };
         let own = |key: &str| {
             let long = if is_taken(key) { format!("{}.", MODEL_TABLES[1]) } else { String::new() };
@@ -103,7 +103,14 @@ impl Sweep {
         };
         let keys = self.plan.keys().into_iter().map(own);
         let names = ["run".to_owned()].into_iter().chain(keys).chain(["status".to_owned()]);
-        names.chain(self.layout.names.iter().cloned()).collect()
+        names.chain(self.layout.heads.iter().map(|head| head.name.clone())).collect()
+    }
+
+    /// The units of the columns, empty for none.
+    pub fn units(&self) -> Vec<String> {
+        let keys = self.variants.varied().iter().map(|varied| varied.unit.clone());
+        let units = [String::new()].into_iter().chain(keys).chain([String::new()]);
+        units.chain(self.layout.heads.iter().map(|head| head.unit.clone())).collect()
     }
 
     /// The first line of `runs.csv`.

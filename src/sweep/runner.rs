@@ -87,7 +87,7 @@ impl<'a> Runner<'a> {
 
     fn write_cells(&self, rows: &mut String) {
         let places = self.sweep.layout.cells(&self.sweep.plan, &self.indices);
-        for column in 0..self.sweep.layout.names.len() {
+        for column in 0..self.sweep.layout.heads.len() {
             rows.push(',');
             let place = places.and_then(|places| places[column]);
             match place.and_then(|place| self.cells.get(place)) {
