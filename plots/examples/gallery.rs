@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use deltazero_plots::{
     Axis, Band, Cells, Circle, Figure, Group, Guide, Heatmap, Histogram, Level, LineChart, Marker,
-    Note, Orbit, Panel, Scale, Series, Size, StepHistory, Upright,
+    Note, Orbit, Panel, Series, Size, StepHistory, Upright,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -209,10 +209,7 @@ fn heatmaps() -> Figure {
         columns: columns.clone(),
         rows: rows.clone(),
         texts: values.iter().map(|v| format!("{v:.0e}")).collect(),
-        cells: Cells::Values {
-            bar: Axis { label: "error [m]".into(), scale: Scale::Log, range: None },
-            values,
-        },
+        cells: Cells::Values { bar: Axis::log("error [m]"), values },
     };
     let names = ["reaches the end", "chatter", "step too small"].map(String::from).to_vec();
     let outcomes = Heatmap {

@@ -38,17 +38,25 @@ pub struct Axis {
     pub scale: Scale,
     /// Values at both ends; without them the axis covers the data and a little more.
     pub range: Option<(f64, f64)>,
+    /// Names of the places 0, 1, … in the order of the axis; none where it has numbers. A named axis is linear, has room
+    /// for each of its places, and no range.
+    pub names: Vec<String>,
 }
 
 impl Axis {
     /// A linear axis that covers the data.
     pub fn linear(label: impl Into<String>) -> Self {
-        Self { label: label.into(), scale: Scale::Linear, range: None }
+        Self { label: label.into(), ..Self::default() }
     }
 
     /// A logarithmic axis that covers the data.
     pub fn log(label: impl Into<String>) -> Self {
-        Self { label: label.into(), scale: Scale::Log, range: None }
+        Self { label: label.into(), scale: Scale::Log, ..Self::default() }
+    }
+
+    /// An axis of named places.
+    pub fn named(label: impl Into<String>, names: Vec<String>) -> Self {
+        Self { label: label.into(), names, ..Self::default() }
     }
 
     /// This axis from `lo` to `hi`; what lies outside is cut off.
@@ -60,6 +68,9 @@ impl Axis {
     /// The span to draw for data with these values, with `room` at both ends (a part of the span).
     pub(crate) fn span(&self, values: impl Iterator<Item = f64>, room: f64) -> Result<Span, Error> {
         let scale = self.scale;
+        if !self.names.is_empty() {
+            return Ok(Span { scale: Scale::Linear, lo: -0.5, hi: self.names.len() as f64 - 0.5 });
+        }
         if let Some((lo, hi)) = self.range {
             return match (scale.coordinate(lo), scale.coordinate(hi)) {
                 (Some(a), Some(b)) if b - a > NARROWEST * a.abs().max(b.abs()) => {

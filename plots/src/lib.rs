@@ -32,12 +32,14 @@
 //! | `line`, `steps`, `histogram`, `orbit`, `heatmap` | one kind of chart each, as a value |
 //! | `panel`, `plane`, `tiles` | a chart made ready: what its axes cover, how it is drawn |
 //! | `view`, `reference`, `ticks` | values to places; lines to compare with; where ticks stand |
+//! | `color_bar` | which colour stands for which number |
 //! | `frame`, `legend`, `layout`, `figure` | what surrounds the data, and where everything goes |
 //! | `canvas`, `geometry`, `font`, `style` | shapes in logical pixels, text measures, palette and sizes |
 //! | `svg`, `raster`, `glyphs` | shapes and text to SVG and PNG, through the backends of plotters |
 
 mod axis;
 mod canvas;
+mod color_bar;
 mod error;
 mod figure;
 mod font;
@@ -69,7 +71,7 @@ pub use figure::{Figure, Size};
 pub use heatmap::{Cells, Heatmap};
 pub use histogram::{Group, Histogram};
 pub use legend::Legend;
-pub use line::{Band, Bars, Guide, Level, LineChart, Note, Ribbon, Upright};
+pub use line::{Band, Bars, Cloud, Guide, Level, LineChart, Note, Ribbon, Upright};
 pub use marker::Marker;
 pub use orbit::{Circle, Orbit};
 pub use panel::Panel;

@@ -1,6 +1,7 @@
 //! Charts of y over x: series, and what helps to read them.
 
 use crate::axis::Axis;
+use crate::marker::Marker;
 use crate::panel::Panel;
 use crate::series::Series;
 
@@ -68,6 +69,17 @@ pub struct Ribbon {
     pub points: Vec<(f64, f64, f64)>,
 }
 
+/// Points coloured by a third number, with a colour bar at the right of the chart.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cloud {
+    /// Quantity and unit of the colour at the bar, its scale, and the values at its ends.
+    pub bar: Axis,
+    /// The sign at each point.
+    pub marker: Marker,
+    /// x, y, and what colours the point; one that cannot be shown leaves it grey.
+    pub points: Vec<(f64, f64, f64)>,
+}
+
 /// A text at a point of the chart.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Note {
@@ -88,6 +100,8 @@ pub struct LineChart {
     pub y: Axis,
     /// The data, later series above earlier ones.
     pub series: Vec<Series>,
+    /// Points coloured by a number, below the series.
+    pub cloud: Option<Box<Cloud>>,
     /// Bars, below the series.
     pub bars: Vec<Bars>,
     /// Areas, below the grid; an axis without a range does not include them.

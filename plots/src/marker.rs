@@ -1,5 +1,7 @@
 //! The signs that mark single points.
 
+use std::collections::HashSet;
+
 use crate::canvas::Canvas;
 use crate::geometry::Point;
 use crate::style::{Rgb, WHITE};
@@ -99,6 +101,23 @@ impl Marker {
                 }
             }
         }
+    }
+}
+
+/// Of signs that fall on the same half pixel, or of dots on the same pixel, the first: one is enough.
+pub(crate) struct Once {
+    fine: f64,
+    taken: HashSet<(i64, i64)>,
+}
+
+impl Once {
+    pub(crate) fn new(marker: Marker) -> Self {
+        let fine = if marker == Marker::Dot { 1.0 } else { 2.0 };
+        Self { fine, taken: HashSet::new() }
+    }
+
+    pub(crate) fn is_first(&mut self, (x, y): Point) -> bool {
+        self.taken.insert(((self.fine * x).round() as i64, (self.fine * y).round() as i64))
     }
 }
 

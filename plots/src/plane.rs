@@ -4,16 +4,18 @@ use std::borrow::Cow;
 
 use crate::axis::{Axis, ROOM, Scale, Span};
 use crate::canvas::{Align, Canvas};
+use crate::color_bar::ColorBar;
 use crate::error::Error;
 use crate::font::Fonts;
 use crate::frame::{Frame, Side};
 use crate::geometry::{Point, Rect};
 use crate::legend::{Entry, Sample};
-use crate::line::{Bars, LineChart};
+use crate::line::{Bars, Cloud, LineChart};
+use crate::marker::Once;
 use crate::panel::{Content, Ruler};
 use crate::reference::{self, tint};
 use crate::series::Series;
-use crate::style::{LABEL, MUTED, NOTE, PANEL, TEXT, TICK, palette};
+use crate::style::{LABEL, MARK, MUTED, NOTE, PANEL, TEXT, TICK, palette};
 use crate::ticks::Ticks;
 use crate::view::View;
 
@@ -34,7 +36,9 @@ impl<'a> Plane<'a> {
             let all = chart.series.iter().flat_map(|series| series.points.iter().copied());
             let bars = chart.bars.iter().flat_map(|bars| &bars.bars);
             let tops = bars.flat_map(|&((left, right), top)| [(left, top), (right, top)]);
-            all.chain(tops).filter(|&point| shown(point, x, y))
+            let cloud = chart.cloud.iter().flat_map(|cloud| &cloud.points);
+            let cloud = cloud.map(|&(x, y, _)| (x, y));
+            all.chain(tops).chain(cloud).filter(|&point| shown(point, x, y))
         };
         let stands_on_zero = !chart.bars.is_empty() && y.scale == Scale::Linear;
         let zero = stands_on_zero.then_some(0.0);
@@ -49,6 +53,10 @@ impl<'a> Plane<'a> {
             settled: !empty || axis.range.is_some(),
             silent: false,
         };
+        if let Some(cloud) = &chart.cloud {
+            // What does not do is told here, before anything is drawn.
+            ColorBar::new(&cloud.bar, cloud.points.iter().map(|point| point.2))?;
+        }
         let rulers = [
             ruler(x, x.span(points().map(|point| point.0).chain(uprights), ROOM)?),
             ruler(y, y.span(points().map(|point| point.1).chain(levels), above)?),
@@ -63,9 +71,26 @@ impl<'a> Plane<'a> {
         if self.chart.equal_aspect { spans.map(|span| span.with_width(width)) } else { spans }
     }
 
+    fn bar(&self) -> Option<ColorBar<'_>> {
+        let cloud = self.chart.cloud.as_ref()?;
+        ColorBar::new(&cloud.bar, cloud.points.iter().map(|point| point.2)).ok()
+    }
+
     fn view(&self, plot: Rect) -> View {
         let [x, y] = self.spans();
         View { plot, x, y }
+    }
+}
+
+impl Cloud {
+    fn draw(&self, bar: &ColorBar<'_>, view: &View, canvas: &mut Canvas) {
+        let placed = self.points.iter().filter_map(|&(x, y, z)| Some((view.place((x, y))?, z)));
+        let mut once = Once::new(self.marker);
+        for (at, z) in placed.filter(|(at, _)| view.plot.contains(*at)) {
+            if once.is_first(at) {
+                self.marker.draw(at, bar.color(z).unwrap_or(MARK), false, canvas);
+            }
+        }
     }
 }
 
@@ -98,11 +123,19 @@ impl Content for Plane<'_> {
             }
             side
         };
+        let names = [&self.chart.x.names, &self.chart.y.names];
+        let y_ticks = match names[1].len() {
+            0 => Ticks::up(y_span, height),
+            _ => Ticks::middles(names[1], height / TICK.line_height(), false),
+        };
         Frame {
             title: fonts.wrap(&self.chart.title, PANEL, width),
-            x: side(x, x_ticks, width - 2.0 * factor),
-            y: side(y, Ticks::up(y_span, height), height),
-            right: 0.0,
+            x: match names[0].len() {
+                0 => side(x, x_ticks, width - 2.0 * factor),
+                _ => Side::across(&x.label, names[0], width, fonts),
+            },
+            y: side(y, y_ticks, height),
+            right: self.bar().map_or(0.0, |bar| bar.room(height, fonts)),
             square: self.chart.equal_aspect,
         }
     }
@@ -117,6 +150,10 @@ impl Content for Plane<'_> {
         reference::draw_grounds(&labels, canvas);
         for bars in &chart.bars {
             bars.draw(&view, canvas);
+        }
+        if let (Some(cloud), Some(bar)) = (&chart.cloud, self.bar()) {
+            cloud.draw(&bar, &view, canvas);
+            bar.draw(plot, canvas, fonts);
         }
         for series in &chart.series {
             series.draw(&view, canvas);

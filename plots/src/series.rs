@@ -1,11 +1,9 @@
 //! A series of points with one look.
 
-use std::collections::HashSet;
-
 use crate::canvas::Canvas;
 use crate::geometry::{Point, clip, dash, thin};
 use crate::legend::{Entry, Sample};
-use crate::marker::Marker;
+use crate::marker::{Marker, Once};
 use crate::style::{DASH, Rgb, STROKE, palette};
 use crate::view::View;
 
@@ -109,12 +107,9 @@ impl Series {
                 }
             }
         }
-        // Of signs that fall on the same half pixel, or of dots on the same pixel, one is enough.
-        let fine = if self.marker == Marker::Dot { 1.0 } else { 2.0 };
-        let mut taken = HashSet::new();
+        let mut once = Once::new(self.marker);
         for point in placed.into_iter().flatten().filter(|&point| view.plot.contains(point)) {
-            let cell = ((fine * point.0).round() as i64, (fine * point.1).round() as i64);
-            if self.marker != Marker::None && taken.insert(cell) {
+            if self.marker != Marker::None && once.is_first(point) {
                 self.marker.draw(point, palette(self.color), self.hollow, canvas);
             }
         }

@@ -40,6 +40,17 @@ impl Ticks {
         Self::most(span, height, |_, _| LINE_GAP * TICK.line_height())
     }
 
+    /// Ticks in the middle of equal intervals; too many of them for `most` get a label only now and then.
+    pub(crate) fn middles(names: &[String], most: f64, reversed: bool) -> Self {
+        let stride = (names.len() as f64 / most.max(1.0)).ceil().max(1.0) as usize;
+        let tick = |(i, name): (usize, &String)| {
+            let at = (i as f64 + 0.5) / names.len() as f64;
+            Tick { at: if reversed { 1.0 - at } else { at }, label: name.clone() }
+        };
+        let major = names.iter().enumerate().step_by(stride).map(tick).collect();
+        Self { major, ..Self::default() }
+    }
+
     /// The densest choice of ticks in which any two neighbours are as far apart as they have to be.
     fn most(span: Span, length: f64, apart: impl Fn(&Tick, &Tick) -> f64) -> Self {
         let choices = match span.scale {

@@ -1,8 +1,8 @@
 //! What every figure keeps to, seen from outside.
 
 use deltazero_plots::{
-    Axis, Band, Cells, Error, Figure, Group, Guide, Heatmap, Histogram, Level, LineChart, Marker,
-    Note, Orbit, Panel, Ribbon, Series, Size, StepHistory, StepLook, Upright,
+    Axis, Band, Cells, Cloud, Error, Figure, Group, Guide, Heatmap, Histogram, Level, LineChart,
+    Marker, Note, Orbit, Panel, Ribbon, Series, Size, StepHistory, StepLook, Upright,
 };
 
 fn chart(points: Vec<(f64, f64)>) -> LineChart {
@@ -186,6 +186,34 @@ fn a_ribbon_is_one_area_with_two_edges_cut_at_the_frame() {
         assert_eq!(count(whole.clone(), shape) - count(vec![], shape), n, "{shape}");
     }
     assert_eq!(svg(vec![(2.0, 1.0, 2.0)]), svg(vec![]), "one point is no area");
+}
+
+#[test]
+fn a_named_axis_has_a_tick_for_each_name_and_wide_names_stand_upright() {
+    let svg = |names: &[&str]| {
+        let names = names.iter().map(|name| (*name).to_owned()).collect();
+        let points = vec![(0.0, 1.0), (1.0, 2.0)];
+        let named = LineChart { x: Axis::named("law", names), ..chart(points) };
+        Figure::single("", named).svg().unwrap()
+    };
+    let few = svg(&["coulomb", "stribeck"]);
+    assert!(few.contains("coulomb") && few.contains("stribeck") && !few.contains("10⁰"));
+    let long = "joint1.joint.clearance";
+    let turned = |svg: &str| svg.matches("rotate").count();
+    assert_eq!(turned(&svg(&[long; 12])) - turned(&few), 12);
+}
+
+#[test]
+fn a_cloud_has_a_colour_bar_and_what_has_no_colour_is_grey() {
+    let svg = |z: f64| {
+        let points = vec![(1.0, 1.0, 1.0), (2.0, 2.0, z), (3.0, 3.0, 3.0)];
+        let cloud = Cloud { bar: Axis::linear("mass [kg]"), marker: Marker::Circle, points };
+        let line = LineChart { cloud: Some(Box::new(cloud)), ..chart(vec![]) };
+        Figure::single("", line).svg().unwrap()
+    };
+    assert!(svg(2.0).contains("mass [kg]"));
+    let grey = |svg: &str| svg.matches("#B4B4B4").count();
+    assert_eq!(grey(&svg(f64::NAN)) - grey(&svg(2.0)), 1);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Maps of the contest: who wins, by how much, and what it costs against stiffness.
 
 use deltazero_plots::{
-    Axis, Cells, Figure, Heatmap, Legend, LineChart, Marker, Panel, Scale, Series, Size, Upright,
+    Axis, Cells, Figure, Heatmap, Legend, LineChart, Marker, Panel, Series, Size, Upright,
 };
 
 use super::Drawing;
@@ -118,7 +118,7 @@ fn margin(cells: &[Cell]) -> Drawing {
         let value = |cell: &Option<&Cell>| cell.and_then(|cell| cell.margin()).unwrap_or(f64::NAN);
         let label = "time of the second over the first".to_owned();
         Cells::Values {
-            bar: Axis { label, scale: Scale::Log, range: Some((1.0, most)) },
+            bar: Axis::log(label).within(1.0, most),
             values: grid.iter().map(value).collect(),
         }
     };
