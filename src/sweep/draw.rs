@@ -105,7 +105,7 @@ impl Place {
 ///
 /// G. L. Steele, D. Lea, C. H. Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014, figure 17; its state
 /// goes up by the same odd number at each output, so that every one of them is computed from its number.
-pub(super) fn mixed(seed: u64, i: u64) -> u64 {
+pub(crate) fn mixed(seed: u64, i: u64) -> u64 {
     let z = seed.wrapping_add(0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(i.wrapping_add(1)));
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -12,10 +12,12 @@
 //! | `runner` | one run and its row |
 //! | [`chunks`], [`whole`] | rows on disk, with their checksums |
 //! | `work`, `join` | chunks over threads; `runs.csv` of all of them |
-//! | [`sensitivity`] | Sobol indices of a column |
+//! | [`results`] | the columns of a finished sweep, as they are asked for |
+//! | [`sensitivity`], [`sobol`] | Sobol indices from samples, and of a column at each grid point |
 
 pub mod chunks;
 mod columns;
+mod csv;
 pub mod draw;
 mod error;
 mod join;
@@ -24,9 +26,11 @@ mod layout;
 mod normal;
 pub mod plan;
 mod read;
+pub mod results;
 mod runner;
 pub mod saltelli;
 pub mod sensitivity;
+pub mod sobol;
 mod table;
 #[cfg(test)]
 mod tests;

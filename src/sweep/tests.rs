@@ -196,7 +196,7 @@ fn bays_that_are_swept_have_the_columns_of_the_longest_chain() {
 }
 
 /// The last word of each plan's trouble: the plan, its line, what the message says.
-const WRONG: [(&str, usize, &[&str]); 22] = [
+const WRONG: [(&str, usize, &[&str]); 23] = [
     ("chunck = 3\n", 1, &["\"chunck\"", "did you mean \"chunk\"?"]),
     ("chunk = 3\n", 1, &["has neither [[axis]] nor [random]"]),
     ("axis = 3\n", 1, &["axis = 3 is an integer", "list of tables"]),
@@ -267,6 +267,11 @@ const WRONG: [(&str, usize, &[&str]); 22] = [
         2,
         &["at most 65536", "latin_hypercube"],
     ),
+    (
+        "[random]\nsamples = 100_000\nsampling = \"saltelli\"\n[[random.key]]\nkey = \"drive.m1\"\nnormal = [1, 2]\n",
+        2,
+        &["at most 65536 samples of 128 keys"],
+    ),
 ];
 
 #[test]
@@ -310,6 +315,50 @@ fn the_values_of_an_axis_have_both_ends_and_even_distances_or_ratios() {
         sweep.plan.indices(run, &mut indices);
         sweep.plan.values(run, &indices, &mut values);
         assert_eq!(values, expected.map(serde_json::Value::from), "{run}");
+    }
+}
+
+#[test]
+fn the_design_for_sobol_indices_exchanges_one_key_at_a_time() {
+    let scratch = Scratch::new();
+    let plan = "[[axis]]\nkey = \"bays\"\nvalues = [1, 2]\n\
+                [random]\nsamples = 5\nsampling = \"saltelli\"\n\
+                [[random.key]]\nkey = \"friction.coefficient\"\nuniform = [0.05, 0.2]\n\
+                [[random.key]]\nkey = \"drive.m1\"\nuniform = [0.5, 2]\n";
+    let sweep = scratch.sweep(plan, &[]).unwrap();
+    assert_eq!(sweep.n_runs, 2 * 5 * 4);
+    let values = |run| {
+        let (mut indices, mut values) = (Vec::new(), Vec::new());
+        sweep.plan.indices(run, &mut indices);
+        sweep.plan.values(run, &indices, &mut values);
+        values
+    };
+    for sample in 0..10 {
+        let [a, b, first, second] = [0, 1, 2, 3].map(|run| values(4 * sample + run));
+        assert_eq!(a[0], if sample < 5 { 1 } else { 2 });
+        assert!(a[1] != b[1] && a[2] != b[2], "{a:?} {b:?}");
+        assert_eq!([&first[1], &first[2]], [&b[1], &a[2]]);
+        assert_eq!([&second[1], &second[2]], [&a[1], &b[2]]);
+    }
+}
+
+#[test]
+fn every_column_has_a_place_for_its_unit() {
+    let scratch = Scratch::new();
+    let sweep = scratch.sweep(PLAN, &SHORT).unwrap();
+    let (columns, units) = (sweep.columns(), sweep.units());
+    assert_eq!(columns.len(), units.len());
+    for (name, unit) in [
+        ("contact.stiffness", "N/mⁿ"),
+        ("friction.coefficient", ""),
+        ("bay1_joint1_t_s", "s"),
+        ("impulse_n_s", "N s"),
+        ("largest_impact_speed_m_s", "m/s"),
+        ("bay1_joint2_omega_rad_s", "rad/s"),
+        ("status", ""),
+    ] {
+        let at = columns.iter().position(|column| column == name).unwrap();
+        assert_eq!(units[at], unit, "{name}");
     }
 }
 

@@ -1,0 +1,349 @@
+//! The columns of a finished sweep: of a million rows only what is asked for is in memory.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::fs::{self, File};
+use std::io::{self, BufRead as _, BufReader};
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+use strsim::normalized_damerau_levenshtein as similarity;
+
+use super::csv::fields;
+use super::plan::Plan;
+use super::runner::OK;
+
+/// Similarity from which on a column is suggested.
+const SIMILAR: f64 = 0.5;
+/// Different words that a column may have.
+const MOST_WORDS: usize = 1000;
+
+/// Why a finished sweep cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ResultsError {
+    /// A file that is not there.
+    #[error("cannot read {}: {source}; name the DIR of a sweep", path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// No record of a sweep, or one of another version.
+    #[error("{}: not the record of a sweep of this version", path.display())]
+    Record {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Rows are missing.
+    #[error("{}: the sweep is not finished; `deltazero sweep` with its plan goes on", dir.display())]
+    Unfinished {
+        /// Where it is.
+        dir: PathBuf,
+    },
+    /// No such column.
+    #[error(
+        "{} has no column \"{name}\"{}; it has {known}", path.display(),
+        nearest.as_ref().map_or_else(String::new, |near| format!(", did you mean \"{near}\"?"))
+    )]
+    Column {
+        /// The file.
+        path: PathBuf,
+        /// What was asked for.
+        name: String,
+        /// The most similar one, if one is similar.
+        nearest: Option<String>,
+        /// All.
+        known: String,
+    },
+    /// A row that does not have a field for each column.
+    #[error("{}:{line}: not as it was written; make the sweep again with --force", path.display())]
+    Row {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: u64,
+    },
+    /// A column of words that has too many.
+    #[error("column \"{name}\" has more than {most} different words")]
+    Words {
+        /// The column.
+        name: String,
+        /// How many it may have.
+        most: usize,
+    },
+    /// Words where there must be numbers.
+    #[error("column {column} holds words, not numbers; give it as --x or --color")]
+    NotNumbers {
+        /// The column.
+        column: String,
+    },
+    /// Sobol indices of a sweep that was not made for them.
+    #[error(
+        "Sobol indices need a design of their own: give the plan [random] with sampling = \"saltelli\", which makes samples × (keys + 2) runs, and sweep it into another DIR"
+    )]
+    NoDesign,
+    /// Sobol indices of what is the same in all runs.
+    #[error(
+        "{column} has no Sobol indices: it does not vary, or fewer than {least} samples have it in all their runs ({failed} runs did not come to their end)"
+    )]
+    NoIndices {
+        /// The column.
+        column: String,
+        /// Fewest samples.
+        least: usize,
+        /// Runs that are left out.
+        failed: u64,
+    },
+}
+
+/// A finished sweep on disk.
+pub struct Results {
+    /// What was run.
+    pub plan: Plan,
+    /// The names of the columns.
+    pub columns: Vec<String>,
+    units: HashMap<String, String>,
+    path: PathBuf,
+}
+
+/// What the runs have that came to their end, column by column.
+#[derive(Debug, PartialEq)]
+pub struct Table {
+    /// In the order in which they were asked for.
+    pub columns: Vec<Column>,
+    /// Runs that did not come to their end, which have no row here.
+    pub failed: u64,
+}
+
+/// A column.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Column {
+    /// Numbers; one that a run does not have is not a number.
+    Numbers(Vec<f64>),
+    /// Words.
+    Words {
+        /// Each word once, in the order of the rows.
+        words: Vec<String>,
+        /// Which of them each row has.
+        of_row: Vec<u32>,
+    },
+}
+
+impl Results {
+    /// The sweep that `dir` holds.
+    ///
+    /// # Errors
+    /// None there, or one that is not finished.
+    pub fn open(dir: &Path) -> Result<Self, ResultsError> {
+        let record = dir.join("sweep.json");
+        let text = fs::read(&record)
+            .map_err(|source| ResultsError::Missing { path: record.clone(), source })?;
+        let of_record = || {
+            let value: Value = serde_json::from_slice(&text).ok()?;
+            let plan: Plan = serde_json::from_value(value["plan"].clone()).ok()?;
+            Some((value["finished"] == true, plan, value))
+        };
+        let Some((is_finished, plan, record)) = of_record() else {
+            return Err(ResultsError::Record { path: record });
+        };
+        if !is_finished {
+            return Err(ResultsError::Unfinished { dir: dir.to_owned() });
+        }
+        // A sweep of an earlier build told no units.
+        let texts = |name: &str| {
+            let all = record[name].as_array().into_iter().flatten();
+            all.map(|text| text.as_str().unwrap_or_default().to_owned()).collect::<Vec<_>>()
+        };
+        let units = texts("columns").into_iter().zip(texts("units")).collect();
+        let path = dir.join("runs.csv");
+        let mut results = Self { plan, columns: Vec::new(), units, path };
+        let mut line = String::new();
+        results.file()?.read_line(&mut line).map_err(|source| results.missing(source))?;
+        results.columns = fields(line.trim_end_matches('\n')).map(Cow::into_owned).collect();
+        Ok(results)
+    }
+
+    /// A column with its unit, as an axis has it.
+    pub fn label(&self, column: &str) -> String {
+        match self.units.get(column).filter(|unit| !unit.is_empty()) {
+            Some(unit) => format!("{column} [{unit}]"),
+            None => column.to_owned(),
+        }
+    }
+
+    /// These columns of all runs that came to their end.
+    ///
+    /// # Errors
+    /// A column that is not there or has too many words, or a file that cannot be read.
+    pub fn table(&self, names: &[&str]) -> Result<Table, ResultsError> {
+        let (mut readers, mut failed) = (vec![Reader::default(); names.len()], 0);
+        self.rows(names, |is_ok, row| {
+            failed += u64::from(!is_ok);
+            if is_ok {
+                for ((reader, text), name) in readers.iter_mut().zip(row).zip(names) {
+                    reader.add(text, name)?;
+                }
+            }
+            Ok(())
+        })?;
+        Ok(Table { columns: readers.into_iter().map(|reader| reader.column).collect(), failed })
+    }
+
+    /// Calls `each` with every row, one after the other: whether the run came to its end, and its fields in `names`.
+    ///
+    /// # Errors
+    /// A column that is not there, a file that cannot be read, or what `each` says.
+    pub fn rows(
+        &self,
+        names: &[&str],
+        mut each: impl FnMut(bool, &[Cow<'_, str>]) -> Result<(), ResultsError>,
+    ) -> Result<(), ResultsError> {
+        let status = self.position("status")?;
+        let places = names.iter().map(|name| self.position(name));
+        let places: Vec<usize> = places.collect::<Result<_, _>>()?;
+        let mut file = self.file()?;
+        let mut text = String::new();
+        for line in 1.. {
+            text.clear();
+            if file.read_line(&mut text).map_err(|source| self.missing(source))? == 0 {
+                break;
+            }
+            if line == 1 {
+                continue;
+            }
+            let mut row = vec![Cow::Borrowed(""); names.len()];
+            let (mut is_ok, mut n) = (false, 0);
+            for (at, field) in fields(text.trim_end_matches('\n')).enumerate() {
+                n += 1;
+                is_ok |= at == status && field == OK;
+                for (_, own) in places.iter().zip(&mut row).filter(|(place, _)| **place == at) {
+                    own.clone_from(&field);
+                }
+            }
+            if n != self.columns.len() {
+                return Err(ResultsError::Row { path: self.path.clone(), line });
+            }
+            each(is_ok, &row)?;
+        }
+        Ok(())
+    }
+
+    fn position(&self, name: &str) -> Result<usize, ResultsError> {
+        self.columns.iter().position(|own| own == name).ok_or_else(|| {
+            let scored = self.columns.iter().map(|own| (similarity(name, own), own));
+            let nearest = scored.filter(|(score, _)| *score >= SIMILAR);
+            let nearest = nearest.max_by(|a, b| a.0.total_cmp(&b.0));
+            ResultsError::Column {
+                path: self.path.clone(),
+                name: name.to_owned(),
+                nearest: nearest.map(|(_, own)| own.clone()),
+                known: self.columns.join(", "),
+            }
+        })
+    }
+
+    fn file(&self) -> Result<BufReader<File>, ResultsError> {
+        let file = File::open(&self.path).map_err(|source| self.missing(source))?;
+        Ok(BufReader::with_capacity(1 << 16, file))
+    }
+
+    fn missing(&self, source: io::Error) -> ResultsError {
+        ResultsError::Missing { path: self.path.clone(), source }
+    }
+}
+
+/// A column as far as it is read.
+#[derive(Clone)]
+struct Reader {
+    column: Column,
+    known: HashMap<String, u32>,
+}
+
+impl Default for Reader {
+    fn default() -> Self {
+        Self { column: Column::Numbers(Vec::new()), known: HashMap::new() }
+    }
+}
+
+impl Reader {
+    /// Adds a field. Numbers stay numbers up to the first word; from there on all are words.
+    fn add(&mut self, text: &str, name: &str) -> Result<(), ResultsError> {
+        if let Column::Numbers(numbers) = &mut self.column {
+            let number = if text.is_empty() { Some(f64::NAN) } else { text.parse().ok() };
+            if let Some(number) = number {
+                numbers.push(number);
+                return Ok(());
+            }
+            let before = std::mem::take(numbers);
+            self.column = Column::Words { words: Vec::new(), of_row: Vec::new() };
+            for number in before {
+                let text = if number.is_nan() { String::new() } else { format!("{number:e}") };
+                self.add_word(&text, name)?;
+            }
+        }
+        self.add_word(text, name)
+    }
+
+    fn add_word(&mut self, text: &str, name: &str) -> Result<(), ResultsError> {
+        let Column::Words { words, of_row } = &mut self.column else { return Ok(()) };
+        if let Some(known) = self.known.get(text) {
+            of_row.push(*known);
+            return Ok(());
+        }
+        if words.len() == MOST_WORDS {
+            return Err(ResultsError::Words { name: name.to_owned(), most: MOST_WORDS });
+        }
+        self.known.insert(text.to_owned(), words.len() as u32);
+        of_row.push(words.len() as u32);
+        words.push(text.to_owned());
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RECORD: &str = r#"{"finished": true, "columns": ["run", "a.b", "status", "w", "x_m"],
+        "units": ["", "N/m", "", "", "m"], "plan": {"axes": [], "random": null, "chunk": 1}}"#;
+
+    fn results(dir: &Path, rows: &str) -> Results {
+        fs::write(dir.join("sweep.json"), RECORD).unwrap();
+        fs::write(dir.join("runs.csv"), format!("run,a.b,status,w,x_m\n{rows}")).unwrap();
+        Results::open(dir).unwrap()
+    }
+
+    #[test]
+    fn columns_are_numbers_or_words_and_failed_runs_have_no_row() {
+        let dir = tempfile::tempdir().unwrap();
+        let rows = "0,1e3,ok,free,1\n1,2e3,\"no, none\",,\n2,none,ok,,\n3,1e3,ok,free,3\n";
+        let results = results(dir.path(), rows);
+        let table = results.table(&["x_m", "w", "a.b", "x_m"]).unwrap();
+        assert_eq!(table.failed, 1);
+        let Column::Numbers(x) = &table.columns[0] else { panic!("{table:?}") };
+        assert!(x[0] == 1.0 && x[1].is_nan() && x[2] == 3.0);
+        let words = |words: &[&str], of_row: &[u32]| Column::Words {
+            words: words.iter().map(|word| (*word).to_owned()).collect(),
+            of_row: of_row.to_vec(),
+        };
+        assert_eq!(table.columns[1], words(&["free", ""], &[0, 1, 0]));
+        assert_eq!(table.columns[2], words(&["1e3", "none"], &[0, 1, 0]));
+        assert_eq!((results.label("a.b"), results.label("w")), ("a.b [N/m]".into(), "w".into()));
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let dir = tempfile::tempdir().unwrap();
+        let results = results(dir.path(), "0,1,ok,free,1\n1,1,ok\n");
+        let error = |names: &[&str]| results.table(names).unwrap_err().to_string();
+        assert!(
+            error(&["x_mm"]).contains("no column \"x_mm\", did you mean \"x_m\"?; it has run, a.b")
+        );
+        assert!(error(&["x_m"]).contains("runs.csv:3: not as it was written"));
+        fs::write(dir.path().join("sweep.json"), RECORD.replace("true", "false")).unwrap();
+        let error = Results::open(dir.path()).err().unwrap().to_string();
+        assert!(error.contains("is not finished"), "{error}");
+    }
+}

@@ -1,0 +1,102 @@
+//! The Sobol indices of a column of a finished sweep, at each point of its grid.
+
+use serde::Serialize;
+
+use super::draw::Sampling;
+use super::plan::Random;
+use super::results::{Results, ResultsError};
+use super::saltelli;
+use super::sensitivity::{Index, LEAST_SAMPLES, indices};
+
+/// The indices of a column.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sobol {
+    /// The column.
+    pub column: String,
+    /// The points of the grid, those without indices left out.
+    pub points: Vec<Point>,
+    /// Runs that did not come to their end.
+    pub failed: u64,
+}
+
+/// The indices at a point of the grid.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// Each axis with its value there; empty where the plan has none.
+    pub at: Vec<(String, serde_json::Value)>,
+    /// Samples that they are from.
+    pub samples: u64,
+    /// Samples that are left out, because one of their runs lacks the value.
+    pub left_out: u64,
+    /// What each key explains.
+    pub keys: Vec<OfKey>,
+}
+
+/// The indices of a key.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OfKey {
+    /// The key.
+    pub key: String,
+    /// Main, or first-order, index.
+    pub main: Index,
+    /// Total index.
+    pub total: Index,
+}
+
+impl Sobol {
+    /// The indices of `column`.
+    ///
+    /// # Errors
+    /// A sweep without the design for them, a column that is not there or not of numbers, or one that has no indices at any point.
+    pub fn of(results: &Results, column: &str) -> Result<Self, ResultsError> {
+        let random = results.plan.random.as_ref();
+        let random = random.filter(|random| random.sampling == Sampling::Saltelli);
+        let random = random.ok_or(ResultsError::NoDesign)?;
+        let mut sobol = Self { column: column.to_owned(), points: Vec::new(), failed: 0 };
+        let (mut values, mut point, n) = (Vec::new(), 0, random.n_runs() as usize);
+        results.rows(&[column], |is_ok, row| {
+            sobol.failed += u64::from(!is_ok);
+            values.push(number(column, &row[0])?.filter(|_| is_ok));
+            if values.len() == n {
+                sobol.points.extend(self::point(results, random, point, &values));
+                values.clear();
+                point += 1;
+            }
+            Ok(())
+        })?;
+        if sobol.points.is_empty() {
+            let (column, failed) = (column.to_owned(), sobol.failed);
+            return Err(ResultsError::NoIndices { column, least: LEAST_SAMPLES, failed });
+        }
+        Ok(sobol)
+    }
+}
+
+/// The number of a field, if it has one.
+fn number(column: &str, text: &str) -> Result<Option<f64>, ResultsError> {
+    if text.is_empty() {
+        return Ok(None);
+    }
+    let number: Option<f64> = text.parse().ok();
+    number.map(Some).ok_or_else(|| ResultsError::NotNumbers { column: column.to_owned() })
+}
+
+/// The indices at the grid point number `point`, if there are any.
+fn point(results: &Results, random: &Random, point: u64, values: &[Option<f64>]) -> Option<Point> {
+    let n_keys = random.keys.len();
+    let samples = values.chunks(saltelli::runs(n_keys) as usize);
+    let whole = samples.filter_map(|sample| sample.iter().copied().collect::<Option<Vec<f64>>>());
+    let whole: Vec<f64> = whole.flatten().collect();
+    let n = whole.len() as u64 / saltelli::runs(n_keys);
+    let of_key = |(draw, own): (&super::plan::Draw, super::sensitivity::Indices)| OfKey {
+        key: draw.key.clone(),
+        main: own.main,
+        total: own.total,
+    };
+    let keys = random.keys.iter().zip(indices(&whole, n_keys)?).map(of_key).collect();
+    let mut places = Vec::new();
+    results.plan.indices(point * random.n_runs(), &mut places);
+    let axes = results.plan.axes.iter().zip(places);
+    let at = axes.map(|(axis, i)| (axis.key.clone(), axis.values.at(i))).collect();
+    Some(Point { at, samples: n, left_out: random.samples - n, keys })
+}
