@@ -9,6 +9,7 @@ mod meter;
 mod methods;
 mod model;
 mod output;
+mod plot;
 mod progress;
 mod recommend;
 mod reference;
@@ -59,6 +60,8 @@ enum Command {
     Audit(audit::AuditArgs),
     /// Many runs of a plan: in parallel, resumable, in shards that are merged
     Sweep(sweep::SweepArgs),
+    /// A figure of a finished sweep: heat map, lines, distribution, scatter, Sobol indices
+    Plot(plot::PlotArgs),
     /// The methods, their orders and what each is for
     Methods(methods::MethodsArgs),
     /// The laws of contact and friction: equations, sources, the restitution delivered, the cost of regularising
@@ -234,6 +237,7 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Recommend(args)) => recommend::run(&args, &stop),
         Some(Command::Audit(args)) => audit::run(&args, &stop),
         Some(Command::Sweep(args)) => sweep::run(&args, &stop),
+        Some(Command::Plot(args)) => plot::run(&args),
         Some(Command::Methods(args)) => methods::run(&args),
         Some(Command::Laws(args)) => laws::run(&args),
         Some(Command::Report(args)) => report::run(&args, &stop),

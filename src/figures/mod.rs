@@ -13,6 +13,7 @@ mod stability;
 mod stays;
 mod step_histogram;
 mod step_size;
+pub mod sweep;
 pub mod torque_ratio;
 mod work_precision;
 

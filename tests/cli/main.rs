@@ -14,6 +14,7 @@ mod listings;
 mod mechanisms;
 mod models;
 mod output;
+mod plot;
 mod recommend;
 mod regimes;
 mod report;

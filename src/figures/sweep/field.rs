@@ -1,0 +1,184 @@
+//! A column of a sweep with what a figure has to know of it: label, scale, role in the plan, levels, classes.
+
+use deltazero_plots::{Axis, Scale};
+
+use super::super::map::in_short;
+use crate::sweep::draw::Law;
+use crate::sweep::plan::Values;
+use crate::sweep::results::{Column, Results, ResultsError};
+
+/// Positive values that span more than so many decades are drawn on a logarithmic axis.
+const DECADES: f64 = 2.0;
+/// Most classes that a figure tells apart.
+pub(super) const MOST_CLASSES: usize = 8;
+
+/// Largest number that may be a code or a count to tell apart.
+const LARGEST_CODE: f64 = 1000.0;
+
+/// What a column is in its plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    /// An axis of the grid.
+    Axis,
+    /// A key that is drawn, or what a run tells.
+    Value,
+}
+
+/// A column that is drawn.
+pub(super) struct Field {
+    pub(super) name: String,
+    pub(super) label: String,
+    pub(super) role: Role,
+    pub(super) column: Column,
+    scale: Scale,
+}
+
+impl Field {
+    pub(super) fn new(results: &Results, name: &str, column: Column) -> Self {
+        let axis = results.plan.axes.iter().find(|axis| axis.key == name);
+        let drawn = results.plan.random.iter().flat_map(|random| &random.keys);
+        let law = drawn.filter(|draw| draw.key == name).map(|draw| draw.law).next();
+        let of_plan = match (axis.map(|axis| &axis.values), law) {
+            (Some(Values::Log { .. }), _) | (_, Some(Law::LogUniform(_))) => Some(Scale::Log),
+            (Some(Values::Linear { .. }), _) | (_, Some(_)) => Some(Scale::Linear),
+            _ => None,
+        };
+        let scale = of_plan.unwrap_or_else(|| scale_of(&column));
+        let role = if axis.is_some() { Role::Axis } else { Role::Value };
+        Self { name: name.to_owned(), label: results.label(name), role, column, scale }
+    }
+
+    /// Its axis: with numbers, or with the words as places.
+    pub(super) fn axis(&self) -> Axis {
+        match &self.column {
+            Column::Words { words, .. } => {
+                Axis::named(&self.label, words.iter().map(|word| named(word)).collect())
+            }
+            Column::Numbers(_) => {
+                Axis { label: self.label.clone(), scale: self.scale, ..Axis::default() }
+            }
+        }
+    }
+
+    pub(super) fn is_log(&self) -> bool {
+        self.scale == Scale::Log
+    }
+
+    pub(super) fn has_words(&self) -> bool {
+        matches!(self.column, Column::Words { .. })
+    }
+
+    /// Where each row stands on its axis.
+    pub(super) fn places(&self) -> Vec<f64> {
+        match &self.column {
+            Column::Numbers(numbers) => numbers.clone(),
+            Column::Words { of_row, .. } => of_row.iter().map(|word| f64::from(*word)).collect(),
+        }
+    }
+
+    /// Its numbers.
+    pub(super) fn numbers(&self) -> Result<&[f64], ResultsError> {
+        match &self.column {
+            Column::Numbers(numbers) => Ok(numbers),
+            Column::Words { .. } => Err(ResultsError::NotNumbers { column: self.name.clone() }),
+        }
+    }
+
+    /// Its different values in order.
+    pub(super) fn levels(&self) -> Levels {
+        match &self.column {
+            Column::Words { words, of_row } => Levels {
+                names: words.iter().map(|word| named(word)).collect(),
+                places: (0..words.len()).map(|i| i as f64).collect(),
+                of_row: of_row.iter().map(|word| Some(*word as usize)).collect(),
+            },
+            Column::Numbers(numbers) => {
+                let mut places: Vec<f64> =
+                    numbers.iter().copied().filter(|x| !x.is_nan()).collect();
+                places.sort_unstable_by(f64::total_cmp);
+                places.dedup();
+                let of = |x: &f64| places.binary_search_by(|own| own.total_cmp(x)).ok();
+                let of_row = numbers.iter().map(of).collect();
+                Levels { names: places.iter().copied().map(short).collect(), places, of_row }
+            }
+        }
+    }
+
+    /// Whether it holds words, or few whole numbers: codes and counts.
+    pub(super) fn is_discrete(&self) -> bool {
+        let Column::Numbers(numbers) = &self.column else { return true };
+        let mut seen: Vec<f64> = Vec::new();
+        for x in numbers.iter().filter(|x| !x.is_nan()) {
+            if x.fract() != 0.0 || x.abs() > LARGEST_CODE {
+                return false;
+            }
+            if !seen.contains(x) {
+                seen.push(*x);
+            }
+            if seen.len() > MOST_CLASSES {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// What it tells apart, if that is few: words, codes, or the values of an axis. Words beyond the first are together.
+    pub(super) fn classes(&self) -> Option<Levels> {
+        if !self.is_discrete() && self.role != Role::Axis {
+            return None;
+        }
+        let mut levels = self.levels();
+        if levels.names.len() <= MOST_CLASSES {
+            return Some(levels);
+        }
+        if !self.has_words() {
+            return None;
+        }
+        levels.names.truncate(MOST_CLASSES - 1);
+        levels.places.truncate(MOST_CLASSES - 1);
+        levels.names.push("others".to_owned());
+        levels.places.push((MOST_CLASSES - 1) as f64);
+        levels
+            .of_row
+            .iter_mut()
+            .flatten()
+            .for_each(|class| *class = (*class).min(MOST_CLASSES - 1));
+        Some(levels)
+    }
+}
+
+/// The different values of a column.
+pub(super) struct Levels {
+    /// As a label has them.
+    pub(super) names: Vec<String>,
+    /// Where they stand on an axis.
+    pub(super) places: Vec<f64>,
+    /// Which of them each row has.
+    pub(super) of_row: Vec<Option<usize>>,
+}
+
+impl Levels {
+    /// The one level of all `n` rows.
+    pub(super) fn one(n: usize) -> Self {
+        Self { names: vec![String::new()], places: vec![0.0], of_row: vec![Some(0); n] }
+    }
+}
+
+/// A word as a label has it.
+fn named(word: &str) -> String {
+    if word.is_empty() { "none".to_owned() } else { word.to_owned() }
+}
+
+/// A value to four digits.
+pub(super) fn short(x: f64) -> String {
+    in_short(format!("{x:.3e}").parse().unwrap_or(x))
+}
+
+fn scale_of(column: &Column) -> Scale {
+    let Column::Numbers(numbers) = column else { return Scale::Linear };
+    let finite = numbers.iter().copied().filter(|x| x.is_finite());
+    let (least, most) =
+        finite.fold((f64::INFINITY, 0.0_f64), |(least, most), x| (least.min(x), most.max(x)));
+    let spans = least > 0.0 && most / least > libm::exp10(DECADES);
+    if spans && most > 0.0 { Scale::Log } else { Scale::Linear }
+}

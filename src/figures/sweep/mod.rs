@@ -1,0 +1,123 @@
+//! Figures of a finished sweep: which one follows from the columns that are asked for.
+//!
+//! | `--x` | `--y` | figure |
+//! |---|---|---|
+//! | any column | none | distribution: a histogram, in classes by `--color` |
+//! | axis | another axis | heat map of `--color`, the median of the runs of a cell |
+//! | axis | numbers | lines: the median at each value of x with its 5 to 95 % band, one line a class of `--color` |
+//! | any other two | | scatter, coloured by a number or in classes |
+//!
+//! An axis is one of the plan's grid. Classes are words, or the values of an axis with at most eight. An axis of more than
+//! 100 values (heat map), or colours without classes (lines), make a scatter too. Runs that did not come to their end
+//! are left out.
+
+mod distribution;
+mod error;
+mod field;
+mod heat_map;
+mod lines;
+mod scatter;
+pub mod sobol;
+
+use super::Drawing;
+use crate::sweep::results::{Column, Results, Table};
+
+pub use error::PlotError;
+
+use field::{Field, Role};
+
+/// Which columns a figure is of.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked<'a> {
+    /// To the right.
+    pub x: &'a str,
+    /// Upwards.
+    pub y: Option<&'a str>,
+    /// As colour.
+    pub color: Option<&'a str>,
+}
+
+impl Asked<'_> {
+    /// A name for the files of its figure.
+    pub fn file_name(&self) -> String {
+        let over = self.y.map_or_else(|| self.x.to_owned(), |y| format!("{y}_over_{}", self.x));
+        self.color.map_or(over.clone(), |color| format!("{over}_by_{color}"))
+    }
+}
+
+/// What is drawn: the columns of the runs that came to their end.
+struct Data {
+    x: Field,
+    y: Option<Field>,
+    color: Option<Field>,
+    n: usize,
+    failed: u64,
+}
+
+/// The figure of these columns.
+///
+/// # Errors
+/// A column that is not there, or columns of which no figure can be made.
+pub fn drawing(results: &Results, asked: Asked<'_>) -> Result<Drawing, PlotError> {
+    let names: Vec<&str> = [Some(asked.x), asked.y, asked.color].into_iter().flatten().collect();
+    let Table { columns, failed } = results.table(&names)?;
+    let n = columns.first().map_or(0, len);
+    let mut fields =
+        names.iter().zip(columns).map(|(name, column)| Field::new(results, name, column));
+    let mut next = |is_there: bool| if is_there { fields.next() } else { None };
+    let (x, y) = (next(true), next(asked.y.is_some()));
+    let color = next(asked.color.is_some());
+    let nothing = || PlotError::Nothing { columns: names.join(", "), failed };
+    let data = Data { x: x.ok_or_else(nothing)?, y, color, n, failed };
+    if !data.has_points() {
+        return Err(nothing());
+    }
+    data.drawing()
+}
+
+fn len(column: &Column) -> usize {
+    match column {
+        Column::Numbers(numbers) => numbers.len(),
+        Column::Words { of_row, .. } => of_row.len(),
+    }
+}
+
+impl Data {
+    fn drawing(&self) -> Result<Drawing, PlotError> {
+        let Some(y) = &self.y else { return distribution::drawing(self) };
+        if self.x.role == Role::Axis && y.role == Role::Axis && self.x.name != y.name {
+            let Some(color) = &self.color else {
+                return Err(PlotError::TwoAxes { x: self.x.name.clone(), y: y.name.clone() });
+            };
+            if let Some(drawing) = heat_map::drawing(self, y, color) {
+                return Ok(drawing);
+            }
+        } else if self.x.role == Role::Axis && !y.has_words() {
+            let classes = self.color.as_ref().map(Field::classes);
+            if !matches!(classes, Some(None)) {
+                return lines::drawing(self, y, classes.flatten());
+            }
+        }
+        scatter::drawing(self, y)
+    }
+
+    /// Whether any run has a place in the figure.
+    fn has_points(&self) -> bool {
+        let y = self.y.as_ref().map(Field::places);
+        let is_there =
+            |(i, x): (usize, &f64)| x.is_finite() && y.as_ref().is_none_or(|y| y[i].is_finite());
+        self.x.places().iter().enumerate().any(is_there)
+    }
+
+    /// The end of a caption: how many runs it is of.
+    fn of_runs(&self) -> String {
+        of_runs(self.n as u64, self.failed)
+    }
+}
+
+fn of_runs(n: u64, failed: u64) -> String {
+    match failed {
+        0 => format!("Of {n} runs."),
+        _ => format!("Of {n} runs; {failed} more did not come to their end and are left out."),
+    }
+}

@@ -1,0 +1,141 @@
+//! Sobol indices: main and total of each key, with their intervals, as a figure and as a table.
+
+use std::fmt::Write as _;
+
+use deltazero_plots::{Axis, Bars, Figure, Legend, LineChart, Panel, Series, Size};
+
+use super::field::short;
+use super::{Drawing, PlotError};
+use crate::sweep::sensitivity::Index;
+use crate::sweep::sobol::{OfKey, Point, Sobol};
+
+/// Sum of the main indices from which on interactions are no more than their error.
+const ADDITIVE: f64 = 0.95;
+/// Most grid points, a panel each.
+const MOST: usize = 12;
+/// Half the width of a bar and of the gap between two, in places of the axis.
+const HALF: f64 = 0.17;
+const GAP: f64 = 0.02;
+/// What main and total index are called, and where their bars stand.
+const LOOKS: [(&str, f64); 2] =
+    [("main: the key alone", -HALF - GAP), ("total: with all its interactions", HALF + GAP)];
+/// Colours of main and total index, and of the intervals.
+const COLORS: [usize; 2] = [0, 4];
+const INTERVAL: usize = 6;
+
+impl Point {
+    /// Where it is on the grid.
+    fn title(&self) -> String {
+        let value = |value: &serde_json::Value| match value {
+            serde_json::Value::String(word) => word.clone(),
+            other => other.as_f64().map_or_else(|| other.to_string(), short),
+        };
+        let at = self.at.iter().map(|(key, own)| format!("{key} = {}", value(own)));
+        at.collect::<Vec<_>>().join(", ")
+    }
+
+    /// What the main indices leave to interactions.
+    fn finding(&self) -> String {
+        let sum: f64 = self.keys.iter().map(|own| own.main.value).sum();
+        let most = self.keys.iter().max_by(|a, b| a.total.value.total_cmp(&b.total.value));
+        let most = most.map_or_else(String::new, |own| {
+            format!("{} explains most (total {:.2})", own.key, own.total.value)
+        });
+        let rest = if sum < ADDITIVE {
+            "the rest to 1 is in interactions"
+        } else {
+            "so the keys act nearly one by one"
+        };
+        format!("{most}; main indices add up to {sum:.2}, {rest}.")
+    }
+}
+
+/// The indices as tables, in Markdown.
+pub fn table(sobol: &Sobol) -> String {
+    let mut text = String::new();
+    for point in &sobol.points {
+        let title = point.title();
+        let at = if title.is_empty() { String::new() } else { format!(" at {title}") };
+        let _ = writeln!(
+            text,
+            "Sobol indices of {}{at}, from {} samples, with 95 % intervals:\n\n\
+             | key | main | interval | total | interval |\n|---|---|---|---|---|",
+            sobol.column, point.samples
+        );
+        for OfKey { key, main, total } in &point.keys {
+            let [main, total] = [main, total].map(|Index { value, interval: [low, high] }| {
+                format!("{value:.3} | {low:.3} to {high:.3}")
+            });
+            let _ = writeln!(text, "| {key} | {main} | {total} |");
+        }
+        let _ = writeln!(text, "\n{}\n", point.finding());
+    }
+    text
+}
+
+/// The indices as bars, a panel a grid point.
+///
+/// # Errors
+/// More grid points than a figure has panels.
+pub fn drawing(sobol: &Sobol) -> Result<Drawing, PlotError> {
+    let n = sobol.points.len();
+    if n > MOST {
+        return Err(PlotError::GridPoints { n: n as u64, most: MOST as u64 });
+    }
+    let ends = sobol.points.iter().flat_map(|point| &point.keys);
+    let ends = ends.flat_map(|own| [own.main.interval, own.total.interval]);
+    let (low, high) = ends.fold((0.0_f64, 1.0_f64), |(low, high), [own_low, own_high]| {
+        (low.min(own_low), high.max(own_high))
+    });
+    let range = (low - if low < 0.0 { 0.03 } else { 0.0 }, high + 0.03);
+    let panels: Vec<Panel> = sobol.points.iter().map(|point| panel(point, range).into()).collect();
+    let cols = if n == 1 { 1 } else { 2 };
+    let rows = n.div_ceil(cols).max(1);
+    let title = format!("What the scatter of {} comes from", sobol.column);
+    let samples = sobol.points.iter().map(|point| point.samples).min().unwrap_or(0);
+    let left_out: u64 = sobol.points.iter().map(|point| point.left_out).sum();
+    let mut caption = format!(
+        "Main and total Sobol indices of {}, lines: 95 % intervals, from {samples} samples",
+        sobol.column
+    );
+    if left_out > 0 {
+        let failed = sobol.failed;
+        let _ = write!(caption, "; {left_out} more have a run without it ({failed} runs failed)");
+    }
+    for point in &sobol.points {
+        let title = point.title();
+        let at = if title.is_empty() { String::new() } else { format!("{title}: ") };
+        let _ = write!(caption, ". {at}{}", point.finding().trim_end_matches('.'));
+    }
+    caption.push('.');
+    let size = match n {
+        1 => Size::SINGLE,
+        _ => Size { width: 1000, height: 120 + 320 * u32::try_from(rows).unwrap_or(1) },
+    };
+    let figure =
+        Figure { title, rows, cols, panels, size, legend: Legend::Below, ..Figure::default() };
+    Ok(Drawing { name: "sobol", caption, figure })
+}
+
+fn panel(point: &Point, (low, high): (f64, f64)) -> LineChart {
+    let names = point.keys.iter().map(|own| own.key.clone()).collect();
+    let mut chart = LineChart {
+        title: point.title(),
+        x: Axis::named("", names),
+        y: Axis::linear("part of the variance").within(low, high),
+        ..LineChart::default()
+    };
+    let mut intervals = Vec::new();
+    for (of, ((label, beside), color)) in LOOKS.into_iter().zip(COLORS).enumerate() {
+        let mut bars = Vec::new();
+        for (i, own) in point.keys.iter().enumerate() {
+            let (x, Index { value, interval: [low, high] }) =
+                (i as f64 + beside, [own.main, own.total][of]);
+            bars.push(((x - HALF, x + HALF), value));
+            intervals.extend([(x, low), (x, high), (f64::NAN, f64::NAN)]);
+        }
+        chart.bars.push(Bars { label: label.to_owned(), color, bars });
+    }
+    chart.series.push(Series::line("", INTERVAL, intervals));
+    chart
+}
