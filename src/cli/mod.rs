@@ -61,6 +61,10 @@ enum Command {
     /// Many runs of a plan: in parallel, resumable, in shards that are merged
     Sweep(sweep::SweepArgs),
     /// A figure of a finished sweep: heat map, lines, distribution, scatter, Sobol indices
+    ///
+    /// Which one follows from the columns: --x alone is a distribution over the runs; two axes of the grid with --color a heat map; an
+    /// axis and a value lines, with the spread of the draws, one line a word or axis value of --color; any other two a scatter.
+    /// Runs that did not come to their end are left out.
     Plot(plot::PlotArgs),
     /// The methods, their orders and what each is for
     Methods(methods::MethodsArgs),

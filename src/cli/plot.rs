@@ -12,10 +12,6 @@ use serde_json::json;
 
 use super::{Failure, print, say};
 
-/// A figure of a finished sweep.
-///
-/// Which one follows from the columns: --x alone is a distribution over the runs; two axes of the grid with --color a heat map; an
-/// axis and a value lines, with the band of the draws, one line a word or axis value of --color; any other two a scatter.
 #[derive(Args)]
 pub(super) struct PlotArgs {
     /// Directory of a finished sweep
