@@ -27,6 +27,7 @@ mod normal;
 pub mod plan;
 mod read;
 pub mod results;
+mod results_error;
 mod runner;
 pub mod saltelli;
 pub mod sensitivity;
