@@ -100,7 +100,8 @@ impl Sweep {
     /// The names of the columns. A parameter of a model with the name of another column has its long name.
     pub fn columns(&self) -> Vec<String> {
         let is_taken = |key: &str| {
-            ["run", "status"].contains(&key) || self.layout.heads.iter().any(|head| head.name == key)
+            ["run", "status"].contains(&key)
+                || self.layout.heads.iter().any(|head| head.name == key)
         };
         let own = |key: &str| {
             let long = if is_taken(key) { format!("{}.", MODEL_TABLES[1]) } else { String::new() };
