@@ -130,6 +130,25 @@ impl<P: System, A: Record<P>, B: Record<P>> Record<P> for (A, B) {
     }
 }
 
+/// A recorder, or none.
+impl<P: System, R: Record<P>> Record<P> for Option<R> {
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
+        self.as_mut().map_or(ControlFlow::Continue(()), |record| record.step(accepted))
+    }
+
+    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
+        self.as_mut().map_or(ControlFlow::Continue(()), |record| record.event(event))
+    }
+
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        self.as_mut().map_or(ControlFlow::Continue(()), |record| record.rejected(stats))
+    }
+
+    fn needs(&self, t0: f64, t1: f64) -> Needs {
+        self.as_ref().map_or(Needs::Nothing, |record| record.needs(t0, t1))
+    }
+}
+
 impl<P: System, R: Record<P> + ?Sized> Record<P> for &mut R {
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         (**self).step(accepted)

@@ -94,9 +94,9 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// What the runs of `subject` tell of.
-    pub(super) fn of(subject: &Subject) -> Self {
-        let part = |part: &Part| (prefixes(part), part.brief_shape());
+    /// What the runs of `subject` tell of, with their contacts and energy or without.
+    pub(super) fn of(subject: &Subject, audit: bool) -> Self {
+        let part = |part: &Part| (prefixes(part), part.brief_shape(audit));
         Self { parts: subject.parts.iter().map(part).collect() }
     }
 

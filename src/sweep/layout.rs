@@ -172,7 +172,7 @@ fn heads(plan: &Plan, indices: &[u64], variants: &mut Variants) -> Result<Vec<He
     let drawn = drawn.map(|draw| Value::from(draw.law.at(0.5)));
     let values: Vec<Value> = axes.chain(drawn).collect();
     let config = variants.set(&values)?;
-    Ok(Shape::of(&config.mechanism.subject(config)).heads())
+    Ok(Shape::of(&config.mechanism.subject(config), plan.audit).heads())
 }
 
 /// Adds those of `own` that are not in `all`, each behind what stands before it in `own`.

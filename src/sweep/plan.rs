@@ -18,6 +18,8 @@ pub struct Plan {
     pub random: Option<Random>,
     /// Runs that are written together.
     pub chunk: u64,
+    /// Whether runs tell of contacts and energy.
+    pub audit: bool,
 }
 
 /// One key and the values that it takes in turn.

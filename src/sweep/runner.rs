@@ -72,7 +72,7 @@ impl<'a> Runner<'a> {
     fn run(&mut self) -> Result<(), String> {
         self.cells.clear();
         let config = self.variants.set(&self.values).map_err(|error| error.to_string())?;
-        let (parts, status) = brief(config)?;
+        let (parts, status) = brief(config, self.sweep.plan.audit)?;
         self.took += parts.iter().map(|(_, brief)| brief.run.took.cpu).sum::<Duration>();
         cells(&parts, &mut self.cells);
         let expected = self.sweep.layout.n_cells(&self.sweep.plan, &self.indices);
@@ -104,7 +104,7 @@ impl<'a> Runner<'a> {
 type Ran = (Vec<(Part, Brief)>, Result<(), String>);
 
 /// What became of each part of a configuration; or why there is no run.
-fn brief(config: &Config) -> Result<Ran, String> {
+fn brief(config: &Config, audit: bool) -> Result<Ran, String> {
     let setting = setting(config).ok_or_else(|| format!("no method {}", config.solver.method))?;
     let (max_rhs, max_seconds) = (config.study.max_rhs, config.study.max_seconds);
     let whole = Limits { max_rhs, max_seconds, stop: &NEVER };
@@ -113,7 +113,7 @@ fn brief(config: &Config) -> Result<Ran, String> {
     let mut parts = Vec::new();
     for part in config.mechanism.subject(config).parts {
         let mut watch = left.watch(price);
-        let brief = part.brief(&setting, config.run.t_end, &mut watch);
+        let brief = part.brief(&setting, config.run.t_end, audit, &mut watch);
         left = left.after(&brief.run, price);
         let of_part = status_of(&part, &brief, watch.cut, whole);
         status = status.and(of_part);

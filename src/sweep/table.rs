@@ -70,6 +70,18 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// Whether `key` is given as true.
+    ///
+    /// # Errors
+    /// Neither true nor false.
+    pub(super) fn truth(&self, key: &str) -> Result<Option<bool>, SweepError> {
+        match self.get(key).map(|given| (&given.datum, given)) {
+            None => Ok(None),
+            Some((Datum::Boolean(is_true), _)) => Ok(Some(*is_true)),
+            Some((_, given)) => Err(given.wrong_type(key, "true or false").into()),
+        }
+    }
+
     /// The whole number that `key` is given as, from `low` to `high`.
     ///
     /// # Errors

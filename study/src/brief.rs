@@ -49,35 +49,44 @@ pub struct SiteBrief {
     pub contacts: Option<ContactSummary>,
 }
 
-/// What a run of `problem` in brief tells of.
-pub(crate) fn shape<P: Problem>(problem: &P) -> BriefShape {
+/// What a run of `problem` in brief tells of, where contacts and energy are audited and where not.
+pub(crate) fn shape<P: Problem>(problem: &P, audit: bool) -> BriefShape {
     let (sites, start) = (0..problem.n_sites(), problem.start());
     let mode = problem.initial_mode(0.0, &start);
     BriefShape {
         columns: sites.clone().map(|site| problem.columns(site)).collect(),
-        has_contacts: sites.clone().any(|k| problem.touch(&mode, 0.0, &start, k).is_some()),
-        has_energy: problem.energies(&mode, 0.0, &start).is_some(),
+        has_contacts: audit
+            && sites.clone().any(|k| problem.touch(&mode, 0.0, &start, k).is_some()),
+        has_energy: audit && problem.energies(&mode, 0.0, &start).is_some(),
     }
 }
 
-/// Runs `problem` from its start to `t_end`, and keeps nothing of the way but these numbers.
+/// Runs `problem` from its start to `t_end`, and keeps nothing of the way but these numbers. Without an `audit` it tells
+/// of no contacts, energy and warnings, and costs little more than its integration.
 pub(crate) fn brief<P: Problem>(
     problem: &P,
     setting: &Setting,
     t_end: f64,
+    audit: bool,
     brake: &mut dyn Brake,
 ) -> Brief {
     let y0 = problem.start();
-    let account = Account::new(problem, setting.method.order, setting.events, &y0);
-    let audit = (account, Stiffness::new(problem, &|_| {}));
+    let audit = audit.then(|| {
+        let account = Account::new(problem, setting.method.order, setting.events, &y0);
+        (account, Stiffness::new(problem, &|_| {}))
+    });
     let mut record = (audit, (Braked(brake), Counts::new(problem)));
     let run = integrate(problem, setting, y0, t_end, &mut record);
-    let ((Account { balance, contacts }, stiffness), (_, counts)) = record;
-    let is_explicit = !setting.method.is_implicit() && !setting.method.chooses();
-    let mut warnings: Vec<Code> =
-        balance.check.warnings(setting.rtol()).into_iter().map(|warning| warning.code).collect();
-    warnings.extend(stiffness.warning().filter(|_| is_explicit).map(|warning| warning.code));
-    let contacts = contacts.lists();
+    let (audit, (_, counts)) = record;
+    let (mut balance, mut contacts, mut warnings) = (None, None, Vec::new());
+    if let Some((account, stiffness)) = audit {
+        let is_explicit = !setting.method.is_implicit() && !setting.method.chooses();
+        let told = account.balance.check.warnings(setting.rtol()).into_iter();
+        let told = told.chain(stiffness.warning().filter(|_| is_explicit));
+        warnings = told.map(|warning| warning.code).collect();
+        balance = account.balance.at(&run.mode, run.t, &run.y);
+        contacts = account.contacts.lists();
+    }
     let site = |(k, n_events): (usize, &usize)| SiteBrief {
         mode: problem.mode_name(&run.mode, k),
         values: Vec::new(),
@@ -91,7 +100,6 @@ pub(crate) fn brief<P: Problem>(
             site.values = values.to_vec();
         }
     });
-    let balance = balance.at(&run.mode, run.t, &run.y);
     Brief { sites, balance, warnings, run: run.plain() }
 }
 
@@ -151,7 +159,7 @@ mod tests {
         let setting = Setting { method, events: Events::Located, accuracy };
         let stop = AtomicBool::new(false);
         let mut watch = Limits::none(&stop).watch(Price::PLAIN);
-        let brief = brief(&ball, &setting, 0.6, &mut watch);
+        let brief = brief(&ball, &setting, 0.6, true, &mut watch);
         let grid = Grid::Times(vec![0.6]);
         let asked = Asked { setting: &setting, t_end: 0.6, grid, tell: &|_| {} };
         let whole = simulate(&ball, &asked, &mut watch);
@@ -164,9 +172,13 @@ mod tests {
             assert_eq!(own.values, site.values);
             assert_eq!(own.contacts, Some(ContactSummary::of(list.iter())));
         }
-        let shape = shape(&ball);
+        let shape = shape(&ball, true);
         let columns: Vec<_> = whole.sites.iter().map(|site| site.columns.clone()).collect();
         assert_eq!(shape.columns, columns);
         assert_eq!((shape.has_contacts, shape.has_energy), (true, brief.balance.is_some()));
+        let alone = super::brief(&ball, &setting, 0.6, false, &mut watch);
+        assert_eq!((&alone.run.y, &alone.run.stats), (&brief.run.y, &brief.run.stats));
+        assert_eq!(alone.sites[0].values, brief.sites[0].values);
+        assert_eq!((alone.balance, alone.sites[0].contacts), (None, None));
     }
 }

@@ -86,10 +86,10 @@ pub(crate) trait Runs: Send + Sync {
     fn simulate(&self, asked: &Asked<'_>, brake: &mut dyn Brake) -> Simulation;
 
     /// What a run in brief tells of.
-    fn brief_shape(&self) -> BriefShape;
+    fn brief_shape(&self, audit: bool) -> BriefShape;
 
     /// One run, of which no more than its end and some numbers are kept.
-    fn brief(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> Brief;
+    fn brief(&self, setting: &Setting, t_end: f64, audit: bool, brake: &mut dyn Brake) -> Brief;
 
     /// Every step.
     fn steps(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> (PartRun, Steps);
@@ -151,12 +151,12 @@ impl<P: Problem> Runs for P {
         simulate(self, asked, brake)
     }
 
-    fn brief_shape(&self) -> BriefShape {
-        shape(self)
+    fn brief_shape(&self, audit: bool) -> BriefShape {
+        shape(self, audit)
     }
 
-    fn brief(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> Brief {
-        brief(self, setting, t_end, brake)
+    fn brief(&self, setting: &Setting, t_end: f64, audit: bool, brake: &mut dyn Brake) -> Brief {
+        brief(self, setting, t_end, audit, brake)
     }
 
     fn steps(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> (PartRun, Steps) {
@@ -248,13 +248,20 @@ impl Part {
     }
 
     /// What a run of it [in brief](Self::brief) tells of.
-    pub fn brief_shape(&self) -> BriefShape {
-        self.runs.brief_shape()
+    pub fn brief_shape(&self, audit: bool) -> BriefShape {
+        self.runs.brief_shape(audit)
     }
 
-    /// Runs it once at `setting` to `t_end`, and tells its end and some numbers alone.
-    pub fn brief(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> Brief {
-        self.runs.brief(setting, t_end, brake)
+    /// Runs it once at `setting` to `t_end`, and tells its end and some numbers alone: with an `audit` those of its
+    /// contacts and its energy too, which take several times as long as the integration.
+    pub fn brief(
+        &self,
+        setting: &Setting,
+        t_end: f64,
+        audit: bool,
+        brake: &mut dyn Brake,
+    ) -> Brief {
+        self.runs.brief(setting, t_end, audit, brake)
     }
 
     /// The scales of its errors, by these largest lengths.

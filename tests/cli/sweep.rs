@@ -112,6 +112,31 @@ fn a_row_is_what_simulate_says_of_its_values() {
 }
 
 #[test]
+fn without_its_audit_a_row_is_the_same_but_for_contacts_and_energy() {
+    let scratch = Scratch::with_plan(0.1);
+    let whole = scratch.sweep("whole", &[]);
+    fs::write(scratch.path("plan.toml"), format!("audit = false\n{PLAN}")).unwrap();
+    let short = scratch.sweep("short", &[]);
+    let rows = |text: &str| -> Vec<Vec<String>> {
+        text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    let (whole, short) = (rows(&whole), rows(&short));
+    let is_audited = |name: &str| {
+        let told = ["n_contacts", "peak_force_n", "deepest_m", "impact_speed_m_s", "impulse_n_s"];
+        let of_energy = ["work_j", "dissipated_j", "energy_residual_j"];
+        told.iter().chain(&of_energy).any(|end| name.ends_with(end)) || name == "warnings"
+    };
+    let kept: Vec<usize> = (0..whole[0].len()).filter(|i| !is_audited(&whole[0][*i])).collect();
+    // Five columns of each joint and of both are gone, and three of energy; `warnings` is empty.
+    assert_eq!((whole[0].len() - short[0].len(), whole.len()), (3 * 5 + 3, short.len()));
+    for (whole, short) in whole.iter().zip(&short) {
+        let kept: Vec<_> = kept.iter().map(|i| &whole[*i]).collect();
+        let own: Vec<_> = short[..short.len() - 1].iter().collect();
+        assert_eq!(kept, own);
+    }
+}
+
+#[test]
 fn a_sweep_that_is_killed_again_and_again_ends_with_the_same_bytes() {
     let scratch = Scratch::with_plan(0.4);
     let whole = scratch.sweep("whole", &[]);
