@@ -81,7 +81,7 @@ pub trait OneStep<P: System> {
     /// The guard that falls first on the completed step, or `None` where no guard falls.
     ///
     /// The default searches [the guards](GuardWatch) by their values and rates at both ends and then on the dense
-    /// output.
+    /// output. A method that knows its guards on a part of the step only may take the step again up to there.
     ///
     /// # Errors
     /// [`Error::NonFiniteGuard`] for a guard that is not finite at the end of the step.

@@ -33,7 +33,7 @@ pub struct Stats {
     pub n_implicit: u64,
     /// Steps rejected because of their error estimate, a failed Newton iteration, or an end that was not finite.
     pub n_rejected: u64,
-    /// Steps retaken from the same start to land on an event.
+    /// Steps retaken from the same start to land on an event, or shortened to where the guards have series.
     pub n_retaken: u64,
     /// Transitions.
     pub n_events: u64,

@@ -43,9 +43,8 @@ pub(super) struct PlotArgs {
 impl From<PlotError> for Failure {
     fn from(error: PlotError) -> Self {
         match error {
-            PlotError::Results(ResultsError::Row { .. }) | PlotError::Drawing(_) => {
-                Self::Run(error.to_string())
-            }
+            PlotError::Results(ResultsError::Row { .. } | ResultsError::Length { .. })
+            | PlotError::Drawing(_) => Self::Run(error.to_string()),
             _ => Self::Usage(error.to_string()),
         }
     }

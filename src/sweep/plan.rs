@@ -19,7 +19,13 @@ pub struct Plan {
     /// Runs that are written together.
     pub chunk: u64,
     /// Whether runs tell of contacts and energy.
+    #[serde(default = "audited")]
     pub audit: bool,
+}
+
+/// What the plans of earlier builds, which do not say it, had.
+fn audited() -> bool {
+    true
 }
 
 /// One key and the values that it takes in turn.

@@ -83,6 +83,10 @@ impl Results {
         let mut results = Self { plan, columns: Vec::new(), units, path };
         let mut line = String::new();
         results.file()?.read_line(&mut line).map_err(|source| results.missing(source))?;
+        let bytes = fs::metadata(&results.path).map_err(|source| results.missing(source))?.len();
+        if record["bytes"].as_u64().is_some_and(|written| written != bytes) {
+            return Err(ResultsError::Length { path: results.path });
+        }
         results.columns = fields(line.trim_end_matches('\n')).map(Cow::into_owned).collect();
         Ok(results)
     }
@@ -195,7 +199,8 @@ impl Reader {
         if let Column::Numbers(numbers) = &mut self.column {
             let number = if text.is_empty() { Some(f64::NAN) } else { text.parse().ok() };
             if let Some(number) = number {
-                numbers.push(number);
+                // The zero below zero is the same number.
+                numbers.push(number + 0.0);
                 return Ok(());
             }
             let before = std::mem::take(numbers);

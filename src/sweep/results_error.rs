@@ -27,6 +27,12 @@ pub enum ResultsError {
         /// Where it is.
         dir: PathBuf,
     },
+    /// A file that was cut, or added to.
+    #[error("{}: not as long as it was written; make the sweep again with --force", path.display())]
+    Length {
+        /// The file.
+        path: PathBuf,
+    },
     /// No such column.
     #[error(
         "{} has no column \"{name}\"{}; it has {known}", path.display(),

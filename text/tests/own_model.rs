@@ -50,7 +50,7 @@ fn trimmed(text: &str) -> String {
 fn the_models_of_the_page_give_the_messages_of_the_page() {
     let blocks = blocks();
     let models: Vec<usize> = (0..blocks.len()).filter(|i| blocks[*i].0 == "toml").collect();
-    assert_eq!(models.len(), 7);
+    assert_eq!(models.len(), 8);
     for i in models {
         let said = trimmed(&said_of(&blocks[i].1));
         let next = blocks.get(i + 1).filter(|block| block.0 == "text");

@@ -232,6 +232,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
                 Look::Clear => return Ok(None),
                 Look::Falls(crossing) => crossing,
                 Look::Within(range) => {
+                    self.watch.forget_dips();
                     self.attempt(self.t + (self.t1 - self.t) * range);
                     continue;
                 }

@@ -22,8 +22,10 @@ const MOST_ERROR: f64 = 1e-2;
 /// Fraction that is used of the estimated range of a polynomial, and the least that a step is shortened to at once.
 const SAFETY: f64 = 0.9;
 const SHORTER: f64 = 0.01;
-/// A step is not shortened below this fraction of its size for the sake of a guard.
+/// A step is not shortened further for the sake of a guard where it is below this fraction of its size, or below this
+/// fraction of the time, within which its middle and its end are rounded.
 const LEAST_RANGE: f64 = 1e-3;
+const LEAST_STEP: f64 = 1e3 * f64::EPSILON;
 
 /// What the guards of a step show.
 #[derive(Clone, Copy, Debug)]
@@ -171,8 +173,8 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
     /// a series that ends where the pin passes the centre, whatever the series of the pin. Where the polynomial differs
     /// from its guard, at the middle or at the end of the step, by more than 1 % of the largest of `|g_0|`, `|g_1 h|`
     /// and the guard there, and by more than its rounding bound, the step is to be [shortened](Look::Within). A step
-    /// shorter than a thousandth of `whole` is not, nor one where a coefficient is not finite: the
-    /// [search](GuardWatch) on values and rates is then used for all guards.
+    /// shorter than a thousandth of `whole` or some ulps of the time is not, nor one where a coefficient is not finite:
+    /// the [search](GuardWatch) on values and rates is then used for all guards.
     ///
     /// # Errors
     /// [`Error::NonFiniteGuard`] for a guard that is not finite at the end of the step.
@@ -194,6 +196,7 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         }
         watch.violated(problem, mode.clone(), t1, step.y1())?;
         watch.look_at_middle(problem, mode.clone(), step);
+        let least = (LEAST_RANGE * whole.abs()).max(LEAST_STEP * t1.abs().max(start.abs()));
         let field = InMode { problem, mode: &mode };
         let mut first: Option<GuardCrossing> = None;
         for guard in 0..self.g[0].as_ref().len() {
@@ -205,19 +208,16 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
             self.expand(&field, t0, y, degree);
             match self.range(guard, h, degree, watch) {
                 Some(1.0) => {}
-                Some(range) if h.abs() > LEAST_RANGE * whole.abs() => {
-                    return Ok(Look::Within(range));
-                }
+                Some(range) if h.abs() > least => return Ok(Look::Within(range)),
                 _ => return self.by_values(problem, mode, step, watch),
             }
             if !at_end && self.is_clear(guard, h, degree, end) {
                 continue;
             }
             let Some((s, violated)) = self.fall_on_step(guard, h, degree, watch) else { continue };
-            let violated_at = violated.map_or(t1, |violated| start + violated * h);
-            if violated_at == t1 && !at_end {
-                continue;
-            }
+            let inside = violated.map(|violated| start + violated * h);
+            let inside = inside.filter(|t| (t - start).abs() < h.abs());
+            let Some(violated_at) = inside.or(at_end.then_some(t1)) else { continue };
             let t = start + s * h;
             // Of guards that fall at the same time to rounding, the one with the lowest index comes first.
             let tie = 4.0 * f64::EPSILON * t1.abs().max(start.abs());
@@ -245,6 +245,9 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         }
         let p = self.polynomial(i, h, degree);
         let (middle, end) = (watch.middle(i), watch.value(i));
+        if !middle.is_finite() {
+            return Some(0.5 * SAFETY);
+        }
         let error = (p.at(0.5) - middle).abs().max((p.at(1.0) - end).abs());
         let size =
             p.coefficients()[..2].iter().fold(middle.abs().max(end.abs()), |a, c| a.max(c.abs()));
@@ -287,11 +290,14 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         if at_end && violated == 1.0 {
             return Some((s, None));
         }
-        // Where the polynomial shows a violation at the end that the guard does not, the guard may rise just before.
+        // Where the polynomial does not rise before the end, the guard may.
         let violated = match violated {
             1.0 => minimum(|s| p.at(s), [s, 0.5 * (s + 1.0), 1.0]).0,
             inside => inside,
         };
+        if p.at(violated) >= -watch.bound(i) {
+            return at_end.then_some((s, None));
+        }
         watch.note_dip(i, violated);
         Some((s, Some(violated)))
     }

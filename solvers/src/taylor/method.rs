@@ -220,6 +220,8 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
                 Look::Within(range) => range,
             };
             let h = range * (self.step.t1 - self.step.t0);
+            // They are fractions of the longer step.
+            watch.forget_dips();
             self.attempt(problem, mode, self.step.t0 + h, h, stats);
             stats.n_retaken += 1;
         }

@@ -1,5 +1,6 @@
 //! Guards that fall and rise again within one step.
 
+use deltazero_solvers::problems::BouncingBall;
 use deltazero_solvers::{Control, Method, Next, Outcome, Real, System, Tolerance};
 
 use crate::common::at_most;
@@ -180,6 +181,23 @@ fn a_guard_whose_series_ends_within_the_step_is_found() {
             assert_eq!(times.len(), 1, "{b}, {rtol:e}: {times:?}");
             // Measured: 0.
             at_most("taylor", (times[0] - at).abs(), 1e-14);
+        }
+    }
+}
+
+#[test]
+fn a_step_of_some_ulps_after_an_event_ends() {
+    let ball = BouncingBall { restitution: 0.75, gravity: 9.81, height: 1.3 };
+    for rtol in [1e-3, 1e-8, 1e-12] {
+        let control = Control::Adaptive(Tolerance { rtol, atol: vec![rtol; 2] });
+        let setting = (Method::named("taylor").unwrap(), control);
+        let (log, ..) = run(&ball, &setting, (0.0, ball.start()), 2.0);
+        for bounce in log.times() {
+            for n in 0..8 {
+                let t_end = (0..n).fold(bounce, |t: f64, _| t.next_up());
+                let (_, outcome, t, _) = run(&ball, &setting, (0.0, ball.start()), t_end);
+                assert_eq!((outcome, t), (Ok(Outcome::Finished), t_end), "{n} ulps after {bounce}");
+            }
         }
     }
 }
