@@ -27,7 +27,7 @@ pub enum ResultsError {
         /// Where it is.
         dir: PathBuf,
     },
-    /// A file that was cut, or added to.
+    /// A file that was cut.
     #[error("{}: not as long as it was written; make the sweep again with --force", path.display())]
     Length {
         /// The file.
