@@ -77,7 +77,7 @@ operators! {
 impl Div for DoubleDouble {
     type Output = Self;
 
-    /// A quotient to the digits of an `f64`, and a step of Newton's iteration.
+    /// A quotient to the digits of an `f64`, and two steps of Newton's iteration.
     fn div(self, by: Self) -> Self {
         let quotient = self.0.hi() / by.0.hi();
         let rest = (self.0 - by.0 * quotient).hi() / by.0.hi();

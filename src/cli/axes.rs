@@ -16,8 +16,6 @@ use super::progress::Bar;
 use super::regimes::RegimesArgs;
 use super::{Failure, note_left_out, print, say, warn};
 
-/// Tables of settings that all cells share.
-const NOT_OF_MECHANISM: [&str; 5] = ["run", "solver", "study", "contest", "regimes"];
 /// Most values of an axis.
 const MOST: usize = 1000;
 const NOTHING_KEPT: &str = "a map over --axis keeps nothing; give the command again";
@@ -28,8 +26,7 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     let mut variants = variants(args, &axes)?;
     let mut config = variants.config().clone();
     for (axis, varied) in axes.iter_mut().zip(variants.varied()) {
-        let table = varied.key.and_then(|key| key.table());
-        if table.is_some_and(|table| NOT_OF_MECHANISM.contains(&table)) {
+        if varied.key.is_some_and(|key| key.is_of_runs()) {
             let name = &axis.name;
             let why = "is no number of the mechanism: every cell is run by the same settings";
             return Err(Failure::Usage(format!("--axis {name} {why}; give it by --set")));

@@ -5,6 +5,8 @@
 
 mod common;
 
+use deltazero_text::SETTINGS;
+
 use common::COMMON;
 
 use super::kind::Kind;
@@ -65,6 +67,11 @@ impl Key {
     /// Its name in that table.
     pub fn name(&self) -> &'static str {
         self.path.split_once('.').map_or(self.path, |(_, name)| name)
+    }
+
+    /// Whether it is a setting of runs, not a key of what is run.
+    pub fn is_of_runs(&self) -> bool {
+        self.table().is_some_and(|table| SETTINGS.contains(&table))
     }
 
     /// Whether it may differ for one joint.

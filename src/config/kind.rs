@@ -70,7 +70,7 @@ impl Kind {
                         key: key.into(),
                         value: given.text.as_str().into(),
                         allowed: listing(words).into(),
-                        nearest: nearest_word(word, words),
+                        nearest: nearest_word(word, words.iter().copied()),
                     })
                 }
             }

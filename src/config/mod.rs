@@ -72,6 +72,7 @@ pub use settings::{MOST_ROWS, ROW_BYTES};
 
 pub(crate) use given::{Datum, Given};
 pub(crate) use keys::one_joint;
+pub(crate) use nearest::nearest_word;
 pub(crate) use toml_source::{document, read};
 
 /// A complete configuration, checked.

@@ -42,14 +42,18 @@ pub(super) fn nearest_of(path: &str, candidates: Vec<String>) -> Option<String> 
     nearest(candidates, score)
 }
 
-/// The word most like `word`.
-pub(super) fn nearest_word(word: &str, words: &[&'static str]) -> Option<&'static str> {
-    let given = word.to_lowercase();
-    nearest(words.to_vec(), |candidate| similarity(&given, candidate))
+/// The word most like `word`, as it is given or in small letters.
+pub(crate) fn nearest_word<'a>(
+    word: &str,
+    words: impl IntoIterator<Item = &'a str>,
+) -> Option<&'a str> {
+    let given = [word, &word.to_lowercase()];
+    let score = |candidate: &&str| given.map(|given| similarity(given, candidate));
+    nearest(words, |candidate| score(candidate).into_iter().fold(0.0, f64::max))
 }
 
 /// The first of the best.
-fn nearest<T>(candidates: Vec<T>, score: impl Fn(&T) -> f64) -> Option<T> {
+fn nearest<T>(candidates: impl IntoIterator<Item = T>, score: impl Fn(&T) -> f64) -> Option<T> {
     let mut best = None;
     let mut best_score = 0.0;
     for candidate in candidates {

@@ -248,7 +248,7 @@ impl Settings {
         if self.model.is_some() && names_in(path).is_some() && SETTINGS.contains(&path) {
             return not_a_key(path, given);
         }
-        let settings = keys().filter(|key| key.table().is_some_and(|own| SETTINGS.contains(&own)));
+        let settings = keys().filter(|key| key.is_of_runs());
         let names = model.names().chain(settings.map(|key| key.path));
         let nearest = nearest_of(path, names.map(str::to_owned).collect());
         let (place, key) = (given.place.clone(), excerpt(path).into());

@@ -15,9 +15,6 @@ use crate::config::{ConfigError, Kind, Variants, Varied};
 /// Combinations for which columns are looked up.
 const MOST_SHAPES: u64 = 4096;
 
-/// Tables whose keys change no column.
-const NOT_OF_SHAPE: [&str; 5] = ["run", "solver", "study", "contest", "regimes"];
-
 /// The columns of a plan.
 #[derive(Clone, Debug)]
 pub(super) struct Layout {
@@ -51,9 +48,10 @@ enum Class {
 
 impl Class {
     fn of(varied: &Varied) -> Self {
-        match (varied.key.map(|key| key.table()), varied.kind) {
+        match (varied.key, varied.kind) {
             (None, _) if varied.is_of_shape => Self::Each,
-            (Some(Some(table)), _) if NOT_OF_SHAPE.contains(&table) => Self::One,
+            // Settings of runs change no column.
+            (Some(key), _) if key.is_of_runs() => Self::One,
             (_, Kind::Number(_)) => Self::Zero,
             _ => Self::Each,
         }

@@ -7,16 +7,14 @@ use std::io::{self, BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use strsim::normalized_damerau_levenshtein as similarity;
 
 use super::csv::fields;
 use super::plan::Plan;
 use super::runner::OK;
+use crate::config::nearest_word;
 
 pub use super::results_error::ResultsError;
 
-/// Similarity from which on a column is suggested.
-const SIMILAR: f64 = 0.5;
 /// Different words that a column may have.
 const MOST_WORDS: usize = 1000;
 
@@ -158,13 +156,11 @@ impl Results {
 
     fn position(&self, name: &str) -> Result<usize, ResultsError> {
         self.columns.iter().position(|own| own == name).ok_or_else(|| {
-            let scored = self.columns.iter().map(|own| (similarity(name, own), own));
-            let nearest = scored.filter(|(score, _)| *score >= SIMILAR);
-            let nearest = nearest.max_by(|a, b| a.0.total_cmp(&b.0));
+            let nearest = nearest_word(name, self.columns.iter().map(String::as_str));
             ResultsError::Column {
                 path: self.path.clone(),
                 name: name.to_owned(),
-                nearest: nearest.map(|(_, own)| own.clone()),
+                nearest: nearest.map(str::to_owned),
                 known: self.columns.join(", "),
             }
         })

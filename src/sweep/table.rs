@@ -1,12 +1,7 @@
 //! A table of a plan's file, with the places of what is in it.
 
-use strsim::normalized_damerau_levenshtein as similarity;
-
 use super::SweepError;
-use crate::config::{Datum, Given, Place};
-
-/// Similarity from which on a key is suggested.
-const SIMILAR: f64 = 0.5;
+use crate::config::{Datum, Given, Place, nearest_word};
 
 /// A table of a plan.
 pub(super) struct Table<'a> {
@@ -30,15 +25,12 @@ impl<'a> Table<'a> {
             return Err(given.wrong_type(name, "a table").into());
         };
         if let Some((key, value)) = entries.iter().find(|(key, _)| !known.contains(&key.as_str())) {
-            let scored = known.iter().map(|known| (similarity(key, known), known));
-            let nearest = scored.filter(|(score, _)| *score >= SIMILAR);
-            let nearest = nearest.max_by(|a, b| a.0.total_cmp(&b.0));
             return Err(SweepError::UnknownKey {
                 place: value.place.clone(),
                 table: name,
                 key: key.clone(),
                 known: known.join(", "),
-                nearest: nearest.map(|(_, known)| (*known).to_owned()),
+                nearest: nearest_word(key, known.iter().copied()).map(str::to_owned),
             });
         }
         Ok(Self { name, place: &given.place, entries })

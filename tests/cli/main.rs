@@ -90,6 +90,12 @@ impl Scratch {
         self.succeed(&[&args[..], more].concat())
     }
 
+    /// `sweep` of `plan.toml` into `dir`, which must end well; `runs.csv`.
+    fn sweep(&self, dir: &str, more: &[&str]) -> String {
+        self.succeed(&[&["sweep", "plan.toml", "--out", dir][..], more].concat());
+        self.text(&format!("{dir}/runs.csv"))
+    }
+
     fn text(&self, name: &str) -> String {
         fs::read_to_string(self.path(name)).unwrap()
     }

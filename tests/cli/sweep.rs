@@ -37,12 +37,6 @@ impl Scratch {
         scratch
     }
 
-    /// `sweep` of the plan into `dir`, which must end well; `runs.csv`.
-    fn sweep(&self, dir: &str, more: &[&str]) -> String {
-        self.succeed(&[&["sweep", "plan.toml", "--out", dir][..], more].concat());
-        self.text(&format!("{dir}/runs.csv"))
-    }
-
     fn chunks(&self, dir: &str) -> Vec<PathBuf> {
         let entries = fs::read_dir(self.path(dir).join("chunks")).into_iter().flatten().flatten();
         let mut paths: Vec<_> = entries.map(|entry| entry.path()).collect();

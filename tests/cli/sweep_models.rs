@@ -37,12 +37,6 @@ impl Scratch {
         scratch
     }
 
-    /// `sweep` of the plan into `dir`, which must end well; `runs.csv`.
-    fn swept(&self, dir: &str, more: &[&str]) -> String {
-        self.succeed(&[&["sweep", "plan.toml", "--out", dir][..], more].concat());
-        self.text(&format!("{dir}/runs.csv"))
-    }
-
     /// The message with which a plan is refused.
     fn refused(&self, plan: &str) -> String {
         fs::write(self.path("plan.toml"), plan).unwrap();
@@ -56,7 +50,7 @@ impl Scratch {
 #[test]
 fn a_row_of_a_model_is_what_simulate_says_of_its_values() {
     let scratch = Scratch::with_model_and_plan("mass_against_stop", PLAN);
-    scratch.swept("out", &["--set", "solver.rtol=1e-8"]);
+    scratch.sweep("out", &["--set", "solver.rtol=1e-8"]);
     let table = scratch.table("out/runs.csv");
     assert_eq!(table.rows.len(), 24);
     let head = ["run", "K", "solver.method", "zeta", "status", "outcome", "t_s", "mode", "x_m"];
@@ -86,9 +80,9 @@ fn a_row_of_a_model_is_what_simulate_says_of_its_values() {
 #[test]
 fn rows_of_a_model_are_the_same_for_one_thread_two_threads_and_shards() {
     let scratch = Scratch::with_model_and_plan("mass_against_stop", PLAN);
-    let one = scratch.swept("one", &["--threads", "1"]);
+    let one = scratch.sweep("one", &["--threads", "1"]);
     assert_eq!(one.lines().filter(|line| line.contains(",ok,")).count(), 24);
-    assert_eq!(scratch.swept("two", &["--threads", "2"]), one);
+    assert_eq!(scratch.sweep("two", &["--threads", "2"]), one);
     // The same model by the command line, from another folder; a setting of it is no other model.
     fs::create_dir(scratch.path("models")).unwrap();
     fs::copy(scratch.path("stop.toml"), scratch.path("models/stop.toml")).unwrap();
@@ -101,13 +95,13 @@ fn rows_of_a_model_are_the_same_for_one_thread_two_threads_and_shards() {
     let [one_hash, three_hash] =
         ["one", "three"].map(|dir| scratch.json(&format!("{dir}/sweep.json"))["hash"].clone());
     assert_eq!(one_hash, three_hash);
-    assert_eq!(scratch.swept("three", &["--model", "models/stop.toml", "--merge"]), one);
+    assert_eq!(scratch.sweep("three", &["--model", "models/stop.toml", "--merge"]), one);
 }
 
 #[test]
 fn a_sweep_goes_on_without_the_file_of_its_model_and_another_model_is_refused() {
     let scratch = Scratch::with_model_and_plan("mass_against_stop", PLAN);
-    let whole = scratch.swept("whole", &[]);
+    let whole = scratch.sweep("whole", &[]);
     let shard = |i| scratch.succeed(&["sweep", "plan.toml", "--out", "out", "--shard", i]);
     shard("1/2");
     let model = scratch.text("stop.toml");
@@ -119,7 +113,7 @@ fn a_sweep_goes_on_without_the_file_of_its_model_and_another_model_is_refused() 
     assert!(ran.stderr.contains(another), "{}", ran.stderr);
     fs::remove_file(scratch.path("stop.toml")).unwrap();
     shard("2/2");
-    assert_eq!(scratch.swept("out", &["--merge"]), whole);
+    assert_eq!(scratch.sweep("out", &["--merge"]), whole);
     let ran = scratch.run(&["sweep", "plan.toml", "--out", "elsewhere"]);
     assert_eq!(ran.code, Some(2));
     assert!(ran.stderr.contains("stop.toml: cannot read"), "{}", ran.stderr);
@@ -166,7 +160,7 @@ fn lengths_of_vectors_and_the_end_of_the_runs_are_swept() {
     let plan = "[[axis]]\nkey = \"n\"\nvalues = [2, 3, 2.5]\n\
                 [[axis]]\nkey = \"run.t_end\"\nvalues = [0.1, 0.2]\n";
     let scratch = Scratch::with_model_and_plan("carts", plan);
-    scratch.swept("out", &["--model", "stop.toml"]);
+    scratch.sweep("out", &["--model", "stop.toml"]);
     let table = scratch.table("out/runs.csv");
     let t_end: Vec<f64> = table.rows[..4].iter().map(|row| number(row, "t_s")).collect();
     assert_eq!(t_end, [0.1, 0.2, 0.1, 0.2]);
