@@ -253,7 +253,7 @@ impl Part {
     }
 
     /// Runs it once at `setting` to `t_end`, and tells its end and some numbers alone: with an `audit` those of its
-    /// contacts and its energy too, which take about as long as the integration.
+    /// contacts and its energy too, which more than double its time.
     pub fn brief(
         &self,
         setting: &Setting,
