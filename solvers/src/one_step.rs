@@ -442,11 +442,14 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         let step = self.method.step();
         point.y.clone_from(step.y1());
         self.arrive(step.t1(), &mut point.t, phase, stats);
-        if needs != Needs::Nothing {
+        let go_on = if needs == Needs::Nothing {
+            record.passed(point.t, stats)
+        } else {
             let (mode, step) = (point.mode.clone(), self.method.step());
-            if record.step(&Accepted { mode, step, landed_on, stats }).is_break() {
-                return Some(PhaseEnd::Interrupted);
-            }
+            record.step(&Accepted { mode, step, landed_on, stats })
+        };
+        if go_on.is_break() {
+            return Some(PhaseEnd::Interrupted);
         }
         if landed_on.is_none() {
             self.method.advance();

@@ -61,8 +61,8 @@ impl Needs {
 /// Number of rejected attempts between two calls of [`Record::rejected`].
 pub const REJECTIONS_A_LOOK: u64 = 64;
 
-/// Sees, in order, every accepted step that it [needs](Record::needs) and every event, each once, and is called now
-/// and then while attempts are [rejected](Record::rejected). [`ControlFlow::Break`] ends the run as
+/// Sees, in order, every accepted step that it [needs](Record::needs) and every event, each once, is told of the steps
+/// [between](Record::passed), and is called now and then while attempts are [rejected](Record::rejected). [`ControlFlow::Break`] ends the run as
 /// [`Interrupted`](crate::Outcome::Interrupted).
 pub trait Record<P: System> {
     /// A step was accepted.
@@ -71,6 +71,12 @@ pub trait Record<P: System> {
     /// An event was located and its transition made. Events at the same time are shown in the order in which they
     /// happened.
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()>;
+
+    /// A step to `t` was accepted that is not shown, because [nothing](Needs::Nothing) was needed of it; the work done
+    /// so far.
+    fn passed(&mut self, _t: f64, _stats: &Stats) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 
     /// Another [`REJECTIONS_A_LOOK`] attempts were rejected. This call accepts no step.
     ///
@@ -82,7 +88,7 @@ pub trait Record<P: System> {
     }
 
     /// What the recorder needs of a step from `t0` to `t1`; a step costs less where less is needed. A recorder that
-    /// counts steps or limits their work needs the ends of every step.
+    /// counts steps or limits their work needs nothing: it is told of the others by [`passed`](Self::passed).
     ///
     /// Called before the step is shown, possibly more than once, and also for steps that are then not accepted.
     fn needs(&self, _t0: f64, _t1: f64) -> Needs {
@@ -119,6 +125,12 @@ impl<P: System, A: Record<P>, B: Record<P>> Record<P> for (A, B) {
         if first.is_break() { first } else { second }
     }
 
+    fn passed(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {
+        let first = self.0.passed(t, stats);
+        let second = self.1.passed(t, stats);
+        if first.is_break() { first } else { second }
+    }
+
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
         let first = self.0.rejected(stats);
         let second = self.1.rejected(stats);
@@ -140,6 +152,10 @@ impl<P: System, R: Record<P>> Record<P> for Option<R> {
         self.as_mut().map_or(ControlFlow::Continue(()), |record| record.event(event))
     }
 
+    fn passed(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {
+        self.as_mut().map_or(ControlFlow::Continue(()), |record| record.passed(t, stats))
+    }
+
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
         self.as_mut().map_or(ControlFlow::Continue(()), |record| record.rejected(stats))
     }
@@ -156,6 +172,10 @@ impl<P: System, R: Record<P> + ?Sized> Record<P> for &mut R {
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
         (**self).event(event)
+    }
+
+    fn passed(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {
+        (**self).passed(t, stats)
     }
 
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {

@@ -192,7 +192,8 @@ impl<'r, 'a, P: Alike, R: Record<P>, M: OneStep<P>> Member<'r, 'a, P, R, M> {
             let Integration { point, stats, .. } = &mut *self.run;
             self.solver.arrive(self.t1, &mut point.t, &mut self.phase, stats);
             self.is_stale = true;
-            return None;
+            let go_on = self.record.passed(self.t1, stats);
+            return go_on.is_break().then_some(PhaseEnd::Interrupted);
         }
         self.unload(lane, steps);
         if needs == Needs::DenseOutput {
