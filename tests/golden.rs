@@ -7,13 +7,13 @@ use std::sync::atomic::AtomicBool;
 
 use common::{Golden, GoldenChain, config, located, run, run_chain, setting};
 use deltazero::model::{Block, Joints, State};
-use deltazero::run::{Run, integrate_at_once, mode_changes};
+use deltazero::run::{Run, mode_changes};
 use deltazero::study::plan::reference;
-use deltazero_solvers::{Grid, METHODS, Trajectory};
+use deltazero_solvers::{Grid, METHODS, Record, Trajectory};
 use deltazero_study::Problem as _;
 use deltazero_study::errors::{ErrorScale, ScaledGroup, match_events};
 use deltazero_study::part::counted;
-use deltazero_study::run::{Accuracy, Limits, Setting, integrate};
+use deltazero_study::run::{Accuracy, Limits, Setting, integrate, integrate_all};
 use deltazero_study::setting::Events;
 
 struct Bound {
@@ -253,7 +253,9 @@ fn at_once_has_same_bits(
 ) {
     let fresh = || Trajectory::on(grid.clone());
     let mut trajectories: Vec<_> = runs.iter().map(|_| fresh()).collect();
-    let at_once = integrate_at_once(runs, setting, t_end, &mut trajectories);
+    let mut records: Vec<&mut dyn Record<Block>> =
+        trajectories.iter_mut().map(|own| own as _).collect();
+    let at_once = integrate_all(runs, setting, t_end, &mut records);
     for (((block, y), run), trajectory) in runs.iter().zip(&at_once).zip(&trajectories) {
         let mut own = fresh();
         let alone = integrate(*block, setting, *y, t_end, &mut own);

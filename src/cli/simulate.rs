@@ -24,6 +24,12 @@ use super::progress::TimeBar;
 use super::rows::Rows;
 use super::{Failure, RunArgs, print, say, warn};
 
+/// Runs up to this are run again without audit, to be timed.
+const REPLAY: Duration = Duration::from_secs(5);
+/// Those up to this so many times.
+const SHORT: Duration = Duration::from_millis(50);
+const REPEATS: usize = 5;
+
 #[derive(Args)]
 pub(super) struct SimulateArgs {
     #[command(flatten)]
@@ -72,7 +78,8 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     if setting.events == Events::Located {
         warnings.extend(tight.iter().flat_map(|tight| other_events(&subject, &parts, tight)));
     }
-    let mut summary = run_json(&output, &config, &setting, &parts);
+    let time = Alone::of(&subject, &setting, &parts, &config, stop);
+    let mut summary = run_json(&output, &config, &setting, &parts, &time);
     summary["warnings"] = json!(warnings);
     summary["horizon_s"] = horizon_json(horizon);
     let sites: Vec<_> = parts.iter().flat_map(|part| &part.own.sites).collect();
@@ -112,6 +119,38 @@ fn warnings(config: &Config, parts: &[Simulated<'_>], horizon: Option<Horizon>) 
     }
     all.extend(parts.iter().flat_map(|part| part.own.warnings.iter().cloned()));
     all
+}
+
+/// The time of the integration alone.
+struct Alone {
+    wall: Duration,
+    /// Parts that were computed at once.
+    batch: usize,
+}
+
+impl Alone {
+    /// The shortest of some runs without audit and progress, where those of `parts` are short and were not broken off;
+    /// else theirs.
+    fn of(
+        subject: &Subject,
+        setting: &Setting,
+        parts: &[Simulated<'_>],
+        config: &Config,
+        stop: &AtomicBool,
+    ) -> Self {
+        let wall = parts.iter().map(|part| part.own.run.took.wall).sum();
+        let is_broken_off = |part: &Simulated<'_>| part.own.run.outcome == Ok(Outcome::Interrupted);
+        if wall > REPLAY || parts.iter().any(is_broken_off) {
+            return Self { wall, batch: 1 };
+        }
+        let t_end = config.run.t_end;
+        let grid = Grid::uniform(config.run.sample, t_end);
+        let repeats = if wall > SHORT { 1 } else { REPEATS };
+        let once = |_| subject.took(setting, t_end, &grid, Limits::none(stop));
+        let took = (0..repeats).filter_map(once).map(|took| took.wall).min();
+        let batch = subject.batch(setting);
+        Self { wall: took.unwrap_or(wall), batch }
+    }
 }
 
 /// The parts that have other events than tight runs have.
@@ -174,7 +213,13 @@ fn labels(part: &Part, site: usize) -> Map<String, Value> {
     part.labels[site].iter().map(|(name, value)| ((*name).to_owned(), (*value).into())).collect()
 }
 
-fn run_json(output: &Output, config: &Config, setting: &Setting, parts: &[Simulated<'_>]) -> Value {
+fn run_json(
+    output: &Output,
+    config: &Config,
+    setting: &Setting,
+    parts: &[Simulated<'_>],
+    time: &Alone,
+) -> Value {
     let (mut stats, mut balance) = (Stats::default(), None::<Balance>);
     let mut work = Vec::new();
     for Simulated { own, .. } in parts {
@@ -206,7 +251,8 @@ fn run_json(output: &Output, config: &Config, setting: &Setting, parts: &[Simula
         "hash": output.hash,
         "config": config.to_json(),
         "version": env!("CARGO_PKG_VERSION"),
-        "wall_s": parts.iter().map(|part| part.own.wall).sum::<Duration>().as_secs_f64(),
+        "wall_s": time.wall.as_secs_f64(),
+        "batch": time.batch,
         "counts": counts,
         "work_by_phase": WorkByPhase::new(&work),
         "contacts": parts.iter().flat_map(contact_rows).collect::<Vec<_>>(),
@@ -285,14 +331,18 @@ fn failure(parts: &[Simulated<'_>]) -> String {
 fn report_lines(summary: &Value, parts: &[Simulated<'_>], horizon: Option<Horizon>) -> String {
     let counts = &summary["counts"];
     let mut text = format!(
-        "{}: {} events, {} right-hand sides, {} steps ({} rejected, {} retaken), {:.2} ms\n",
+        "{}: {} events, {} right-hand sides, {} steps ({} rejected, {} retaken), {:.2} ms{}\n",
         outcome(parts),
         counts["n_events"],
         counts["n_rhs"],
         counts["n_accepted"],
         counts["n_rejected"],
         counts["n_retaken"],
-        1e3 * summary["wall_s"].as_f64().unwrap_or(f64::NAN)
+        1e3 * summary["wall_s"].as_f64().unwrap_or(f64::NAN),
+        match summary["batch"].as_u64() {
+            Some(n) if n > 1 => format!(" ({n} parts at once)"),
+            _ => String::new(),
+        }
     );
     for part in parts {
         text += &part_line(part);

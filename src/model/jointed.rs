@@ -1,14 +1,15 @@
 //! What is integrated by itself: a joint with what hangs on it, or several in one system.
 
-use deltazero_solvers::{Error, ModeOfState, Outcome, Real, Record};
+use deltazero_solvers::{Alike as _, Error, ModeOfState, Outcome, Real, Record};
 use deltazero_study::Problem;
 use deltazero_study::problem::{
     EndName, Energy, Group, GroupScale, Laws, Power, Quantity, Role, Touch,
 };
-use deltazero_study::run::{OwnRun, Setting, blind, extended};
+use deltazero_study::run::{Begun, OwnRun, Setting, at_once, blind, extended};
 
 use super::block::{Block, Body, ContactForces, State};
 use super::chain::{Chain, Modes};
+use super::contact;
 use super::linkage::{Linkage as _, Outputs};
 use super::mode::Mode;
 
@@ -301,6 +302,19 @@ impl Problem for Block {
         record: &mut dyn Record<Self>,
     ) -> OwnRun<Self> {
         blind(self, setting, y0, t_end, record)
+    }
+
+    fn runs_at_once(&self) -> bool {
+        self.parameters(&Mode::SlipPlus(contact::Touch::PLAIN)).is_some()
+    }
+
+    fn integrate_at_once(
+        runs: &[Begun<'_, Self>],
+        setting: &Setting,
+        t_end: f64,
+        records: &mut [&mut dyn Record<Self>],
+    ) -> Vec<OwnRun<Self>> {
+        at_once(runs, setting, t_end, records)
     }
 
     fn integrate_extended(

@@ -1,6 +1,5 @@
 //! One run of a mechanism, joint by joint.
 
-mod at_once;
 mod joints;
 
 use deltazero_solvers::{Error, Grid, Next, Outcome, Stats, Switch, Trajectory};
@@ -11,7 +10,6 @@ use deltazero_study::run::{
 use crate::config::Config;
 use crate::model::{Jointed, Joints, Mode, Part, State};
 
-pub use at_once::integrate_at_once;
 pub use joints::{switches, trajectories};
 
 /// The `[solver]` table of a configuration; none if its method does not exist.

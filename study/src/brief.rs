@@ -7,8 +7,10 @@ use deltazero_solvers::{Accepted, Event, Needs, Record};
 use crate::account::Account;
 use crate::energy_balance::Balance;
 use crate::errors::contact_summary::ContactSummary;
+use crate::kinds::by_kind;
+use crate::part::Part;
 use crate::problem::{Problem, Quantity, change};
-use crate::run::{Brake, Braked, PartRun, Setting, integrate};
+use crate::run::{Begun, Brake, Braked, OwnRun, PartRun, Setting, integrate_all};
 use crate::stiffness::Stiffness;
 use crate::warning::Code;
 
@@ -61,23 +63,57 @@ pub(crate) fn shape<P: Problem>(problem: &P, audit: bool) -> BriefShape {
     }
 }
 
-/// Runs `problem` from its start to `t_end`, and keeps nothing of the way but these numbers. Without an `audit` it tells
-/// of no contacts, energy and warnings, and costs little more than its integration.
-pub(crate) fn brief<P: Problem>(
-    problem: &P,
+/// Runs each part from its start to `t_end` under the brake of its place, those of a kind at once where that is faster,
+/// and keeps nothing of the way but these numbers. Without an `audit` it tells of no contacts, energy and warnings, and
+/// costs little more than its integration.
+///
+/// # Panics
+/// Where there are fewer brakes than parts.
+pub fn briefs(
+    parts: &[&Part],
     setting: &Setting,
     t_end: f64,
     audit: bool,
-    brake: &mut dyn Brake,
+    brakes: &mut [&mut dyn Brake],
+) -> Vec<Brief> {
+    by_kind(parts, brakes, |first, all, brakes| first.briefs(all, setting, t_end, audit, brakes))
+}
+
+/// The same of problems of one type.
+pub(crate) fn briefs_of<'a, P: Problem>(
+    problems: &[&'a P],
+    setting: &Setting,
+    t_end: f64,
+    audit: bool,
+    brakes: &mut [&mut dyn Brake],
+) -> Vec<Brief> {
+    let begun: Vec<Begun<'a, P>> = problems.iter().map(|p| (*p, p.start())).collect();
+    let audit = |(problem, y0): &Begun<'a, P>| {
+        audit.then(|| {
+            let account = Account::new(*problem, setting.method.order, setting.events, y0);
+            (account, Stiffness::new(*problem, &|_| {}))
+        })
+    };
+    let mut records = Vec::new();
+    for (own, brake) in begun.iter().zip(brakes) {
+        records.push((audit(own), (Braked(&mut **brake), Counts::new(own.0))));
+    }
+    let mut shown: Vec<&mut dyn Record<P>> = records.iter_mut().map(|own| own as _).collect();
+    let runs = integrate_all(&begun, setting, t_end, &mut shown);
+    let brief = |((problem, run), (audit, (_, counts))): ((&&P, _), (_, (_, Counts<'_, P>)))| {
+        brief(*problem, setting, run, audit, &counts.of_site)
+    };
+    problems.iter().zip(runs).zip(records).map(brief).collect()
+}
+
+/// What a run tells, with its contacts and energy and looks at its steps if it was audited.
+fn brief<P: Problem>(
+    problem: &P,
+    setting: &Setting,
+    run: OwnRun<P>,
+    audit: Option<(Account<'_, P>, Stiffness<'_, P>)>,
+    counts: &[usize],
 ) -> Brief {
-    let y0 = problem.start();
-    let audit = audit.then(|| {
-        let account = Account::new(problem, setting.method.order, setting.events, &y0);
-        (account, Stiffness::new(problem, &|_| {}))
-    });
-    let mut record = (audit, (Braked(brake), Counts::new(problem)));
-    let run = integrate(problem, setting, y0, t_end, &mut record);
-    let (audit, (_, counts)) = record;
     let (mut balance, mut contacts, mut warnings) = (None, None, Vec::new());
     if let Some((account, stiffness)) = audit {
         let is_explicit = !setting.method.is_implicit() && !setting.method.chooses();
@@ -94,7 +130,7 @@ pub(crate) fn brief<P: Problem>(
         n_events: n_events.saturating_sub(usize::from(problem.starts_on_surface())),
         contacts: contacts.as_ref().map(|lists| ContactSummary::of(lists[k].iter())),
     };
-    let mut sites: Vec<_> = counts.of_site.iter().enumerate().map(site).collect();
+    let mut sites: Vec<_> = counts.iter().enumerate().map(site).collect();
     problem.rows(&run.mode, run.t, &run.y, &mut |k, values| {
         if let Some(site) = sites.get_mut(k) {
             site.values = values.to_vec();
@@ -159,7 +195,10 @@ mod tests {
         let setting = Setting { method, events: Events::Located, accuracy };
         let stop = AtomicBool::new(false);
         let mut watch = Limits::none(&stop).watch(Price::PLAIN);
-        let brief = brief(&ball, &setting, 0.6, true, &mut watch);
+        let mut run = |audit: bool| {
+            briefs_of(&[&ball], &setting, 0.6, audit, &mut [&mut watch]).pop().unwrap()
+        };
+        let (brief, alone) = (run(true), run(false));
         let grid = Grid::Times(vec![0.6]);
         let asked = Asked { setting: &setting, t_end: 0.6, grid, tell: &|_| {} };
         let whole = simulate(&ball, &asked, &mut watch);
@@ -176,7 +215,6 @@ mod tests {
         let columns: Vec<_> = whole.sites.iter().map(|site| site.columns.clone()).collect();
         assert_eq!(shape.columns, columns);
         assert_eq!((shape.has_contacts, shape.has_energy), (true, brief.balance.is_some()));
-        let alone = super::brief(&ball, &setting, 0.6, false, &mut watch);
         assert_eq!((&alone.run.y, &alone.run.stats), (&brief.run.y, &brief.run.stats));
         assert_eq!(alone.sites[0].values, brief.sites[0].values);
         assert_eq!((alone.balance, alone.sites[0].contacts), (None, None));

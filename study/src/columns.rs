@@ -51,6 +51,8 @@ pub enum Given {
     Force,
     /// Those that tell of energies.
     Energy,
+    /// Those of several parts that are computed at once.
+    Batch,
 }
 
 impl Given {
@@ -62,6 +64,7 @@ impl Given {
             Self::Contact => any(|row| row.work_by_phase.tells_of_contact()),
             Self::Force => any(|row| row.errors.impulse_n_s.is_some()),
             Self::Energy => any(|row| row.errors.dissipated_j.is_some()),
+            Self::Batch => any(|row| row.batch > 1),
         }
     }
 }
@@ -167,6 +170,8 @@ pub const COLUMNS: &[Column] = &[
     column("cpu_s_median", "s", "median processor time of the repeats", |row| {
         Number(row.cpu_s_median)
     }),
+    column("batch", "", "parts computed at once when it was timed", |row| count(row.batch))
+        .of(Given::Batch),
     column("n_retaken", "", "steps retaken to land on events", |row| count(row.n_retaken)),
     column("n_factorisations", "", "factorisations of an iteration matrix", |row| {
         count(row.n_factorisations)

@@ -12,11 +12,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use deltazero_solvers::{Grid, Outcome, Stats};
 
-use crate::errors::Largest;
+use crate::errors::{Largest, worse};
 use crate::parallel::in_parallel;
 use crate::part::{Part, Start, Subject, counted};
 use crate::reference::{parted_at, settings};
-use crate::run::{Brake, ModeChange, PartRun, Setting};
+use crate::run::{Brake, Events, ModeChange, PartRun, Setting};
 use crate::selection::work;
 use crate::trace::Trace;
 use crate::warning::{Code, Warning};
@@ -126,26 +126,89 @@ pub fn parting(a: &[ModeChange], b: &[ModeChange]) -> Option<f64> {
     [a.get(same), b.get(same)].into_iter().flatten().map(|change| change.t).reduce(f64::min)
 }
 
-/// Makes two tight runs of each part of `subject` over its span.
+/// Makes two tight runs of each part of `subject` over its span, both at the same time.
 pub fn tight_runs(subject: &Subject, spans: &[Span], stop: &AtomicBool) -> TightRuns {
-    let pairs = subject.parts.iter().zip(spans).map(|(part, span)| pair(part, *span, stop));
-    let pairs: Vec<Option<Pair<'_>>> = pairs.collect();
-    let measured = || pairs.iter().flatten();
-    let mut largest = Largest::default();
-    measured().for_each(|pair| pair.measure(&mut largest));
-    let lost = measured().filter_map(|pair| pair.lost_at(&largest)).reduce(f64::min);
-    let is_whole = pairs.iter().all(|pair| pair.as_ref().is_some_and(Pair::is_whole));
-    let horizon = match lost {
-        Some(t) => Horizon::LostAt(t),
-        None if is_whole => Horizon::WholeRun,
-        None => Horizon::NotMeasured,
+    Pairs::new(subject, spans, 2, stop).told()
+}
+
+/// What a run looks like beside two tight ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// How far the motion is predictable.
+    pub horizon: Horizon,
+    /// Its error `e` up to there; none where that is not known.
+    pub e: Option<f64>,
+    /// Whether it has their events for as long as these are certain; none of a run that locates none.
+    pub has_events: Option<bool>,
+}
+
+/// Runs `subject` once more at `setting` and twice tightly, on one thread, over the spans of a run that came to its end.
+pub fn estimate(
+    subject: &Subject,
+    setting: &Setting,
+    spans: &[Span],
+    stop: &AtomicBool,
+) -> Estimate {
+    let pairs = Pairs::new(subject, spans, 1, stop);
+    let (tight, largest) = (pairs.told(), pairs.largest());
+    let until = match tight.horizon {
+        Horizon::WholeRun => Some(f64::INFINITY),
+        Horizon::LostAt(t) => Some(t),
+        Horizon::NotMeasured => None,
     };
-    TightRuns { horizon, events: pairs.iter().map(|pair| Some(pair.as_ref()?.events())).collect() }
+    let (mut e, mut has_events) = (0.0, true);
+    for (i, (pair, span)) in pairs.0.iter().zip(spans).enumerate() {
+        let Some(pair) = pair else { continue };
+        let mut bound = Bound { setting, most: f64::INFINITY, stop };
+        let (run, trace) =
+            pair.part.run(setting, Start::Exact, span.reached, &pair.grid, &mut bound);
+        e = worse(e, pair.error(&trace, until.unwrap_or(0.0), &largest));
+        has_events &= tight.warning(subject, i, &trace.changes, run.t).is_none();
+    }
+    let is_located = setting.events == Events::Located;
+    Estimate {
+        horizon: tight.horizon,
+        e: until.map(|_| e),
+        has_events: is_located.then_some(has_events),
+    }
+}
+
+/// The tight runs of each part; none of one that was not run.
+struct Pairs<'a>(Vec<Option<Pair<'a>>>);
+
+impl<'a> Pairs<'a> {
+    /// Makes them on at most two `threads`.
+    fn new(subject: &'a Subject, spans: &[Span], threads: usize, stop: &AtomicBool) -> Self {
+        let parts = subject.parts.iter().zip(spans);
+        Self(parts.map(|(part, span)| pair(part, *span, threads, stop)).collect())
+    }
+
+    fn largest(&self) -> Largest {
+        let mut largest = Largest::default();
+        self.0.iter().flatten().for_each(|pair| pair.measure(&mut largest));
+        largest
+    }
+
+    fn told(&self) -> TightRuns {
+        let largest = self.largest();
+        let lost = self.0.iter().flatten().filter_map(|pair| pair.lost_at(&largest));
+        let is_whole = self.0.iter().all(|pair| pair.as_ref().is_some_and(Pair::is_whole));
+        let horizon = match lost.reduce(f64::min) {
+            Some(t) => Horizon::LostAt(t),
+            None if is_whole => Horizon::WholeRun,
+            None => Horizon::NotMeasured,
+        };
+        TightRuns {
+            horizon,
+            events: self.0.iter().map(|pair| Some(pair.as_ref()?.events())).collect(),
+        }
+    }
 }
 
 /// A run of a part, and one from a start changed in its last bit.
 struct Pair<'a> {
     part: &'a Part,
+    grid: Grid,
     own: (PartRun, Trace),
     nudged: (PartRun, Trace),
 }
@@ -160,7 +223,18 @@ impl Pair<'_> {
         parted_at(&self.own.1, &self.nudged.1, &self.part.error_scale(largest))
     }
 
-    /// The same, lengths measured by its own alone.
+    /// The error `e` of another run at samples before `until` [s]; infinite where it has less of them.
+    fn error(&self, run: &Trace, until: f64, largest: &Largest) -> f64 {
+        let (tight, scale) = (&self.own.1, self.part.error_scale(largest));
+        let n = tight.times.iter().take_while(|t| **t < until).count();
+        if run.states.len() < n {
+            return f64::INFINITY;
+        }
+        let pairs = run.states.iter().zip(&tight.states).take(n);
+        pairs.map(|(own, tight)| scale.error(own, tight)).fold(0.0, worse)
+    }
+
+    /// As [`lost_at`](Self::lost_at), lengths measured by its own alone.
     fn lost_by_itself(&self) -> Option<f64> {
         let mut largest = Largest::default();
         self.measure(&mut largest);
@@ -190,7 +264,7 @@ impl Pair<'_> {
 }
 
 /// The pair of the first method of a reference that comes to the end, or to where the runs part; else the last one.
-fn pair<'a>(part: &'a Part, span: Span, stop: &AtomicBool) -> Option<Pair<'a>> {
+fn pair<'a>(part: &'a Part, span: Span, threads: usize, stop: &AtomicBool) -> Option<Pair<'a>> {
     if span.reached <= 0.0 {
         return None;
     }
@@ -202,8 +276,9 @@ fn pair<'a>(part: &'a Part, span: Span, stop: &AtomicBool) -> Option<Pair<'a>> {
         let bound = Bound { setting: &setting, most: 0.5 * left, stop };
         let run =
             |start: &Start| part.run(&setting, *start, span.reached, &grid, &mut bound.clone());
-        let mut runs = in_parallel(&[Start::Exact, Start::Up], 2, run).into_iter();
-        let pair = Pair { part, own: runs.next()?, nudged: runs.next()? };
+        let mut runs = in_parallel(&[Start::Exact, Start::Up], threads, run).into_iter();
+        let (grid, own, nudged) = (grid.clone(), runs.next()?, runs.next()?);
+        let pair = Pair { part, grid, own, nudged };
         let is_settled = pair.is_whole() || pair.lost_by_itself().is_some();
         left -= bound.work(&pair.own.0.stats);
         last = Some(pair);

@@ -29,6 +29,7 @@ pub mod errors;
 pub mod forecast;
 pub mod horizon;
 pub mod json_number;
+mod kinds;
 pub mod map;
 pub mod measured;
 pub mod motion;

@@ -1,17 +1,22 @@
 //! A subject of a study: one problem, or several that share no term; each whatever its type.
 
+use std::any::{Any, TypeId};
 use std::fmt;
 use std::sync::Arc;
 
-use deltazero_solvers::{Grid, Trajectory};
+use deltazero_solvers::{Grid, Outcome, Record, Trajectory};
 
-use crate::brief::{Brief, BriefShape, brief, shape};
+use crate::brief::{Brief, BriefShape, briefs_of, shape};
 use crate::check::{ProblemError, check};
 use crate::errors::{ErrorScale, Largest};
+use crate::kinds::{by_kind, of_type};
 use crate::measured::{MeasuredPart, measure};
 use crate::problem::{EndName, Group, Problem, Quantity, nudged};
 use crate::reference::{Maker, PartReference, Path, ReferenceError, path};
-use crate::run::{Brake, Braked, Limits, ModeChange, PartRun, Setting, integrate};
+use crate::run::{
+    Brake, Braked, Limits, ModeChange, OwnRun, PartRun, Price, Setting, Took, integrate,
+    integrate_all, is_for_batches,
+};
 use crate::simulation::{Asked, Simulation, SiteMotion, motion_with_touches, simulate};
 use crate::steps::step_size::{Steps, steps};
 use crate::trace::Trace;
@@ -40,15 +45,25 @@ impl Start {
 
 /// The runs of a problem that a study makes.
 pub(crate) trait Runs: Send + Sync {
-    /// Samples on `grid` and events, timed.
-    fn run(
+    /// Its type.
+    fn kind(&self) -> TypeId;
+
+    /// Itself, to be asked for its type.
+    fn as_any(&self) -> &dyn Any;
+
+    /// Whether runs at `setting` of several of its type are computed at once.
+    fn runs_at_once(&self, setting: &Setting) -> bool;
+
+    /// Samples on `grid` and events, timed, of `all`, which are of its type.
+    fn traces(
         &self,
+        all: &[&dyn Runs],
         setting: &Setting,
         start: Start,
         t_end: f64,
         grid: &Grid,
-        brake: &mut dyn Brake,
-    ) -> (PartRun, Trace);
+        brakes: &mut [&mut dyn Brake],
+    ) -> Vec<(PartRun, Trace)>;
 
     /// All that a reference keeps.
     fn path(
@@ -88,25 +103,54 @@ pub(crate) trait Runs: Send + Sync {
     /// What a run in brief tells of.
     fn brief_shape(&self, audit: bool) -> BriefShape;
 
-    /// One run, of which no more than its end and some numbers are kept.
-    fn brief(&self, setting: &Setting, t_end: f64, audit: bool, brake: &mut dyn Brake) -> Brief;
+    /// Runs of `all`, which are of its type, of which no more than their ends and some numbers are kept.
+    fn briefs(
+        &self,
+        all: &[&dyn Runs],
+        setting: &Setting,
+        t_end: f64,
+        audit: bool,
+        brakes: &mut [&mut dyn Brake],
+    ) -> Vec<Brief>;
 
     /// Every step.
     fn steps(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> (PartRun, Steps);
 }
 
-impl<P: Problem> Runs for P {
-    fn run(
+impl<P: Problem + 'static> Runs for P {
+    fn kind(&self) -> TypeId {
+        TypeId::of::<P>()
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+
+    fn runs_at_once(&self, setting: &Setting) -> bool {
+        is_for_batches(setting) && Problem::runs_at_once(self)
+    }
+
+    fn traces(
         &self,
+        all: &[&dyn Runs],
         setting: &Setting,
         start: Start,
         t_end: f64,
         grid: &Grid,
-        brake: &mut dyn Brake,
-    ) -> (PartRun, Trace) {
-        let mut record = (Trajectory::on(grid.clone()), Braked(brake));
-        let run = integrate(self, setting, start.of(self), t_end, &mut record);
-        (run.plain(), Trace::of(self, &record.0))
+        brakes: &mut [&mut dyn Brake],
+    ) -> Vec<(PartRun, Trace)> {
+        let problems = of_type::<P>(all);
+        let begun: Vec<_> = problems.iter().map(|own| (*own, start.of(*own))).collect();
+        let mut records = Vec::new();
+        for brake in brakes {
+            records.push((Trajectory::on(grid.clone()), Braked(&mut **brake)));
+        }
+        let mut shown: Vec<&mut dyn Record<P>> = records.iter_mut().map(|own| own as _).collect();
+        let runs = integrate_all(&begun, setting, t_end, &mut shown);
+        let traced = |((own, run), (trajectory, _)): ((&&P, OwnRun<P>), &(_, _))| {
+            (run.plain(), Trace::of(*own, trajectory))
+        };
+        problems.iter().zip(runs).zip(&records).map(traced).collect()
     }
 
     fn path(
@@ -155,8 +199,15 @@ impl<P: Problem> Runs for P {
         shape(self, audit)
     }
 
-    fn brief(&self, setting: &Setting, t_end: f64, audit: bool, brake: &mut dyn Brake) -> Brief {
-        brief(self, setting, t_end, audit, brake)
+    fn briefs(
+        &self,
+        all: &[&dyn Runs],
+        setting: &Setting,
+        t_end: f64,
+        audit: bool,
+        brakes: &mut [&mut dyn Brake],
+    ) -> Vec<Brief> {
+        briefs_of(&of_type::<P>(all), setting, t_end, audit, brakes)
     }
 
     fn steps(&self, setting: &Setting, t_end: f64, brake: &mut dyn Brake) -> (PartRun, Steps) {
@@ -228,7 +279,9 @@ impl Part {
         grid: &Grid,
         brake: &mut dyn Brake,
     ) -> (PartRun, Trace) {
-        self.runs.run(setting, start, t_end, grid, brake)
+        let mut all = self.runs.traces(&[&*self.runs], setting, start, t_end, grid, &mut [brake]);
+        // Of one part there is one run.
+        all.remove(0)
     }
 
     /// The motion of its first site at `times`, with its contacts, of a run at `setting` to `t_end`.
@@ -247,21 +300,9 @@ impl Part {
         self.runs.simulate(asked, brake)
     }
 
-    /// What a run of it [in brief](Self::brief) tells of.
+    /// What a run of it [in brief](briefs) tells of.
     pub fn brief_shape(&self, audit: bool) -> BriefShape {
         self.runs.brief_shape(audit)
-    }
-
-    /// Runs it once at `setting` to `t_end`, and tells its end and some numbers alone: with an `audit` those of its
-    /// contacts and its energy too, which more than double its time.
-    pub fn brief(
-        &self,
-        setting: &Setting,
-        t_end: f64,
-        audit: bool,
-        brake: &mut dyn Brake,
-    ) -> Brief {
-        self.runs.brief(setting, t_end, audit, brake)
     }
 
     /// The scales of its errors, by these largest lengths.
@@ -302,6 +343,36 @@ impl Subject {
     /// In what its time is counted [s].
     pub fn unit_of_time(&self) -> f64 {
         self.parts.first().map_or(1.0, |part| part.unit_of_time)
+    }
+
+    /// How many of its parts are computed at once in a run at `setting`; one where they are run one after the other.
+    pub fn batch(&self, setting: &Setting) -> usize {
+        let of_kind = |part: &Part| {
+            let alike = |other: &&Part| other.runs.kind() == part.runs.kind();
+            self.parts.iter().filter(alike).count()
+        };
+        let at_once = self.parts.iter().filter(|part| part.runs.runs_at_once(setting));
+        at_once.map(of_kind).max().unwrap_or(1)
+    }
+
+    /// The time that a run of it takes, [at once](Self::batch) where that is offered; none where it is broken
+    /// off, which is no time. The limits are those of each part.
+    pub fn took(
+        &self,
+        setting: &Setting,
+        t_end: f64,
+        grid: &Grid,
+        limits: Limits<'_>,
+    ) -> Option<Took> {
+        let price = Price::of_setting(setting);
+        let mut watches: Vec<_> = self.parts.iter().map(|_| limits.watch(price)).collect();
+        let mut brakes: Vec<&mut dyn Brake> = watches.iter_mut().map(|own| own as _).collect();
+        let runs =
+            by_kind(&self.parts.iter().collect::<Vec<_>>(), &mut brakes, |first, all, brakes| {
+                first.traces(all, setting, Start::Exact, t_end, grid, brakes)
+            });
+        let is_whole = runs.iter().all(|(run, _)| run.outcome != Ok(Outcome::Interrupted));
+        is_whole.then(|| runs.iter().map(|(run, _)| run.took).sum())
     }
 
     /// Whether each of its parts has runs that read their mode off the state.

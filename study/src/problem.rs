@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use deltazero_solvers::{Error, Next, Outcome, Real, Record, Switch, System};
 use serde::{Deserialize, Serialize};
 
-use crate::run::{ModeChange, OwnRun, Setting, no_such_run};
+use crate::run::{Begun, ModeChange, OwnRun, Setting, no_such_run, one_by_one};
 
 /// States that a summary tells.
 const MOST_IN_BRIEF: usize = 8;
@@ -386,6 +386,25 @@ pub trait Problem: System<Mode: Send + Sync> + Send + Sync {
         Self: Sized,
     {
         no_such_run(self, y0, "this model has no blind run; use events = \"located\"")
+    }
+
+    /// Whether several of its kind are faster [at once](Self::integrate_at_once) than one after the other.
+    fn runs_at_once(&self) -> bool {
+        false
+    }
+
+    /// Runs of several of its kind with located events, each shown to the record of its place, with the bits that each
+    /// has alone. A model that is [`Alike`](deltazero_solvers::Alike) calls [`at_once`](crate::run::at_once).
+    fn integrate_at_once(
+        runs: &[Begun<'_, Self>],
+        setting: &Setting,
+        t_end: f64,
+        records: &mut [&mut dyn Record<Self>],
+    ) -> Vec<OwnRun<Self>>
+    where
+        Self: Sized,
+    {
+        one_by_one(runs, setting, t_end, records)
     }
 
     /// A run in extended precision at the relative tolerance `rtol`. A model that offers it calls

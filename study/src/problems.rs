@@ -6,7 +6,7 @@ use deltazero_solvers::problems::{
 use deltazero_solvers::{ModeOfState as _, Real, Record};
 
 use crate::problem::{Energy, Power, Problem, Quantity, Role, Touch};
-use crate::run::{OwnRun, Setting, blind, extended};
+use crate::run::{Begun, OwnRun, Setting, at_once, blind, extended};
 
 /// A position and its velocity.
 fn position_and_velocity(length: f64, speed: f64) -> Vec<Quantity> {
@@ -20,6 +20,19 @@ impl Problem for BouncingBall {
 
     fn states(&self) -> Vec<Quantity> {
         position_and_velocity(self.height, (2.0 * self.gravity * self.height).sqrt())
+    }
+
+    fn runs_at_once(&self) -> bool {
+        true
+    }
+
+    fn integrate_at_once(
+        runs: &[Begun<'_, Self>],
+        setting: &Setting,
+        t_end: f64,
+        records: &mut [&mut dyn Record<Self>],
+    ) -> Vec<OwnRun<Self>> {
+        at_once(runs, setting, t_end, records)
     }
 }
 

@@ -115,6 +115,13 @@ pub struct Setting {
     pub accuracy: Accuracy,
 }
 
+impl PartialEq for Setting {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { method, events, accuracy } = self;
+        (method.name, events, accuracy) == (other.method.name, &other.events, &other.accuracy)
+    }
+}
+
 impl fmt::Display for Setting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {}, {}", self.method.name, self.events, self.accuracy)

@@ -1,10 +1,6 @@
 //! One run with all that a user may ask of it: its motion site by site, contacts, energy, and what it tells of itself.
 
-use std::time::Duration;
-
-use deltazero_solvers::{
-    Error, Grid, Next, Outcome, Sample, Stats, Switch, Trajectory, WorkByKind,
-};
+use deltazero_solvers::{Error, Grid, Next, Sample, Stats, Switch, Trajectory, WorkByKind};
 
 use crate::account::Account;
 use crate::energy_balance::Balance;
@@ -14,9 +10,6 @@ use crate::run::{Brake, Braked, ModeChange, OwnRun, PartRun, Setting, integrate}
 use crate::stiffness::Stiffness;
 use crate::trace::OwnTrajectory;
 use crate::warning::Warning;
-
-/// A run beyond this is not repeated for its time: audit and progress are then part of it.
-const REPLAY: Duration = Duration::from_secs(5);
 
 /// What a run of one part is asked for.
 pub struct Asked<'a> {
@@ -110,8 +103,6 @@ pub struct Simulation {
     pub stopped: Option<usize>,
     /// The site that the error is about, where it is about one.
     pub failed_site: Option<usize>,
-    /// The time of the integration alone.
-    pub wall: Duration,
     /// What to know before trusting it.
     pub warnings: Vec<Warning>,
 }
@@ -135,7 +126,7 @@ pub(crate) fn simulate<P: Problem>(
     let audit = (account, Stiffness::new(problem, &told));
     let mut record =
         ((Trajectory::on(grid.clone()), audit), (Braked(brake), WorkByKind::new(phase)));
-    let run = integrate(problem, setting, y0.clone(), *t_end, &mut record);
+    let run = integrate(problem, setting, y0, *t_end, &mut record);
     let ((kept, (account, stiffness)), (_, work)) = record;
     let Account { balance, contacts } = account;
     let mut warnings = balance.check.warnings(setting.rtol());
@@ -143,10 +134,6 @@ pub(crate) fn simulate<P: Problem>(
         warning.message += problem.out_of_stiffness();
         warning
     }));
-    let alone = || {
-        let mut trajectory = Trajectory::on(grid.clone());
-        integrate(problem, setting, y0, *t_end, &mut trajectory).took.wall
-    };
     let sites = motions(problem, &kept, problem.n_sites());
     let on_surface = usize::from(problem.starts_on_surface());
     Simulation {
@@ -159,20 +146,9 @@ pub(crate) fn simulate<P: Problem>(
         end: problem.in_brief(&run.y),
         stopped: run.stopped_at().map(|_| stopped_site(problem, &kept)),
         failed_site: failed_site(problem, &run),
-        wall: wall(&run.outcome, run.took.wall, alone),
         warnings,
         run: run.plain(),
     }
-}
-
-/// The time of the integration alone: that of the same run without audit and progress, where it is short and was not
-/// broken off.
-fn wall(
-    outcome: &Result<Outcome, Error>,
-    wall: Duration,
-    alone: impl FnOnce() -> Duration,
-) -> Duration {
-    if *outcome == Ok(Outcome::Interrupted) || wall > REPLAY { wall } else { alone() }
 }
 
 fn at_floor<P: Problem>(problem: &P, event: &Switch<P::Mode>) -> bool {

@@ -12,11 +12,11 @@ use crate::forecast::Forecast;
 use crate::json_number;
 use crate::measured::{Errors, Measured};
 use crate::parallel::in_parallel;
-use crate::part::{Start, Subject};
+use crate::part::Subject;
 use crate::plan::Plan;
 use crate::quantile::quantile;
 use crate::reference::{Reference, ReferenceError, ReferenceSummary};
-use crate::run::{Accuracy, Events, Limits, Price, Setting, Took};
+use crate::run::{Accuracy, Events, Limits, Setting, Took};
 use crate::setting::Digits;
 use crate::warning::Warning;
 
@@ -118,6 +118,9 @@ pub struct Row {
     /// The same of the processor [s].
     #[serde(default)]
     pub cpus_s: Vec<f64>,
+    /// Parts that were computed at once when it was timed; one where they were run one after the other.
+    #[serde(default = "alone")]
+    pub batch: u64,
     /// Further errors.
     #[serde(flatten)]
     pub errors: Errors,
@@ -129,6 +132,11 @@ pub struct Row {
     pub warnings: Vec<Warning>,
     /// Why it failed, or what cut it.
     pub error: Option<String>,
+}
+
+/// What earlier versions, which do not say it, did.
+fn alone() -> u64 {
+    1
 }
 
 impl Row {
@@ -269,7 +277,8 @@ pub fn against(
             let start = Instant::now();
             let is_due = row.status == Status::Ok && row.walls_s.len() <= turn;
             let mut row = row.clone();
-            if let Some(took) = is_due.then(|| bench.took(setting)).flatten() {
+            let took = || bench.subject.took(setting, bench.t_end, &bench.grid, bench.limits);
+            if let Some(took) = is_due.then(took).flatten() {
                 row.take(took);
                 report(&row, progress);
             }
@@ -397,6 +406,7 @@ impl Bench<'_> {
             cpu_s_min: None,
             cpu_s_median: None,
             cpus_s: Vec::new(),
+            batch: subject.batch(setting) as u64,
             n_retaken: stats.n_retaken,
             n_factorisations: stats.work.n_factorisations,
             n_rhs_restart: stats.restart.n_rhs,
@@ -406,22 +416,6 @@ impl Bench<'_> {
             warnings: self.reference.summary.not_shared(measured.warnings),
             error,
         }
-    }
-
-    /// The time that the run takes once more; none where it is broken off, which is no time.
-    fn took(&self, setting: &Setting) -> Option<Took> {
-        let (mut left, price) = (self.limits, Price::of_setting(setting));
-        let mut took = Took::default();
-        for part in &self.subject.parts {
-            let mut watch = left.watch(price);
-            let (run, _) = part.run(setting, Start::Exact, self.t_end, &self.grid, &mut watch);
-            if run.outcome == Ok(Outcome::Interrupted) {
-                return None;
-            }
-            left = left.after(&run, price);
-            took = took + run.took;
-        }
-        Some(took)
     }
 }
 

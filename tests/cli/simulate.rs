@@ -135,6 +135,8 @@ fn the_summary_agrees_with_the_files() {
         assert!(run["energy"][name].is_f64(), "{name}");
     }
     assert!(run["wall_s"].as_f64().unwrap() > 0.0);
+    // Both joints at once.
+    assert_eq!(run["batch"], 2);
     assert!(run["version"].is_string());
     assert_eq!(run["config"]["run"]["t_end"], 0.15);
     assert_eq!(run["config"]["contact"]["stiffness"], 1e7);

@@ -26,7 +26,7 @@ pub(crate) fn record() -> String {
         let _ = writeln!(text, "- {what}: {}", first.unwrap_or_else(|| "not there".to_owned()));
     }
     text.push_str(
-        "- native: `-C target-cpu=native` and `-O3 -march=native`; plain: the release profile alone. \
+        "- native: `-C target-cpu=native` and `-O3 -march=native`; plain: `-C target-cpu=generic`. \
          Rust: thin LTO, one codegen unit.\n",
     );
     text

@@ -49,10 +49,10 @@ impl<'a> Limits<'a> {
         }
     }
 
-    /// A recorder that breaks off a run which begins now, whose work has this price.
+    /// A recorder that breaks off a run whose work has this price. Its time begins with its first step.
     pub fn watch(self, price: Price) -> Watch<'a> {
         let most_rhs = (self.max_rhs as f64 / price.rhs) as u64;
-        Watch { limits: self, price, most_rhs, clock: Clock::of(self.max_seconds), cut: None }
+        Watch { limits: self, price, most_rhs, clock: None, cut: None }
     }
 
     /// That one of them was reached, with its number.
@@ -163,12 +163,16 @@ impl<P: System> Record<P> for Braked<'_> {
         ControlFlow::Continue(())
     }
 
+    fn passed(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {
+        self.0.step(t, stats)
+    }
+
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
         self.0.rejected(stats)
     }
 
     fn needs(&self, _t0: f64, _t1: f64) -> Needs {
-        Needs::Ends
+        Needs::Nothing
     }
 }
 
@@ -179,12 +183,17 @@ pub struct Watch<'a> {
     price: Price,
     /// What the limit of work is in counted evaluations.
     most_rhs: u64,
-    clock: Clock,
+    /// None before the first step.
+    clock: Option<Clock>,
     /// The limit that it broke the run off at.
     pub cut: Option<Limit>,
 }
 
 impl Watch<'_> {
+    fn clock(&mut self) -> &Clock {
+        self.clock.get_or_insert_with(|| Clock::of(self.limits.max_seconds))
+    }
+
     fn judge(&mut self, is_too_much: bool, is_late: bool) -> ControlFlow<()> {
         if is_too_much {
             self.cut = Some(Limit::Work);
@@ -199,11 +208,13 @@ impl Watch<'_> {
 
 impl Brake for Watch<'_> {
     fn step(&mut self, _t: f64, stats: &Stats) -> ControlFlow<()> {
-        self.judge(stats.work.n_rhs > self.most_rhs, self.clock.is_over_after(stats))
+        let is_late = self.clock().is_over_after(stats);
+        self.judge(stats.work.n_rhs > self.most_rhs, is_late)
     }
 
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
         let is_too_much = self.price.of(stats) > self.limits.max_rhs as f64;
-        self.judge(is_too_much, self.clock.is_over())
+        let is_late = self.clock().is_over();
+        self.judge(is_too_much, is_late)
     }
 }

@@ -1,5 +1,6 @@
 //! One run of one problem at one setting, timed.
 
+mod at_once;
 mod limits;
 mod stopwatch;
 
@@ -13,6 +14,8 @@ use serde::{Deserialize, Serialize};
 use crate::problem::{Problem, scales};
 pub use crate::setting::{Accuracy, Events, Setting};
 
+pub(crate) use at_once::one_by_one;
+pub use at_once::{Begun, at_once, integrate_all, is_for_batches};
 pub use limits::{Brake, Braked, Clock, Limit, Limits, Price, SERIES, Watch};
 pub use stopwatch::{Stopwatch, Took};
 

@@ -1,8 +1,12 @@
 //! Where methods are compared: a subject, its time, and the reference that judges.
 
+use std::sync::atomic::AtomicBool;
+
+use deltazero_solvers::Grid;
+
 use crate::part::Subject;
 use crate::reference::{Reference, ReferenceError};
-use crate::run::Limits;
+use crate::run::{Limits, Setting, Took};
 
 /// A problem that is predictable for less than this is ill-posed \[[units of time](Subject::unit_of_time)\].
 const ILL_POSED_BELOW: f64 = 0.2;
@@ -74,6 +78,12 @@ impl Benchmark {
     /// The time that a run covers, its parts added [s].
     pub(super) fn whole(&self) -> f64 {
         self.t_end * self.subject.parts.len() as f64
+    }
+
+    /// The time that its run at `setting` takes; none where that is broken off.
+    pub fn took(&self, setting: &Setting, stop: &AtomicBool) -> Option<Took> {
+        let limits = Limits { max_seconds: self.max_seconds, ..Limits::none(stop) };
+        self.subject.took(setting, self.t_end, &Grid::Times(self.times.clone()), limits)
     }
 
     /// The reason why methods cannot be compared on it, where it is predictable for too short a time.

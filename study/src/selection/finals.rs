@@ -1,6 +1,5 @@
 //! The finals: those that need little work are timed in turns.
 
-use super::trial::{Start, Trial, TrialEnd};
 use super::{Contest, Entry, least};
 use crate::run::Setting;
 
@@ -32,10 +31,8 @@ pub(super) fn time(
             if !entry.timed || turn > 1 && is_far {
                 continue;
             }
-            let run =
-                Trial::new(contest.benchmark, setting, Start::Exact, f64::INFINITY, contest.stop);
-            if run.end == TrialEnd::Reached {
-                let [wall, cpu] = [run.took.wall, run.took.cpu].map(|time| time.as_secs_f64());
+            if let Some(took) = contest.benchmark.took(setting, contest.stop) {
+                let [wall, cpu] = [took.wall, took.cpu].map(|time| time.as_secs_f64());
                 entry.wall_s = entry.wall_s.min(wall);
                 entry.cpu_s = entry.cpu_s.map(|least| least.min(cpu));
                 own.push(cpu);

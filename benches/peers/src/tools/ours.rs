@@ -3,10 +3,11 @@
 
 use std::sync::atomic::AtomicBool;
 
+use deltazero::model::Block;
+use deltazero::run::{BlockTrajectory, Run, mode_changes};
+use deltazero_solvers::{Grid, METHODS, Method, Record, Stats};
+use deltazero_study::run::{Accuracy, Limits, Setting, integrate_all};
 use deltazero_study::setting::Events;
-use deltazero_study::run::{Accuracy, Limits, Setting};
-use deltazero::run::{BlockTrajectory, Run, integrate_at_once, mode_changes};
-use deltazero_solvers::{Grid, METHODS, Method, Stats};
 
 use crate::entry::{Entry, Handling, ladder};
 use crate::problem::{Problem, Track};
@@ -73,7 +74,9 @@ fn pair(problem: &Problem, setting: &Setting) -> Result<[Track; 2], deltazero_so
     let blocks = problem.mechanism.blocks();
     let mut trajectories = [0, 1].map(|_| BlockTrajectory::on(Grid::Times(problem.times.clone())));
     let starts: Vec<_> = blocks.iter().map(|block| (*block, block.initial_state())).collect();
-    let runs = integrate_at_once(&starts, setting, problem.t_end, &mut trajectories);
+    let mut records: Vec<&mut dyn Record<Block>> =
+        trajectories.iter_mut().map(|own| own as _).collect();
+    let runs = integrate_all(&starts, setting, problem.t_end, &mut records);
     for run in &runs {
         run.outcome.clone()?;
     }
