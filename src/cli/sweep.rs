@@ -19,6 +19,8 @@ use super::{Failure, ResultsTo, print, say, warn};
 const RECORD: &str = "sweep.json";
 /// All rows.
 const ROWS: &str = "runs.csv";
+/// The same by column.
+const BY_COLUMN: &str = "runs.parquet";
 /// Where each shard has its record.
 const SHARDS: &str = "shards";
 /// Times that chunks found altered are made again.
@@ -47,6 +49,9 @@ pub(super) struct SweepArgs {
     /// Make runs.csv of the parts, and no run
     #[arg(long, conflicts_with = "force")]
     merge: bool,
+    /// Write runs.parquet too: the same rows by column, with types
+    #[arg(long, conflicts_with = "shard")]
+    parquet: bool,
     /// Exit 1 if a run failed
     #[arg(long)]
     strict: bool,
@@ -133,7 +138,7 @@ pub(super) fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
         if known.is_none() && output.read(RECORD).is_some() {
             chunks.clear()?;
         }
-        chunks.sweep_up(&[ROWS, RECORD]);
+        chunks.sweep_up(&[ROWS, BY_COLUMN, RECORD]);
     }
     let wall_before = known.as_ref().and_then(|known| known["wall_s"].as_f64()).unwrap_or(0.0);
     let start = Instant::now();
@@ -330,6 +335,9 @@ impl Command<'_> {
     }
 
     fn tell(&self, record: &Value) -> Result<(), Failure> {
+        if self.args.parquet {
+            self.sweep.write_parquet(&self.dir.join(ROWS), &self.dir.join(BY_COLUMN))?;
+        }
         let failed = record["failed"].as_u64().unwrap_or(0);
         if self.args.to.json {
             print(&format!("{record:#}\n"))?;
@@ -342,7 +350,8 @@ impl Command<'_> {
             }
             print(&text)?;
         }
-        self.say(&format!("written to {}: {ROWS}, {RECORD}", self.output.path()));
+        let also = if self.args.parquet { format!("{BY_COLUMN}, ") } else { String::new() };
+        self.say(&format!("written to {}: {ROWS}, {also}{RECORD}", self.output.path()));
         self.strict(failed)
     }
 

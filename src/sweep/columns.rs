@@ -4,6 +4,7 @@ use deltazero_solvers::{Outcome, Stats};
 use deltazero_study::brief::{Brief, BriefShape, SiteBrief};
 use deltazero_study::energy_balance::Balance;
 use deltazero_study::errors::contact_summary::ContactSummary;
+use deltazero_study::horizon::{Estimate, Horizon};
 use deltazero_study::{Part, Subject};
 
 use crate::report::simulation::header_of;
@@ -19,73 +20,108 @@ pub(super) enum Cell {
     Text(String),
 }
 
-/// The name of a column with the unit of its numbers, empty for none.
+/// What all cells of a column are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum CellKind {
+    /// Numbers.
+    Number,
+    /// Whole numbers.
+    Count,
+    /// Words.
+    Text,
+}
+
+/// The name of a column with the unit of its numbers, empty for none, and what its cells are.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Head {
     pub(super) name: String,
     pub(super) unit: String,
+    pub(super) kind: CellKind,
 }
 
 impl Head {
-    fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self { name: name.into(), unit: unit.into() }
+    fn new(name: impl Into<String>, unit: impl Into<String>, kind: CellKind) -> Self {
+        Self { name: name.into(), unit: unit.into(), kind }
+    }
+
+    fn number(name: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self::new(name, unit, CellKind::Number)
+    }
+
+    fn count(name: impl Into<String>) -> Self {
+        Self::new(name, "", CellKind::Count)
+    }
+
+    pub(super) fn text(name: impl Into<String>) -> Self {
+        Self::new(name, "", CellKind::Text)
     }
 }
 
-/// A column with its name and unit, and what it has of a `T`.
+/// What a column has of a `T`.
+enum Of<T> {
+    Number(fn(&T) -> Option<f64>),
+    Count(fn(&T) -> u64),
+}
+
+/// A column with its name and unit.
 struct Column<T> {
     name: &'static str,
     unit: &'static str,
-    of: fn(&T) -> Cell,
+    of: Of<T>,
 }
 
 /// The columns of the contacts of a site, or of all.
 const CONTACTS: [Column<ContactSummary>; 5] = [
-    Column { name: "n_contacts", unit: "", of: |contacts| Cell::Count(contacts.n as u64) },
-    Column { name: "peak_force_n", unit: "N", of: |contacts| Cell::Number(contacts.peak_force_n) },
-    Column { name: "deepest_m", unit: "m", of: |contacts| Cell::Number(contacts.deepest_m) },
+    Column { name: "n_contacts", unit: "", of: Of::Count(|contacts| contacts.n as u64) },
+    Column { name: "peak_force_n", unit: "N", of: Of::Number(|contacts| contacts.peak_force_n) },
+    Column { name: "deepest_m", unit: "m", of: Of::Number(|contacts| contacts.deepest_m) },
     Column {
         name: "largest_impact_speed_m_s",
         unit: "m/s",
-        of: |contacts| Cell::Number(contacts.largest_impact_speed_m_s),
+        of: Of::Number(|contacts| contacts.largest_impact_speed_m_s),
     },
     Column {
         name: "impulse_n_s",
         unit: "N s",
-        of: |contacts| Cell::Number(Some(contacts.impulse_n_s)),
+        of: Of::Number(|contacts| Some(contacts.impulse_n_s)),
     },
 ];
 
 /// The columns of energy.
 const ENERGY: [Column<Balance>; 3] = [
-    Column { name: "work_j", unit: "J", of: |balance| Cell::Number(Some(balance.work)) },
-    Column {
-        name: "dissipated_j",
-        unit: "J",
-        of: |balance| Cell::Number(Some(balance.dissipated)),
-    },
+    Column { name: "work_j", unit: "J", of: Of::Number(|balance| Some(balance.work)) },
+    Column { name: "dissipated_j", unit: "J", of: Of::Number(|balance| Some(balance.dissipated)) },
     Column {
         name: "energy_residual_j",
         unit: "J",
-        of: |balance| Cell::Number(Some(balance.residual)),
+        of: Of::Number(|balance| Some(balance.residual)),
     },
 ];
 
 /// The columns of work.
 const WORK: [Column<Stats>; 3] = [
-    Column { name: "n_rhs", unit: "", of: |stats| Cell::Count(stats.work.n_rhs) },
-    Column { name: "n_accepted", unit: "", of: |stats| Cell::Count(stats.n_accepted) },
-    Column { name: "n_rejected", unit: "", of: |stats| Cell::Count(stats.n_rejected) },
+    Column { name: "n_rhs", unit: "", of: Of::Count(|stats| stats.work.n_rhs) },
+    Column { name: "n_accepted", unit: "", of: Of::Count(|stats| stats.n_accepted) },
+    Column { name: "n_rejected", unit: "", of: Of::Count(|stats| stats.n_rejected) },
 ];
 
 /// The heads of columns, each name after `prefix`.
 fn headed<T>(prefix: &str, columns: &[Column<T>]) -> impl Iterator<Item = Head> {
-    columns.iter().map(move |column| Head::new(format!("{prefix}{}", column.name), column.unit))
+    columns.iter().map(move |column| {
+        let kind = match column.of {
+            Of::Number(_) => CellKind::Number,
+            Of::Count(_) => CellKind::Count,
+        };
+        Head::new(format!("{prefix}{}", column.name), column.unit, kind)
+    })
 }
 
 /// What columns have of `told`.
 fn told<T>(columns: &[Column<T>], told: &T) -> impl Iterator<Item = Cell> {
-    columns.iter().map(move |column| (column.of)(told))
+    columns.iter().map(move |column| match column.of {
+        Of::Number(of) => Cell::Number(of(told)),
+        Of::Count(of) => Cell::Count(of(told)),
+    })
 }
 
 /// A subject with what its runs tell of.
@@ -106,30 +142,30 @@ impl Shape {
 
     /// The heads of the columns, in the order of [`cells`].
     pub(super) fn heads(&self) -> Vec<Head> {
-        let mut heads = vec![Head::new("outcome", "")];
+        let mut heads = vec![Head::text("outcome")];
         for (prefixes, shape) in &self.parts {
             for (prefix, columns) in prefixes.iter().zip(&shape.columns) {
-                let own = [("t_s", "s"), ("mode", "")];
-                heads.extend(own.map(|(name, unit)| Head::new(format!("{prefix}{name}"), unit)));
-                let head = |column| format!("{prefix}{}", header_of(column));
-                heads.extend(columns.iter().map(|own| Head::new(head(own), own.unit.as_ref())));
+                heads.push(Head::number(format!("{prefix}t_s"), "s"));
+                heads.push(Head::text(format!("{prefix}mode")));
+                let name = |column| format!("{prefix}{}", header_of(column));
+                heads.extend(columns.iter().map(|own| Head::number(name(own), own.unit.as_ref())));
             }
         }
         if self.n_sites() > 1 {
             for (prefixes, shape) in &self.parts {
                 for prefix in prefixes {
-                    heads.push(Head::new(format!("{prefix}n_events"), ""));
+                    heads.push(Head::count(format!("{prefix}n_events")));
                     heads.extend(headed(prefix, &CONTACTS).filter(|_| shape.has_contacts));
                 }
             }
         }
         let has_contacts = self.parts.iter().any(|(_, shape)| shape.has_contacts);
         let has_energy = self.parts.iter().any(|(_, shape)| shape.has_energy);
-        heads.push(Head::new("n_events", ""));
+        heads.push(Head::count("n_events"));
         heads.extend(headed("", &CONTACTS).filter(|_| has_contacts));
         heads.extend(headed("", &ENERGY).filter(|_| has_energy));
         heads.extend(headed("", &WORK));
-        heads.push(Head::new("warnings", ""));
+        heads.push(Head::text("warnings"));
         distinct(&mut heads);
         heads
     }
@@ -189,6 +225,24 @@ pub(super) fn cells(parts: &[(Part, Brief)], cells: &mut Vec<Cell>) {
     cells.push(Cell::Text(warnings(parts)));
 }
 
+/// The heads of what an [estimate](estimated) tells.
+pub(super) fn heads_of_estimate() -> [Head; 3] {
+    [Head::number("horizon_s", "s"), Head::number("estimated_e", ""), Head::text("events_right")]
+}
+
+/// What tight runs tell of a run to `t_end`; all empty where there are none.
+pub(super) fn estimated(estimate: Option<Estimate>, t_end: f64, cells: &mut Vec<Cell>) {
+    let horizon = estimate.and_then(|own| match own.horizon {
+        Horizon::WholeRun => Some(t_end),
+        Horizon::LostAt(t) => Some(t),
+        Horizon::NotMeasured => None,
+    });
+    let word = |is_right| if is_right { "yes" } else { "no" }.to_owned();
+    cells.push(Cell::Number(horizon));
+    cells.push(Cell::Number(estimate.and_then(|own| own.e)));
+    cells.push(Cell::Text(estimate.and_then(|own| own.has_events).map_or_else(String::new, word)));
+}
+
 /// The contacts of two sites in the same few numbers.
 fn together(a: ContactSummary, b: ContactSummary) -> ContactSummary {
     let of = |which: fn(f64, f64) -> f64, a: Option<f64>, b: Option<f64>| {
@@ -240,7 +294,7 @@ mod tests {
 
     #[test]
     fn names_that_stand_twice_are_numbered() {
-        let mut heads = ["a", "b", "a", "a"].map(|name| Head::new(name, ""));
+        let mut heads = ["a", "b", "a", "a"].map(Head::text);
         distinct(&mut heads);
         assert_eq!(heads.map(|head| head.name), ["a", "b", "a_2", "a_3"]);
     }

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use serde_json::Value;
 
 use super::SweepError;
-use super::columns::{Head, Shape};
+use super::columns::{Head, Shape, heads_of_estimate};
 use super::plan::{Axis, Plan, Values};
 use crate::config::{ConfigError, Kind, Variants, Varied};
 
@@ -170,7 +170,11 @@ fn heads(plan: &Plan, indices: &[u64], variants: &mut Variants) -> Result<Vec<He
     let drawn = drawn.map(|draw| Value::from(draw.law.at(0.5)));
     let values: Vec<Value> = axes.chain(drawn).collect();
     let config = variants.set(&values)?;
-    Ok(Shape::of(&config.mechanism.subject(config), plan.audit).heads())
+    let mut heads = Shape::of(&config.mechanism.subject(config), plan.audit).heads();
+    if plan.check > 0.0 {
+        heads.extend(heads_of_estimate());
+    }
+    Ok(heads)
 }
 
 /// Adds those of `own` that are not in `all`, each behind what stands before it in `own`.
@@ -194,7 +198,7 @@ mod tests {
     #[test]
     fn columns_of_several_shapes_come_in_the_order_of_each() {
         let mut all = Vec::new();
-        let head = |name: &&str| Head { name: (*name).to_owned(), unit: String::new() };
+        let head = |name: &&str| Head::text(*name);
         let own = |names: &[&str]| names.iter().map(head).collect::<Vec<_>>();
         merge(&mut all, &own(&["t", "x", "n"]));
         merge(&mut all, &own(&["t", "x", "z", "n", "w"]));

@@ -9,14 +9,16 @@
 //! | `read`, `keys`, `table` | a plan's file, every complaint with its place |
 //! | [`plan`], [`draw`], [`saltelli`] | the values of a run, from its number alone |
 //! | `columns`, `layout` | what a run tells, and which columns the runs of a plan have |
-//! | `runner` | one run and its row |
+//! | `runner`, `course` | some runs together: their rows, and the runs with parts of a kind at once |
 //! | [`chunks`], [`whole`] | rows on disk, with their checksums |
 //! | `work`, `join` | chunks over threads; `runs.csv` of all of them |
+//! | `parquet_file` | the same rows by column, with types |
 //! | [`results`] | the columns of a finished sweep, as they are asked for |
 //! | [`sensitivity`], [`sobol`] | Sobol indices from samples, and of a column at each grid point |
 
 pub mod chunks;
 mod columns;
+mod course;
 mod csv;
 pub mod draw;
 mod error;
@@ -24,6 +26,7 @@ mod join;
 mod keys;
 mod layout;
 mod normal;
+mod parquet_file;
 pub mod plan;
 mod read;
 pub mod results;
@@ -38,11 +41,13 @@ mod tests;
 pub mod whole;
 mod work;
 
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::config::{Config, MODEL_TABLES, Variants};
+use crate::config::{Config, Kind, MODEL_TABLES, Variants, Varied};
 use crate::report::field;
 
 pub use error::SweepError;
@@ -51,6 +56,7 @@ pub use read::Over;
 pub use runner::Runner;
 pub use work::{Made, Work, work};
 
+use columns::CellKind;
 use layout::Layout;
 use plan::Plan;
 
@@ -117,6 +123,31 @@ impl Sweep {
         let keys = self.variants.varied().iter().map(|varied| varied.unit.clone());
         let units = [String::new()].into_iter().chain(keys).chain([String::new()]);
         units.chain(self.layout.heads.iter().map(|head| head.unit.clone())).collect()
+    }
+
+    /// What the columns have.
+    fn kinds(&self) -> Vec<CellKind> {
+        let of_key = |varied: &Varied| match varied.kind {
+            Kind::Number(_) => CellKind::Number,
+            Kind::Integer(..) => CellKind::Count,
+            _ => CellKind::Text,
+        };
+        let keys = self.variants.varied().iter().map(of_key);
+        let kinds = [CellKind::Count].into_iter().chain(keys).chain([CellKind::Text]);
+        kinds.chain(self.layout.heads.iter().map(|head| head.kind)).collect()
+    }
+
+    /// Writes the rows of `csv`, which is `runs.csv`, to the Parquet file `path`.
+    ///
+    /// # Errors
+    /// Those of the file system, and a row that is not one of this sweep.
+    pub fn write_parquet(&self, csv: &Path, path: &Path) -> Result<(), SweepError> {
+        let mut metadata = self.identity();
+        metadata["units"] = self.columns().into_iter().zip(self.units()).collect();
+        let read = |source| SweepError::File { path: csv.to_owned(), doing: "read", source };
+        let rows = BufReader::new(File::open(csv).map_err(read)?);
+        let written = parquet_file::write(rows, &self.kinds(), metadata.to_string(), path);
+        written.map_err(|source| SweepError::File { path: path.to_owned(), doing: "write", source })
     }
 
     /// The first line of `runs.csv`.

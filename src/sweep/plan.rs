@@ -21,6 +21,9 @@ pub struct Plan {
     /// Whether runs tell of contacts and energy.
     #[serde(default = "audited")]
     pub audit: bool,
+    /// Part of the runs whose error is estimated, from zero to one.
+    #[serde(default)]
+    pub check: f64,
 }
 
 /// What the plans of earlier builds, which do not say it, had.
@@ -143,6 +146,12 @@ pub struct Draw {
 }
 
 impl Plan {
+    /// Whether the error of a run is estimated: of evenly many of any runs in a row.
+    pub fn is_checked(&self, run: u64) -> bool {
+        let before = |n: u64| libm::floor(self.check * n as f64);
+        before(run + 1) > before(run)
+    }
+
     /// The keys that it sets, in the order of their columns.
     pub fn keys(&self) -> Vec<&str> {
         let axes = self.axes.iter().map(|axis| axis.key.as_str());

@@ -19,7 +19,7 @@ const MOST_IN_CHUNK: u64 = 1_000_000;
 const CHUNK: u64 = 1000;
 const CHUNKS_OF_A_SMALL_PLAN: u64 = 64;
 
-const ROOT: [&str; 6] = ["config", "model", "axis", "random", "chunk", "audit"];
+const ROOT: [&str; 7] = ["config", "model", "axis", "random", "chunk", "audit", "check"];
 const AXIS: [&str; 5] = ["key", "values", "linear", "log", "points"];
 const RANDOM: [&str; 4] = ["samples", "seed", "sampling", "key"];
 const DRAW: [&str; 4] = ["key", "uniform", "log_uniform", "normal"];
@@ -78,7 +78,8 @@ pub(super) fn plan(path: &Path, over: &Over<'_>) -> Result<Read, SweepError> {
     let random = random.as_ref().map(|table| self::random(table, draws)).transpose()?;
     let chunk = root.whole("chunk", 1, MOST_IN_CHUNK)?;
     let audit = root.truth("audit")?.unwrap_or(true);
-    let mut plan = Plan { axes: own, random, chunk: 0, audit };
+    let check = root.part("check")?.unwrap_or(0.0);
+    let mut plan = Plan { axes: own, random, chunk: 0, audit, check };
     let n_runs = plan.n_runs().filter(|n| *n <= MOST_RUNS);
     let n_runs = n_runs
         .ok_or_else(|| SweepError::TooManyRuns { file: file.clone(), most: MOST_RUNS as f64 })?;

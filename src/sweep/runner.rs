@@ -1,92 +1,121 @@
-//! One run after the other: its configuration, the run, its row.
+//! Some runs of a sweep together: their configurations, and the rows of what became of them.
 
 use std::fmt::Write as _;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::AtomicBool;
-use std::time::Duration;
+use std::ops::Range;
+use std::time::{Duration, Instant};
 
-use deltazero_solvers::Outcome;
-use deltazero_study::Part;
-use deltazero_study::brief::Brief;
-use deltazero_study::run::{Limit, Limits, Price};
 use serde_json::Value;
 
 use super::Sweep;
-use super::columns::{Cell, cells};
-use crate::config::{Config, Variants};
+use super::columns::{Cell, cells, estimated};
+use super::course::{Course, make};
+use crate::config::Variants;
 use crate::report::{exact, field};
-use crate::run::setting;
 
 /// The status of a run that came to its end.
 pub(super) const OK: &str = "ok";
 
-/// Runs are let end; what ends a sweep waits for them.
-static NEVER: AtomicBool = AtomicBool::new(false);
+/// Most runs that are made together: several for each lane, so that few lanes wait for the last ones.
+const MOST_TOGETHER: u64 = 64;
+/// Time that runs made together may take, so that a stop is soon obeyed and progress seen.
+const TOGETHER: Duration = Duration::from_millis(200);
 
 /// Makes runs of a sweep, on one thread.
 pub struct Runner<'a> {
     sweep: &'a Sweep,
     variants: Variants,
-    indices: Vec<u64>,
-    values: Vec<Value>,
     cells: Vec<Cell>,
+    /// Runs that are made together next.
+    n_together: u64,
     /// Time that the integrations took so far.
     pub took: Duration,
+}
+
+/// A run that is begun: its number, its values, and its course or why there is none.
+struct Begun {
+    run: u64,
+    indices: Vec<u64>,
+    values: Vec<Value>,
+    course: Result<Course, String>,
 }
 
 impl<'a> Runner<'a> {
     pub(super) fn new(sweep: &'a Sweep) -> Self {
         let variants = sweep.variants.clone();
-        let (indices, values, cells) = Default::default();
-        Self { sweep, variants, indices, values, cells, took: Duration::ZERO }
+        Self { sweep, variants, cells: Vec::new(), n_together: 1, took: Duration::ZERO }
     }
 
-    /// Makes the run number `run` and adds its row to `rows`; whether it came to its end.
-    pub fn row(&mut self, run: u64, rows: &mut String) -> bool {
-        let Self { sweep, .. } = *self;
-        sweep.plan.indices(run, &mut self.indices);
-        sweep.plan.values(run, &self.indices, &mut self.values);
+    /// Makes the first few of `runs`, as many as take little time together, and adds their rows to `rows`. Returns of
+    /// each whether it came to its end.
+    pub fn some(&mut self, runs: Range<u64>, rows: &mut String) -> Vec<bool> {
+        let start = Instant::now();
+        let n = self.n_together.min(runs.end - runs.start);
+        let mut begun: Vec<_> = runs.clone().take(n as usize).map(|run| self.begin(run)).collect();
+        let mut courses: Vec<_> =
+            begun.iter_mut().filter_map(|own| own.course.as_mut().ok()).collect();
+        make(&mut courses, self.sweep.plan.audit);
+        for own in begun.iter_mut().filter(|own| self.sweep.plan.is_checked(own.run)) {
+            if let Ok(course) = &mut own.course {
+                course.check();
+            }
+        }
+        let ends = begun.into_iter().map(|own| self.write(own, rows)).collect();
+        let each = start.elapsed().as_secs_f64() / n as f64;
+        self.n_together = ((TOGETHER.as_secs_f64() / each) as u64).clamp(1, MOST_TOGETHER);
+        ends
+    }
+
+    fn begin(&mut self, run: u64) -> Begun {
+        let (mut indices, mut values) = Default::default();
+        self.sweep.plan.indices(run, &mut indices);
+        self.sweep.plan.values(run, &indices, &mut values);
+        let config = self.variants.set(&values).map_err(|error| error.to_string());
+        Begun { run, indices, values, course: config.and_then(Course::new) }
+    }
+
+    /// Adds the row of a run that was made; whether it came to its end.
+    fn write(&mut self, begun: Begun, rows: &mut String) -> bool {
+        let Begun { run, indices, values, course } = begun;
         let _ = write!(rows, "{run}");
-        for value in &self.values {
+        for value in &values {
             rows.push(',');
             write_value(rows, value);
         }
-        let ran = catch_unwind(AssertUnwindSafe(|| self.run()));
-        let status = ran.unwrap_or_else(|panic| {
-            self.cells.clear();
-            let text = panic.downcast_ref::<String>().map(String::as_str);
-            let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-            Err(format!("panic, a mistake in this program: {}", text.unwrap_or("no message")))
-        });
+        let status = self.fill(&indices, course);
         rows.push(',');
         match &status {
             Ok(()) => rows.push_str(OK),
             Err(error) => rows.push_str(&field(&in_a_line(error))),
         }
-        self.write_cells(rows);
+        self.write_cells(&indices, rows);
         rows.push('\n');
         status.is_ok()
     }
 
-    /// Makes the run and fills the cells; why it did not come to its end.
-    fn run(&mut self) -> Result<(), String> {
+    /// Fills the cells with what a run tells; why it did not come to its end.
+    fn fill(&mut self, indices: &[u64], course: Result<Course, String>) -> Result<(), String> {
         self.cells.clear();
-        let config = self.variants.set(&self.values).map_err(|error| error.to_string())?;
-        let (parts, status) = brief(config, self.sweep.plan.audit)?;
-        self.took += parts.iter().map(|(_, brief)| brief.run.took.cpu).sum::<Duration>();
-        cells(&parts, &mut self.cells);
-        let expected = self.sweep.layout.n_cells(&self.sweep.plan, &self.indices);
+        let course = course?;
+        if course.made.is_empty() {
+            return course.status;
+        }
+        self.took += course.made.iter().map(|(_, brief)| brief.run.took.cpu).sum::<Duration>();
+        cells(&course.made, &mut self.cells);
+        if self.sweep.plan.check > 0.0 {
+            estimated(course.estimate, course.reached(), &mut self.cells);
+        }
+        let expected = self.sweep.layout.n_cells(&self.sweep.plan, indices);
         if expected != Some(self.cells.len()) {
             self.cells.clear();
             return Err(
                 "it tells of other columns than the plan; make a plan of it alone".to_owned()
             );
         }
-        status
+        course.status
     }
 
-    fn write_cells(&self, rows: &mut String) {
-        let places = self.sweep.layout.cells(&self.sweep.plan, &self.indices);
+    fn write_cells(&self, indices: &[u64], rows: &mut String) {
+        let places = self.sweep.layout.cells(&self.sweep.plan, indices);
         for column in 0..self.sweep.layout.heads.len() {
             rows.push(',');
             let place = places.and_then(|places| places[column]);
@@ -97,46 +126,6 @@ impl<'a> Runner<'a> {
                 Some(Cell::Text(text)) => rows.push_str(&field(text)),
             }
         }
-    }
-}
-
-/// A run: its parts, and why it did not come to its end, if it did not.
-type Ran = (Vec<(Part, Brief)>, Result<(), String>);
-
-/// What became of each part of a configuration; or why there is no run.
-fn brief(config: &Config, audit: bool) -> Result<Ran, String> {
-    let setting = setting(config).ok_or_else(|| format!("no method {}", config.solver.method))?;
-    let (max_rhs, max_seconds) = (config.study.max_rhs, config.study.max_seconds);
-    let whole = Limits { max_rhs, max_seconds, stop: &NEVER };
-    let (mut left, price) = (whole, Price::of_setting(&setting));
-    let mut status = Ok(());
-    let mut parts = Vec::new();
-    for part in config.mechanism.subject(config).parts {
-        let mut watch = left.watch(price);
-        let brief = part.brief(&setting, config.run.t_end, audit, &mut watch);
-        left = left.after(&brief.run, price);
-        let of_part = status_of(&part, &brief, watch.cut, whole);
-        status = status.and(of_part);
-        parts.push((part, brief));
-    }
-    Ok((parts, status))
-}
-
-/// Why a part did not come to its end.
-fn status_of(
-    part: &Part,
-    brief: &Brief,
-    cut: Option<Limit>,
-    limits: Limits<'_>,
-) -> Result<(), String> {
-    let name = if part.name.is_empty() { String::new() } else { format!("{}: ", part.name) };
-    match (&brief.run.outcome, cut) {
-        (Err(error), _) => Err(format!("{name}{error}")),
-        (Ok(Outcome::Interrupted), Some(limit)) => {
-            Err(format!("{name}cut at t = {:e} s: {}", brief.run.t, limits.told(limit)))
-        }
-        (Ok(Outcome::Interrupted), None) => Err(format!("{name}interrupted")),
-        (Ok(_), _) => Ok(()),
     }
 }
 

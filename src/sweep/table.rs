@@ -74,6 +74,18 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// The number from zero to one that `key` is given as.
+    ///
+    /// # Errors
+    /// Anything else.
+    pub(super) fn part(&self, key: &str) -> Result<Option<f64>, SweepError> {
+        let Some(given) = self.get(key) else { return Ok(None) };
+        match given.number() {
+            Some(x) if (0.0..=1.0).contains(&x) => Ok(Some(x)),
+            _ => Err(refused(key, given, "a part of the runs is wanted, from 0 to 1")),
+        }
+    }
+
     /// The whole number that `key` is given as, from `low` to `high`.
     ///
     /// # Errors

@@ -19,7 +19,7 @@ static NEXT: AtomicU64 = AtomicU64::new(0);
 /// Those of the file system; the unfinished file is then removed.
 pub fn write_by(
     path: &Path,
-    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    content: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
 ) -> io::Result<()> {
     if let Some(dir) = path.parent() {
         fs::create_dir_all(dir)?;

@@ -89,14 +89,12 @@ fn make(
     (work.made)(Made::Known(rows.n));
     let (mut n_written, mut written) = (rows.n, Instant::now());
     let runs = work.chunks.runs(chunk);
-    for run in runs.start + rows.n..runs.end {
-        if is_over() {
-            break;
+    while runs.start + rows.n < runs.end && !is_over() {
+        for is_ok in runner.some(runs.start + rows.n..runs.end, &mut rows.text) {
+            rows.n += 1;
+            rows.failed += u64::from(!is_ok);
+            (work.made)(Made::Run(is_ok));
         }
-        let is_ok = runner.row(run, &mut rows.text);
-        rows.n += 1;
-        rows.failed += u64::from(!is_ok);
-        (work.made)(Made::Run(is_ok));
         if written.elapsed() >= PAUSE && runs.start + rows.n < runs.end {
             work.chunks.write_begun(chunk, &rows)?;
             (n_written, written) = (rows.n, Instant::now());

@@ -5,6 +5,9 @@ use std::path::PathBuf;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use parquet::file::reader::{FileReader as _, SerializedFileReader};
+use parquet::record::RowAccessor as _;
+
 use crate::Scratch;
 use crate::interrupt::Running;
 
@@ -78,6 +81,34 @@ fn rows_are_the_same_for_one_thread_two_threads_and_seven_shards_in_any_order() 
     let again = scratch.succeed(&["sweep", "plan.toml", "--out", "one"]);
     assert!(again.stdout.starts_with("600 runs: 600 ok, 0 failed"), "{}", again.stdout);
     assert_eq!(fs::metadata(scratch.path("one/runs.csv")).unwrap().modified().unwrap(), before);
+}
+
+#[test]
+fn a_finished_sweep_gives_its_rows_by_column_too() {
+    let scratch = Scratch::with_plan(0.02);
+    scratch.sweep("out", &[]);
+    let ran = scratch.succeed(&["sweep", "plan.toml", "--out", "out", "--parquet"]);
+    assert!(ran.stderr.contains("runs.csv, runs.parquet, sweep.json"), "{}", ran.stderr);
+    let file = fs::File::open(scratch.path("out/runs.parquet")).unwrap();
+    let reader = SerializedFileReader::new(file).unwrap();
+    let text = fs::read_to_string(scratch.path("out/runs.csv")).unwrap();
+    let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+    let at = |name: &str| header.iter().position(|column| *column == name).unwrap();
+    for (row, line) in reader.get_row_iter(None).unwrap().zip(text.lines().skip(1)) {
+        let (row, fields): (_, Vec<&str>) = (row.unwrap(), line.split(',').collect());
+        assert_eq!(row.get_long(0).unwrap().to_string(), fields[0]);
+        let column = at("friction.coefficient");
+        assert_eq!(row.get_double(column).unwrap(), fields[column].parse::<f64>().unwrap());
+        let column = at("n_events");
+        assert_eq!(row.get_long(column).unwrap().to_string(), fields[column]);
+        assert_eq!(row.get_string(at("status")).unwrap(), "ok");
+    }
+    let metadata = reader.metadata().file_metadata();
+    assert_eq!(metadata.num_rows(), 600);
+    let of_sweep = metadata.key_value_metadata().unwrap()[0].value.as_ref().unwrap();
+    let of_sweep: serde_json::Value = serde_json::from_str(of_sweep).unwrap();
+    assert_eq!(of_sweep["units"]["peak_force_n"], "N");
+    assert_eq!(of_sweep["plan"]["axes"][0]["key"], "contact.stiffness");
 }
 
 #[test]
