@@ -1,5 +1,6 @@
-// Boost.Numeric.Odeint: dopri5 with dense output, and Fehlberg 7(8) stopped at the samples. Naive: it
-// has no events. One absolute tolerance for all states: rtol times the clearance.
+// Boost.Numeric.Odeint: both joints as one system of twelve states, by dopri5 with dense output and by
+// Fehlberg 7(8) stopped at the samples. Naive: it has no events. One absolute tolerance for all states:
+// rtol times the clearance.
 #include <boost/numeric/odeint.hpp>
 #include <boost/version.hpp>
 
@@ -7,48 +8,69 @@
 
 namespace ode = boost::numeric::odeint;
 
+using Pair = std::array<double, 12>;
+
 struct Rhs {
-    const Joint& joint;
-    Track& track;
-    void operator()(const State& y, State& dydt, double) const {
-        if (++track.n_rhs > MAX_RHS) throw std::runtime_error("too many right-hand sides");
-        joint.naive(y, dydt);
+    Both& both;
+    void operator()(const Pair& y, Pair& dydt, double) const {
+        for (int j = 0; j < 2; ++j) {
+            if (++both.tracks[j].n_rhs > MAX_RHS) throw std::runtime_error("too many right-hand sides");
+            double* slope = Both::part(j, dydt.data());
+            both.joints[j].naive(Both::part(j, y.data()), slope);
+        }
     }
 };
 
-static void dopri5(const Joint& joint, double rtol, Track& track) {
-    auto stepper = ode::make_dense_output(rtol * joint.c, rtol, ode::runge_kutta_dopri5<State>());
-    stepper.initialize(joint.start(), 0.0, 1e-6);
-    while (track.samples.size() < N_SAMPLES) {
-        stepper.do_step(Rhs{joint, track});
+static double atol(const Both& both, double rtol) { return rtol * both.joints[0].c; }
+
+static Pair start(const Both& both) {
+    Pair y;
+    for (int j = 0; j < 2; ++j) {
+        const State own = both.joints[j].start();
+        std::copy(own.begin(), own.end(), Both::part(j, y.data()));
+    }
+    return y;
+}
+
+static void look(const Both& both, double t, const Pair& y) {
+    for (int j = 0; j < 2; ++j) both.tracks[j].look(both.joints[j], t, Both::part(j, y.data()));
+}
+
+static void dopri5(double rtol, Track tracks[2]) {
+    Both both(tracks);
+    auto stepper = ode::make_dense_output(atol(both, rtol), rtol, ode::runge_kutta_dopri5<Pair>());
+    stepper.initialize(start(both), 0.0, 1e-6);
+    while (!both.done()) {
+        stepper.do_step(Rhs{both});
         const double t = stepper.current_time();
-        while (track.next_sample() <= t) {
-            State y;
-            stepper.calc_state(track.next_sample(), y);
-            track.samples.push_back(y);
+        while (both.next_sample() <= t) {
+            Pair y;
+            stepper.calc_state(both.next_sample(), y);
+            both.sample(y.data());
         }
-        track.look(joint, t, stepper.current_state());
+        look(both, t, stepper.current_state());
     }
 }
 
-static void fehlberg78(const Joint& joint, double rtol, Track& track) {
-    auto stepper = ode::make_controlled(rtol * joint.c, rtol, ode::runge_kutta_fehlberg78<State>());
-    State y = joint.start();
+static void fehlberg78(double rtol, Track tracks[2]) {
+    Both both(tracks);
+    auto stepper = ode::make_controlled(atol(both, rtol), rtol, ode::runge_kutta_fehlberg78<Pair>());
+    Pair y = start(both);
     double t = 0.0, h = 1e-6;
-    while (track.samples.size() < N_SAMPLES) {
-        const double at = track.next_sample(), own = h;
+    while (!both.done()) {
+        const double at = both.next_sample(), own = h;
         const bool cut = t + h >= at;
         double taken = cut ? at - t : h;
-        if (stepper.try_step(Rhs{joint, track}, y, t, taken) != ode::success) {
+        if (stepper.try_step(Rhs{both}, y, t, taken) != ode::success) {
             h = taken;
             continue;
         }
         // A step cut short for a sample says nothing against the step of before.
         h = cut && taken < own ? own : taken;
-        track.look(joint, t, y);
+        look(both, t, y);
         if (cut) {
             t = at;
-            track.samples.push_back(y);
+            both.sample(y.data());
         }
     }
 }

@@ -50,6 +50,9 @@ struct Track {
         mode = after;
     }
 
+    template <class Y>
+    void sample(const Y& y) { samples.push_back({y[0], y[1], y[2], y[3], y[4], y[5]}); }
+
     double next_sample() const {
         return samples.size() < N_SAMPLES ? sample_time(int(samples.size()) + 1) : 1e300;
     }
@@ -69,7 +72,28 @@ inline Times now() {
     return {seconds(CLOCK_MONOTONIC), seconds(CLOCK_THREAD_CPUTIME_ID)};
 }
 
-using Solve = std::function<void(const Joint&, double rtol, Track&)>;
+// Both joints as one system of twelve states, joint 1 before joint 2: they share the step, and no term.
+struct Both {
+    Joint joints[2] = {Joint(1), Joint(2)};
+    Track* tracks;
+
+    explicit Both(Track* tracks) : tracks(tracks) {}
+
+    // The states of joint j, 0 or 1.
+    template <class Y>
+    static Y* part(int j, Y* y) { return y + 6 * j; }
+
+    bool done() const { return tracks[0].samples.size() == N_SAMPLES; }
+
+    double next_sample() const { return tracks[0].next_sample(); }
+
+    void sample(const double* y) {
+        for (int j = 0; j < 2; ++j) tracks[j].sample(part(j, y));
+    }
+};
+
+// A run of both joints.
+using Solve = std::function<void(double rtol, Track tracks[2])>;
 
 // Runs a method over the ladder, 1e-3 ... 1e-13 in quarters of a decade, and prints its lines.
 inline void ladder(const char* tool, const std::string& version, const char* method,
@@ -79,8 +103,8 @@ inline void ladder(const char* tool, const std::string& version, const char* met
         for (int j = 0; j < 2; ++j) {
             tracks[j] = Track();
             tracks[j].samples.reserve(N_SAMPLES);
-            solve(Joint(j + 1), rtol, tracks[j]);
         }
+        solve(rtol, tracks);
         const Times end = now();
         return Times{end.wall - begin.wall, end.cpu - begin.cpu};
     };

@@ -71,9 +71,7 @@ static void run(int method, const Joint& joint, double rtol, Track& track) {
         status = CVode(cvode, track.next_sample(), y, &t, CV_NORMAL);
         if (status < 0) break;
         if (status != CV_ROOT_RETURN) {
-            State sample;
-            for (int i = 0; i < 6; ++i) sample[i] = NV_Ith_S(y, i);
-            track.samples.push_back(sample);
+            track.sample(N_VGetArrayPointer(y));
             continue;
         }
         int found[2];
@@ -97,7 +95,9 @@ static void run(int method, const Joint& joint, double rtol, Track& track) {
 
 int main(int, char** arguments) {
     const auto with = [](int method) {
-        return [method](const Joint& joint, double rtol, Track& track) { run(method, joint, rtol, track); };
+        return [method](double rtol, Track tracks[2]) {
+            for (int j = 0; j < 2; ++j) run(method, Joint(j + 1), rtol, tracks[j]);
+        };
     };
     ladder("CVODE", SUNDIALS_VERSION, "bdf", "located", arguments[1], with(CV_BDF));
     ladder("CVODE", SUNDIALS_VERSION, "adams", "located", arguments[1], with(CV_ADAMS));

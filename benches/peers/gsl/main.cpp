@@ -40,7 +40,7 @@ static void run(const gsl_odeiv2_step_type* type, const Joint& joint, double rto
             if (t >= at) h = std::max(h, own);
             track.look(joint, t, y);
         }
-        track.samples.push_back(y);
+        track.sample(y);
     }
     gsl_odeiv2_evolve_free(evolve);
     gsl_odeiv2_control_free(control);
@@ -51,7 +51,9 @@ static void run(const gsl_odeiv2_step_type* type, const Joint& joint, double rto
 int main(int, char** arguments) {
     gsl_set_error_handler_off();
     const auto with = [](const gsl_odeiv2_step_type* type) {
-        return [type](const Joint& joint, double rtol, Track& track) { run(type, joint, rtol, track); };
+        return [type](double rtol, Track tracks[2]) {
+            for (int j = 0; j < 2; ++j) run(type, Joint(j + 1), rtol, tracks[j]);
+        };
     };
     ladder("GSL", GSL_VERSION, "rk8pd", "naive", arguments[1], with(gsl_odeiv2_step_rk8pd));
     ladder("GSL", GSL_VERSION, "rkf45", "naive", arguments[1], with(gsl_odeiv2_step_rkf45));
