@@ -1,5 +1,6 @@
-// GSL: rk8pd and rkf45, stopped at the samples, since it has no dense output. Naive: it has no events.
-// Absolute tolerances per state by `gsl_odeiv2_control_scaled_new`.
+// GSL: the joints one after the other, each a system of six states, by rk8pd and rkck stopped at the
+// samples, since it has no dense output. Naive: it has no events. Absolute tolerances are rtol times the
+// scale of each state, and by rk8pd also times the clearance.
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
 #include <gsl/gsl_version.h>
@@ -20,13 +21,22 @@ static int rhs(double, const double y[], double dydt[], void* parameters) {
     return GSL_SUCCESS;
 }
 
-static void run(const gsl_odeiv2_step_type* type, const Joint& joint, double rtol, Track& track) {
+using Control = gsl_odeiv2_control* (*)(const Joint&, double rtol);
+
+static gsl_odeiv2_control* scaled(const Joint& joint, double rtol) {
+    return gsl_odeiv2_control_scaled_new(rtol, rtol, 1.0, 0.0, joint.scale().data(), 6);
+}
+
+static gsl_odeiv2_control* by_clearance(const Joint& joint, double rtol) {
+    return gsl_odeiv2_control_standard_new(rtol * joint.c, rtol, 1.0, 0.0);
+}
+
+static void run(const gsl_odeiv2_step_type* type, Control control_of, const Joint& joint, double rtol,
+                Track& track) {
     Problem problem{joint, track};
     gsl_odeiv2_system system{rhs, nullptr, 6, &problem};
-    const State scale = joint.scale();
     gsl_odeiv2_step* step = gsl_odeiv2_step_alloc(type, 6);
-    gsl_odeiv2_control* control =
-        gsl_odeiv2_control_scaled_new(rtol, rtol, 1.0, 0.0, scale.data(), 6);
+    gsl_odeiv2_control* control = control_of(joint, rtol);
     gsl_odeiv2_evolve* evolve = gsl_odeiv2_evolve_alloc(6);
     State y = joint.start();
     double t = 0.0, h = 1e-6;
@@ -50,11 +60,13 @@ static void run(const gsl_odeiv2_step_type* type, const Joint& joint, double rto
 
 int main(int, char** arguments) {
     gsl_set_error_handler_off();
-    const auto with = [](const gsl_odeiv2_step_type* type) {
-        return [type](double rtol, Track tracks[2]) {
-            for (int j = 0; j < 2; ++j) run(type, Joint(j + 1), rtol, tracks[j]);
+    const auto with = [](const gsl_odeiv2_step_type* type, Control control) {
+        return [=](double rtol, Track tracks[2]) {
+            for (int j = 0; j < 2; ++j) run(type, control, Joint(j + 1), rtol, tracks[j]);
         };
     };
-    ladder("GSL", GSL_VERSION, "rk8pd", "naive", arguments[1], with(gsl_odeiv2_step_rk8pd));
-    ladder("GSL", GSL_VERSION, "rkf45", "naive", arguments[1], with(gsl_odeiv2_step_rkf45));
+    const auto rk8pd = gsl_odeiv2_step_rk8pd, rkck = gsl_odeiv2_step_rkck;
+    ladder("GSL", GSL_VERSION, "rk8pd", "naive", arguments[1], with(rk8pd, scaled));
+    ladder("GSL", GSL_VERSION, "rk8pd (one atol)", "naive", arguments[1], with(rk8pd, by_clearance));
+    ladder("GSL", GSL_VERSION, "rkck", "naive", arguments[1], with(rkck, scaled));
 }
