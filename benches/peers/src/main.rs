@@ -1,6 +1,6 @@
 //! The impact transient of Table 1 by other tools, beside ours, with one metric.
 //!
-//! Every tool integrates the two joints from 0 to 2 s on one thread, one after the other (ours also both at once),
+//! Every tool integrates the two joints from 0 to 2 s on one thread, one after the other or both at once,
 //! and delivers 200 samples of each and its mode changes. One program, this one, judges all deliveries against the
 //! golden run, and writes `peers.csv`, `peers.md` and the figure. See `README.md` beside `Cargo.toml`.
 //!
