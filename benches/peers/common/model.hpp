@@ -15,10 +15,62 @@
 
 using State = std::array<double, 6>;
 
-struct Joint {
-    double per_mx, per_my, p, q, j0, jc, torque;
+// Both joints at once, a lane each: GCC's vector of two.
+using Lanes = double __attribute__((vector_size(16)));
+
+inline Lanes sqrt(Lanes x) { return Lanes{std::sqrt(x[0]), std::sqrt(x[1])}; }
+inline Lanes sin(Lanes x) { return Lanes{std::sin(x[0]), std::sin(x[1])}; }
+inline Lanes cos(Lanes x) { return Lanes{std::cos(x[0]), std::cos(x[1])}; }
+
+// The equations, of one joint (S = double) or of both.
+template <class S>
+struct Equations {
+    S per_mx, per_my, p, q, j0, jc, torque;
     double c = 1e-4, r = 4.9e-3, stiffness = 1e7, damping = 178.7, mu = 0.1;
 
+    // Distance of the pin from the centre.
+    template <class Y>
+    S rho(const Y& y) const { return sqrt(y[0] * y[0] + y[1] * y[1]); }
+
+    template <class Y>
+    S v_t(const Y& y, S rho) const { return (y[1] * y[3] - y[0] * y[4]) * (1.0 / rho) + y[5] * r; }
+
+    // F_N in contact.
+    template <class Y>
+    S normal(const Y& y, S rho) const {
+        const S delta_dot = (y[0] * y[3] + y[1] * y[4]) * (1.0 / rho);
+        return stiffness * (rho - c) + damping * delta_dot;
+    }
+
+    // Slope in contact.
+    template <class Y, class D>
+    void touching(S sigma, S normal, S rho, const Y& y, D& dydt) const {
+        const S along = -normal * (1.0 / rho);
+        slope(along * y[0], along * y[1], -sigma * mu * r * normal, y, dydt);
+    }
+
+    // Slope apart.
+    template <class Y, class D>
+    void apart(const Y& y, D& dydt) const { slope(S{}, S{}, S{}, y, dydt); }
+
+    // Slope under the force (qx, qy) on the pin and the moment of friction.
+    template <class Y, class D>
+    void slope(S qx, S qy, S friction, const Y& y, D& dydt) const {
+        const S sine = sin(y[2]), cosine = cos(y[2]);
+        const S omega_sq = y[5] * y[5];
+        const S per_schur = 1.0 / (j0 + jc * cosine * cosine);
+        const S moment = torque + jc * sine * cosine * omega_sq + friction;
+        const S alpha = (moment - p * cosine * qx + q * sine * qy) * per_schur;
+        dydt[0] = y[3];
+        dydt[1] = y[4];
+        dydt[2] = y[5];
+        dydt[3] = p * sine * omega_sq + qx * per_mx - p * cosine * alpha;
+        dydt[4] = q * cosine * omega_sq + qy * per_my + q * sine * alpha;
+        dydt[5] = alpha;
+    }
+};
+
+struct Joint : Equations<double> {
     // Joint 1 or 2.
     explicit Joint(int number) {
         const double length = 2.5, radius = 0.005, density = 7800.0;
@@ -43,27 +95,24 @@ struct Joint {
     // Slope in a frozen mode: sigma is 0 free, +1 or -1 the sign of v_T in contact.
     template <class Y, class D>
     void rhs(int sigma, const Y& y, D& dydt) const {
-        if (sigma != 0) touching(sigma, rho(y), y, dydt);
-        else rates(0.0, 0.0, 0.0, y, dydt);
+        if (sigma == 0) return apart(y, dydt);
+        const double length = rho(y);
+        touching(sigma, normal(y, length), length, y, dydt);
     }
 
     // The naive slope: the mode is read off the state.
     template <class Y, class D>
     void naive(const Y& y, D& dydt) const {
         const double length = rho(y);
-        if (length > c) touching(v_t(y, length) < 0.0 ? -1 : 1, length, y, dydt);
-        else rates(0.0, 0.0, 0.0, y, dydt);
+        if (length <= c) return apart(y, dydt);
+        touching(Equations::v_t(y, length) < 0.0 ? -1.0 : 1.0, normal(y, length), length, y, dydt);
     }
-
-    // Distance of the pin from the centre.
-    template <class Y>
-    double rho(const Y& y) const { return std::sqrt(y[0] * y[0] + y[1] * y[1]); }
 
     template <class Y>
     double delta(const Y& y) const { return rho(y) - c; }
 
     template <class Y>
-    double v_t(const Y& y) const { return v_t(y, rho(y)); }
+    double v_t(const Y& y) const { return Equations::v_t(y, rho(y)); }
 
     // The mode that the signs of a state name.
     template <class Y>
@@ -75,36 +124,20 @@ struct Joint {
         const double v = std::sqrt(2.0 * torque * p / about_pin * c), length = 2.5;
         return {c, c, c / length, v, v, v / length};
     }
+};
 
-private:
-    template <class Y>
-    double v_t(const Y& y, double rho) const {
-        return (y[1] * y[3] - y[0] * y[4]) * (1.0 / rho) + y[5] * r;
-    }
+struct Joints : Equations<Lanes> {
+    Joints(const Joint& one, const Joint& two)
+        : Equations{{one.per_mx, two.per_mx}, {one.per_my, two.per_my}, {one.p, two.p}, {one.q, two.q},
+                    {one.j0, two.j0}, {one.jc, two.jc}, {one.torque, two.torque}} {}
 
-    // Slope in contact, at the distance rho.
+    // The naive slope, lane by lane.
     template <class Y, class D>
-    void touching(int sigma, double rho, const Y& y, D& dydt) const {
-        const double per_rho = 1.0 / rho;
-        const double delta_dot = (y[0] * y[3] + y[1] * y[4]) * per_rho;
-        const double normal = stiffness * (rho - c) + damping * delta_dot;
-        const double along = -normal * per_rho;
-        rates(along * y[0], along * y[1], -sigma * mu * r * normal, y, dydt);
-    }
-
-    // Slope under the force (qx, qy) on the pin and the moment of friction.
-    template <class Y, class D>
-    void rates(double qx, double qy, double friction, const Y& y, D& dydt) const {
-        const double sin = std::sin(y[2]), cos = std::cos(y[2]);
-        const double omega_sq = y[5] * y[5];
-        const double per_schur = 1.0 / (j0 + jc * cos * cos);
-        const double moment = torque + jc * sin * cos * omega_sq + friction;
-        const double alpha = (moment - p * cos * qx + q * sin * qy) * per_schur;
-        dydt[0] = y[3];
-        dydt[1] = y[4];
-        dydt[2] = y[5];
-        dydt[3] = p * sin * omega_sq + qx * per_mx - p * cos * alpha;
-        dydt[4] = q * cos * omega_sq + qy * per_my + q * sin * alpha;
-        dydt[5] = alpha;
+    void naive(const Y& y, D& dydt) const {
+        const Lanes length = rho(y), zero = {};
+        const auto in_contact = length > c;
+        if (!(in_contact[0] | in_contact[1])) return apart(y, dydt);
+        const Lanes force = in_contact ? normal(y, length) : zero;
+        touching(v_t(y, length) < 0.0 ? zero - 1.0 : zero + 1.0, force, length, y, dydt);
     }
 };

@@ -14,6 +14,26 @@
 
 #include "../common/peer.hpp"
 
+// Both joints as one system of twelve states, joint 1 before joint 2: they share the step, and no term.
+struct Both {
+    Joint joints[2] = {Joint(1), Joint(2)};
+    Track* tracks;
+
+    explicit Both(Track* tracks) : tracks(tracks) {}
+
+    // The states of joint j, 0 or 1.
+    template <class Y>
+    static Y* part(int j, Y* y) { return y + 6 * j; }
+
+    bool done() const { return tracks[0].samples.size() == N_SAMPLES; }
+
+    double next_sample() const { return tracks[0].next_sample(); }
+
+    void sample(const double* y) {
+        for (int j = 0; j < 2; ++j) tracks[j].sample(part(j, y));
+    }
+};
+
 // Events at which a run is given up.
 static constexpr std::size_t MAX_EVENTS = 20000;
 
