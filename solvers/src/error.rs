@@ -62,6 +62,20 @@ pub enum Error {
         /// Index of the guard.
         guard: usize,
     },
+    /// A guard moves too fast to be followed within a step, or its values are too noisy.
+    #[error(
+        "guard {guard} turns too often to be followed in the step of {h:e} from t = {t} in mode {mode}; take smaller steps, or state its rounding bound if it is noise"
+    )]
+    UnresolvedGuard {
+        /// Time of the last accepted step.
+        t: f64,
+        /// Step size.
+        h: f64,
+        /// Mode.
+        mode: String,
+        /// Index of the guard.
+        guard: usize,
+    },
     /// Transitions at one instant did not end in a mode whose guards all hold.
     #[error(
         "{n} transitions at t = {t} without rest, the last one from mode {mode} by guard {guard}: two modes hand over to each other; give the model the sliding or sticking mode between them"

@@ -7,8 +7,13 @@
 //! # What is found within one step
 //!
 //! A guard that is violated at the end of a step is always found. Whether another guard falls and rises within the
-//! step is found by a search in three stages, each more expensive than the one before:
+//! step is found by a search in stages, each more expensive than the one before:
 //!
+//! 0. Does the guard move as slowly as the states? Steps are as long as the states allow, and a guard such as
+//!    `sin(1000 t)` may turn many times within one. Five values between the ends are compared with the cubic through
+//!    values and rates at both ends. That is done in the first step of a phase, and where a step is longer by half than
+//!    the longest on which the guards were seen to follow their cubics. A guard that strays from its cubic is searched
+//!    for by stage 4 alone.
 //! 1. Values and rates at both ends determine a cubic. If the cubic has no minimum inside the step, or one far above
 //!    zero, the guard is taken to hold. Every step pays for this stage: one evaluation of the guards and their rates,
 //!    a few operations per guard, and a square root for a guard near its surface.
@@ -16,26 +21,29 @@
 //!    six. Its values at sixteenths of the step show its minima.
 //! 3. Each minimum that may be below zero is searched for on the dense output. The first one at whose deepest point
 //!    the guard is violated counts, and the guard falls between the maximum before it and that point.
+//! 4. A guard that strays is followed on the dense output by a march of intervals that begin short and grow while
+//!    parabolas follow it.
 //!
 //! Tests drew 20 000 steps of guards that move like a sine (`tests/random_systems`), with damping up to 0.6 of the
 //! angular frequency and steps up to three quarters of a period. In none of them was a fall of the dense output
-//! missed, or a later fall taken for the first one. A step of a whole period cannot be told from a constant: a sine
-//! then has the same values and rates at both ends. For other guards the search gives no guarantee. It needs the
-//! cubic to show a minimum, and the polynomial of degree six to follow the guard to 2 % of its range. Two falls less
-//! than an eighth of a step from each other may be taken for one. A dip shallower than the error of the dense output
-//! may not appear on it.
+//! missed, or a later fall taken for the first one. A guard that begins to move fast in the middle of a phase, and
+//! rests at both ends of each step, is not seen to stray. Two falls less than an eighth of a step from each other may
+//! be taken for one. A dip shallower than the error of the dense output may not appear on it.
 //!
 //! The search finds falls of the dense output. For a dip, [`one_step`](crate::one_step) therefore retakes the step to
 //! the deepest point, and discards the dip if the retaken step does not show it.
 
+mod march;
 mod shape;
 
 use num_dual::Dual64;
 
-use shape::{N_NODES, has_no_dip, sextic};
+use march::Found;
+use shape::{N_NODES, cubic_at, has_no_dip, sextic};
 
 pub(crate) use shape::is_far;
 
+use crate::dense::hermite;
 use crate::error::Error;
 use crate::root::{Bracket, find_root, minimum};
 use crate::step::Step;
@@ -46,6 +54,15 @@ use crate::tolerance::Tolerance;
 /// of the range. For the sine of three quarters of a period, the minimum may lie lower between two nodes by 0.7 % of
 /// the range, and the error of the polynomial is 0.6 % of it.
 const MISFIT: f64 = 0.02;
+/// Fractions of a step at which the guards are compared with their cubics. No two distances between them have a simple
+/// ratio, so that no sine of many periods has the values of a cubic at all of them.
+const PROBES: [f64; 5] = [0.14, 0.318, 0.53, 0.69, 0.91];
+/// A guard strays where it differs from its cubic by more than this fraction of its size.
+const STRAYS: f64 = 1.0 / 16.0;
+/// Guards are compared with their cubics anew on a step longer than the longest compared before by this factor.
+const LONGER: f64 = 1.5;
+/// The march after a guard that strays begins with an interval of this fraction of the step, or less.
+const FIRST_INTERVAL: f64 = 1.0 / 1024.0;
 
 /// The crossing of a guard that falls below zero within a step.
 #[derive(Clone, Copy, Debug)]
@@ -78,6 +95,10 @@ pub struct GuardWatch<P: System> {
     /// Fraction of the present step up to which dips of each guard were found to be errors of the interpolant.
     disproved: Vec<f64>,
     has_disproved: bool,
+    /// Length of the longest step of this phase on which all guards were seen to follow their cubics.
+    followed: f64,
+    /// Guards that were seen to stray from their cubics on the present step.
+    strays: Vec<bool>,
 }
 
 impl<P: System> GuardWatch<P> {
@@ -98,6 +119,8 @@ impl<P: System> GuardWatch<P> {
             deepest: vec![0.0; n],
             disproved: vec![0.0; n],
             has_disproved: false,
+            followed: 0.0,
+            strays: vec![false; n],
         }
     }
 
@@ -181,6 +204,7 @@ impl<P: System> GuardWatch<P> {
     ) {
         self.start_at(problem, mode, t, y, dydt);
         self.forget_dips();
+        self.followed = 0.0;
     }
 
     /// Evaluates values and rates at the start of a step. Needed where they do not carry over from the end of the
@@ -229,8 +253,11 @@ impl<P: System> GuardWatch<P> {
         mode: P::Mode,
         step: &(impl Step<P::State<f64>> + ?Sized),
     ) -> bool {
-        self.rates(problem, mode, step.t1(), step.y1(), step.slope1());
+        self.rates(problem, mode.clone(), step.t1(), step.y1(), step.slope1());
         let h = step.t1() - step.t0();
+        if !self.knows(h) && !self.all_follow(problem, mode, step) {
+            return false;
+        }
         // All guards are tested without a branch between them, so that the tests run as vector instructions.
         let ends = self.start.as_ref().iter().zip(self.end.as_ref());
         if ends.fold(true, |all, (g0, g1)| all & is_far([g0.re, g0.eps], [g1.re, g1.eps], h)) {
@@ -243,6 +270,45 @@ impl<P: System> GuardWatch<P> {
             self.keep();
         }
         is_clear
+    }
+
+    /// Whether the guards need not be compared with their cubics on a step of size `h`.
+    pub(crate) fn knows(&self, h: f64) -> bool {
+        h.abs() <= LONGER * self.followed
+    }
+
+    /// Whether all guards follow their cubics on `step`: between its ends they differ from them by little. The states
+    /// between are those of the cubic of the states, so that a guard which moves with the states does not stray.
+    #[cold]
+    #[inline(never)]
+    fn all_follow(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &(impl Step<P::State<f64>> + ?Sized),
+    ) -> bool {
+        let (t0, h) = (step.t0(), step.t1() - step.t0());
+        problem.guard_bounds(mode.clone(), step.t1(), step.y1(), &mut self.bounds);
+        self.strays.fill(false);
+        for theta in PROBES {
+            let ends = ((step.y0(), step.slope0()), (step.y1(), step.slope1()));
+            hermite(theta, h, ends.0, ends.1, &mut self.y);
+            problem.guards(mode.clone(), t0 + theta * h, &self.y, &mut self.values);
+            for (i, value) in self.values.as_ref().iter().enumerate() {
+                let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
+                let slopes = [g0.eps * h, g1.eps * h];
+                let off = (value - cubic_at(theta, [g0.re, g1.re], slopes)).abs();
+                let size = g0.re.abs().max(g1.re.abs()).max(value.abs());
+                // A guard that is not a number strays.
+                let follows = off <= STRAYS * size + self.bounds.as_ref()[i];
+                self.strays[i] |= !follows;
+            }
+        }
+        let all = !self.strays.contains(&true);
+        if all {
+            self.followed = h.abs();
+        }
+        all
     }
 
     /// The guard that falls first on a step that [`is_clear`](Self::is_clear) could not clear. The time is located to
@@ -275,10 +341,24 @@ impl<P: System> GuardWatch<P> {
         let mut knows_first = false;
         for guard in 0..self.end.as_ref().len() {
             let is_violated = self.end.as_ref()[guard].re < -self.bounds.as_ref()[guard];
-            if !is_violated && self.holds(guard, h) {
+            let strays = self.strays[guard] && !self.knows(h);
+            if !strays && !is_violated && self.holds(guard, h) {
                 continue;
             }
-            let (top, dip) = self.dip(problem, mode.clone(), step, guard);
+            let mut found = if strays {
+                self.march(problem, mode.clone(), step, guard)?
+            } else {
+                self.dip(problem, mode.clone(), step, guard)
+            };
+            if !strays && (is_violated || found.1.is_some()) {
+                // The polynomial may have passed over a maximum that is low beside the range of the guard.
+                let is_level = found.0 == 0.0 && self.start.as_ref()[guard].eps * h <= 0.0;
+                let top = t0 + found.0 * h;
+                if !is_level && self.clearance_on(problem, mode.clone(), step, guard, top) <= 0.0 {
+                    found = self.march(problem, mode.clone(), step, guard)?;
+                }
+            }
+            let (top, dip) = found;
             let violated_at = match dip {
                 Some(theta) => t0 + theta * h,
                 None if is_violated => t1,
@@ -350,9 +430,10 @@ impl<P: System> GuardWatch<P> {
         self.has_disproved = true;
     }
 
-    /// Notes that a dip of guard `i` was found at this fraction of the present step.
-    pub(crate) fn note_dip(&mut self, i: usize, theta: f64) {
-        self.deepest[i] = theta;
+    /// Notes that a dip of guard `i` was found by other means than this search. Should it be disproved, then this search
+    /// looks at the whole step.
+    pub(crate) fn note_dip(&mut self, i: usize) {
+        self.deepest[i] = f64::MIN_POSITIVE;
     }
 
     /// Whether a dip of guard `i` in the present step was discarded.
@@ -411,6 +492,41 @@ impl<P: System> GuardWatch<P> {
             top = k;
         }
         (at(top), None)
+    }
+
+    /// The same as [`dip`](Self::dip) for a guard that strays from its cubic.
+    #[cold]
+    fn march(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        i: usize,
+    ) -> Result<(f64, Option<f64>), Error> {
+        let (t0, h) = (step.t0(), step.t1() - step.t0());
+        let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
+        let size = g0.re.abs().max(g1.re.abs());
+        // The first interval is short beside the time in which the rates at the ends change the guard by its size.
+        let turn = size / ((g0.eps * h).abs().max((g1.eps * h).abs()));
+        let first = if turn > 0.0 { FIRST_INTERVAL.min(0.1 * turn) } else { FIRST_INTERVAL };
+        let (bound, from) = (self.bounds.as_ref()[i], self.disproved[i]);
+        let margin = 0.5 * bound + self.doubts.as_ref()[i];
+        let g =
+            |theta: f64| self.clearance_on(problem, mode.clone(), step, i, t0 + theta * h) + margin;
+        let slopes = (from == 0.0 && g0.eps * h < 0.0, g1.eps * h > 0.0);
+        match march::first_fall(g, from, first, bound, slopes) {
+            Found::Fall(top, below) => {
+                self.deepest[i] = below;
+                Ok((top, Some(below)))
+            }
+            Found::Nothing => Ok((1.0, None)),
+            Found::NotFinite => {
+                Err(Error::NonFiniteGuard { t: step.t1(), mode: format!("{mode:?}"), guard: i })
+            }
+            Found::Lost => {
+                Err(Error::UnresolvedGuard { t: t0, h, mode: format!("{mode:?}"), guard: i })
+            }
+        }
     }
 
     /// The [`clearance`](Self::clearance) of guard `i` at `t` on the step's dense output.

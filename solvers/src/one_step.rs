@@ -84,7 +84,8 @@ pub trait OneStep<P: System> {
     /// output. A method that knows its guards on a part of the step only may take the step again up to there.
     ///
     /// # Errors
-    /// [`Error::NonFiniteGuard`] for a guard that is not finite at the end of the step.
+    /// [`Error::NonFiniteGuard`] for a guard that is not finite at the end of the step, [`Error::UnresolvedGuard`] for one
+    /// that cannot be followed.
     fn first_to_fall(
         &mut self,
         problem: &P,
@@ -366,8 +367,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     /// Completes the accepted attempt, and lands on the guard that falls first on it. Returns that guard, if any.
     ///
     /// # Errors
-    /// [`Error::NonFinite`], [`Error::NonFiniteGuard`] or [`Error::NoConvergence`], each of which a shorter step may
-    /// avoid.
+    /// [`Error::NonFinite`], [`Error::NonFiniteGuard`], [`Error::UnresolvedGuard`] or [`Error::NoConvergence`], each of
+    /// which a shorter step may avoid.
     #[inline(always)]
     fn completed(&mut self, context: &mut PhaseContext<'_, P>) -> Result<Option<usize>, Error> {
         let PhaseContext { problem, point, stats, .. } = context;
@@ -403,6 +404,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             Err(
                 error @ (Error::NonFinite { .. }
                 | Error::NonFiniteGuard { .. }
+                | Error::UnresolvedGuard { .. }
                 | Error::NoConvergence { .. }),
             ) => {
                 self.watch.forget_dips();

@@ -159,9 +159,11 @@ impl<'r, 'a, P: Alike, R: Record<P>, M: OneStep<P>> Member<'r, 'a, P, R, M> {
         let judgement = steps.judgement();
         let (is_proposed, error_sq) = (self.solver.is_proposed, judgement.error_sq.lane(lane));
         let verdict = self.solver.controller.verdict(is_proposed, self.h, |_| error_sq);
+        let is_plain = judgement.is_plain & (1 << lane) != 0
+            && (!S::TESTS_ENDS || self.solver.watch.knows(self.h));
         self.run.stats.work.n_rhs += S::N_RHS;
         match verdict {
-            Verdict::Accept(next) if judgement.is_plain & (1 << lane) != 0 => {
+            Verdict::Accept(next) if is_plain => {
                 self.run.stats.work.n_rhs += S::n_rhs_of_end(&self.solver.method);
                 self.phase.h = next;
                 self.stays_in_lane = true;

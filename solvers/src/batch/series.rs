@@ -52,6 +52,7 @@ where
     const LEAST: usize = 1;
 
     const N_RHS: u64 = 0;
+    const TESTS_ENDS: bool = false;
 
     fn n_rhs_of_end(_method: &Self::Method) -> u64 {
         0

@@ -22,6 +22,10 @@ pub(super) trait Steps<P: Alike, V: Simd> {
     /// Evaluations of the right-hand side in one attempt, beside those for a [proposal](Self::propose) of its size.
     const N_RHS: u64;
 
+    /// Whether the guards are tested by values and rates at the ends of a step alone, which says nothing of guards that
+    /// move faster than the states.
+    const TESTS_ENDS: bool;
+
     /// Evaluations of the right-hand side for the slope at the end of an accepted step.
     fn n_rhs_of_end(method: &Self::Method) -> u64;
 

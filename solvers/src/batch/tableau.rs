@@ -42,6 +42,7 @@ impl<P: Alike, V: Simd, const S: usize> Steps<P, V> for TableauSteps<P, V, S> {
     const LEAST: usize = 2;
 
     const N_RHS: u64 = Self::Method::N_RHS;
+    const TESTS_ENDS: bool = true;
 
     fn n_rhs_of_end(method: &Self::Method) -> u64 {
         method.n_rhs_of_end()

@@ -44,6 +44,12 @@ fn bent([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> [f64; 2] {
     [3.0 * rise - 2.0 * s0 - s1, s0 + s1 - 2.0 * rise]
 }
 
+/// The cubic with these values and slopes at 0 and 1, at `theta`.
+pub(super) fn cubic_at(theta: f64, values: [f64; 2], slopes: [f64; 2]) -> f64 {
+    let [c2, c3] = bent(values, slopes);
+    values[0] + theta * (slopes[0] + theta * (c2 + theta * c3))
+}
+
 /// The minimum in (0, 1) of the cubic with these values and slopes at 0 and 1; `None` where it has no minimum inside.
 fn cubic_minimum([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> Option<f64> {
     let [c2, c3] = bent([g0, g1], [s0, s1]);
@@ -69,8 +75,7 @@ pub(super) fn sextic(
     [s0, s1]: [f64; 2],
     quarters: [f64; 3],
 ) -> [f64; N_NODES + 1] {
-    let [c2, c3] = bent([g0, g1], [s0, s1]);
-    let cubic = |theta: f64| g0 + theta * (s0 + theta * (c2 + theta * c3));
+    let cubic = |theta: f64| cubic_at(theta, [g0, g1], [s0, s1]);
     let bubble = |theta: f64| 16.0 * (theta * (1.0 - theta)) * (theta * (1.0 - theta));
     let q: [f64; 3] = std::array::from_fn(|k| {
         let theta = 0.25 * (k + 1) as f64;

@@ -19,6 +19,8 @@ pub(crate) const FIRST_LOOK: usize = 5;
 const PRECISION: f64 = 1e-14;
 /// Largest error of a guard's polynomial, as a fraction of the guard's size, with which falls are read off it.
 const MOST_ERROR: f64 = 1e-2;
+/// What a polynomial shows is in doubt where it would fall if it were lower by this many of its errors.
+const DOUBT: f64 = 4.0;
 /// Fraction that is used of the estimated range of a polynomial, and the least that a step is shortened to at once.
 const SAFETY: f64 = 0.9;
 const SHORTER: f64 = 0.01;
@@ -36,6 +38,14 @@ pub enum Look {
     Falls(GuardCrossing),
     /// The polynomial of a guard describes it on this fraction of the step only. The step is to be shortened to it.
     Within(f64),
+}
+
+/// How well the polynomial of a guard describes it on a step.
+enum Fit {
+    /// On the whole step, with this largest error seen.
+    Whole { error: f64 },
+    /// On this fraction of the step, by an estimate.
+    Part(f64),
 }
 
 impl Look {
@@ -171,13 +181,16 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
     ///
     /// The series of a guard may converge on less than the step: the distance of a pin from the centre of its bush has
     /// a series that ends where the pin passes the centre, whatever the series of the pin. Where the polynomial differs
-    /// from its guard, at the middle or at the end of the step, by more than 1 % of the largest of `|g_0|`, `|g_1 h|`
-    /// and the guard there, and by more than its rounding bound, the step is to be [shortened](Look::Within). A step
-    /// shorter than a thousandth of `whole` or some ulps of the time is not, nor one where a coefficient is not finite:
-    /// the [search](GuardWatch) on values and rates is then used for all guards.
+    /// from its guard, at the middle or at the end of the step or by its last two terms, by more than 1 % of the largest of
+    /// `|g_0|`, `|g_1 h|` and the guard there, and by more than its rounding bound, the step is to be
+    /// [shortened](Look::Within). A step shorter than a thousandth of `whole` or some ulps of the time is not, nor one where a coefficient is not finite:
+    /// the [search](GuardWatch) on values and rates is then used for all guards. It is also used where a polynomial does
+    /// not fall, but would if it were wrong by a few of the errors seen, and after a dip of the polynomial that the
+    /// retaken step did not show.
     ///
     /// # Errors
-    /// [`Error::NonFiniteGuard`] for a guard that is not finite at the end of the step.
+    /// [`Error::NonFiniteGuard`] for a guard that is not finite at the end of the step, [`Error::UnresolvedGuard`] for one
+    /// that cannot be followed.
     pub fn first_to_fall<P: System<Guards<f64> = G>>(
         &mut self,
         problem: &P,
@@ -206,15 +219,23 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
                 continue;
             }
             self.expand(&field, t0, y, degree);
-            match self.range(guard, h, degree, watch) {
-                Some(1.0) => {}
-                Some(range) if h.abs() > least => return Ok(Look::Within(range)),
+            let error = match self.fit(guard, h, degree, watch) {
+                Some(Fit::Whole { error }) => error,
+                Some(Fit::Part(range)) if h.abs() > least => return Ok(Look::Within(range)),
                 _ => return self.by_values(problem, mode, step, watch),
-            }
+            };
             if !at_end && self.is_clear(guard, h, degree, end) {
                 continue;
             }
-            let Some((s, violated)) = self.fall_on_step(guard, h, degree, watch) else { continue };
+            if watch.is_disproved(guard) {
+                return self.by_values(problem, mode, step, watch);
+            }
+            let Some((s, violated)) = self.fall_on_step(guard, h, degree, watch) else {
+                if error > watch.bound(guard) && self.may_fall(guard, h, degree, error) {
+                    return self.by_values(problem, mode, step, watch);
+                }
+                continue;
+            };
             let inside = violated.map(|violated| start + violated * h);
             let inside = inside.filter(|t| (t - start).abs() < h.abs());
             let Some(violated_at) = inside.or(at_end.then_some(t1)) else { continue };
@@ -231,32 +252,43 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         Ok(Look::of(first))
     }
 
-    /// The fraction of a step of size `h` on which the polynomial of `degree` of guard `i` describes it; one for the
-    /// whole step. `None` where a coefficient is not finite. The guard is to be evaluated at the end.
-    fn range<P: System<Guards<f64> = G>>(
+    /// Whether the polynomial of `degree` of guard `i` on a step of size `h` would fall if it were wrong by
+    /// [more than](DOUBT) its `error`.
+    fn may_fall(&self, i: usize, h: f64, degree: usize, error: f64) -> bool {
+        let lowered = self.polynomial(i, h, degree).raised(-DOUBT * error);
+        let [g_0, g_1] = [0, 1].map(|k| lowered.coefficients()[k]);
+        g_0 < 0.0 && g_1 < 0.0 || lowered.first_fall(0.0, PRECISION).is_some()
+    }
+
+    /// How well the polynomial of `degree` of guard `i` describes it on a step of size `h`. `None` where a coefficient
+    /// is not finite. The guard is to be evaluated at the middle and at the end.
+    fn fit<P: System<Guards<f64> = G>>(
         &self,
         i: usize,
         h: f64,
         degree: usize,
         watch: &GuardWatch<P>,
-    ) -> Option<f64> {
+    ) -> Option<Fit> {
         if self.g[..=degree].iter().any(|g| !g.as_ref()[i].is_finite()) {
             return None;
         }
         let p = self.polynomial(i, h, degree);
         let (middle, end) = (watch.middle(i), watch.value(i));
         if !middle.is_finite() {
-            return Some(0.5 * SAFETY);
+            return Some(Fit::Part(0.5 * SAFETY));
         }
-        let error = (p.at(0.5) - middle).abs().max((p.at(1.0) - end).abs());
-        let size =
-            p.coefficients()[..2].iter().fold(middle.abs().max(end.abs()), |a, c| a.max(c.abs()));
+        // The error may happen to vanish at the middle and at the end; the last terms are of its size.
+        let c = p.coefficients();
+        let last = c[degree].abs().max(c[(degree - 1).max(1)].abs());
+        let error = (p.at(0.5) - middle).abs().max((p.at(1.0) - end).abs()).max(last);
+        let size = c[..2].iter().fold(middle.abs().max(end.abs()), |a, c| a.max(c.abs()));
         let allowed = watch.bound(i).max(MOST_ERROR * size);
         if error <= allowed {
-            return Some(1.0);
+            return Some(Fit::Whole { error });
         }
         // An error of the next term would fall like this power of the step.
-        Some(SHORTER.max(SAFETY * libm::pow(allowed / error, 1.0 / (degree + 1) as f64)))
+        let range = SAFETY * libm::pow(allowed / error, 1.0 / (degree + 1) as f64);
+        Some(Fit::Part(range.max(SHORTER)))
     }
 
     /// The guard that falls first by the search on values and rates, where no polynomial describes a guard.
@@ -285,8 +317,9 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
     ) -> Option<(f64, Option<f64>)> {
         let at_end = watch.is_violated(i);
         let p = self.polynomial(i, h, degree);
-        let fall = if watch.is_disproved(i) { None } else { fall_of(&p, watch.bound(i)) };
-        let Some((s, violated)) = fall else { return at_end.then_some((1.0, None)) };
+        let Some((s, violated)) = fall_of(&p, watch.bound(i)) else {
+            return at_end.then_some((1.0, None));
+        };
         if at_end && violated == 1.0 {
             return Some((s, None));
         }
@@ -298,7 +331,7 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         if p.at(violated) >= -watch.bound(i) {
             return at_end.then_some((s, None));
         }
-        watch.note_dip(i, violated);
+        watch.note_dip(i);
         Some((s, Some(violated)))
     }
 

@@ -12,6 +12,7 @@ mod backward;
 mod batch;
 mod crossings;
 mod dips;
+mod fast;
 mod modes;
 mod not_finite;
 mod recorder;
