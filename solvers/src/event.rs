@@ -11,8 +11,8 @@
 //!
 //! 0. Does the guard move as slowly as the states? Steps are as long as the states allow, and a guard such as
 //!    `sin(1000 t)` may turn many times within one. Five values between the ends are compared with the cubic through
-//!    values and rates at both ends. That is done in the first step of a phase, and where a step is longer by half than
-//!    the longest on which the guards were seen to follow their cubics. A guard that strays from its cubic is searched
+//!    values and rates at both ends. That is done in the first step of a phase, and where a step is longer by a third
+//!    than the longest on which the guards were seen to follow their cubics. A guard that strays from its cubic is searched
 //!    for by stage 4 alone.
 //! 1. Values and rates at both ends determine a cubic. If the cubic has no minimum inside the step, or one far above
 //!    zero, the guard is taken to hold. Every step pays for this stage: one evaluation of the guards and their rates,
@@ -57,10 +57,12 @@ const MISFIT: f64 = 0.02;
 /// Fractions of a step at which the guards are compared with their cubics. No two distances between them have a simple
 /// ratio, so that no sine of many periods has the values of a cubic at all of them.
 const PROBES: [f64; 5] = [0.14, 0.318, 0.53, 0.69, 0.91];
-/// A guard strays where it differs from its cubic by more than this fraction of its size.
-const STRAYS: f64 = 1.0 / 16.0;
-/// Guards are compared with their cubics anew on a step longer than the longest compared before by this factor.
-const LONGER: f64 = 1.5;
+/// A guard strays where it differs from its cubic by more than this fraction of its size. A sine that is as large as its
+/// range is seen to follow its cubic over 3.3 radians at most, where the middle of the step is a zero of it.
+const STRAYS: f64 = 1.0 / 64.0;
+/// Guards are compared with their cubics anew on a step longer than the longest compared before by this factor. So no
+/// sine is searched for by the polynomial of degree six over more than three quarters of a period.
+const LONGER: f64 = 4.0 / 3.0;
 /// The march after a guard that strays begins with an interval of this fraction of the step, or less.
 const FIRST_INTERVAL: f64 = 1.0 / 1024.0;
 
