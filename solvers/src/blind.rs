@@ -3,6 +3,7 @@
 use std::fmt;
 use std::ops::ControlFlow;
 
+use crate::error::Error;
 use crate::real::Real;
 use crate::record::{Accepted, Event, Needs, Record};
 use crate::stats::Stats;
@@ -98,6 +99,10 @@ impl<'a, P: ModeOfState, R: Record<P>> Unblind<'a, P, R> {
 }
 
 impl<'a, P: ModeOfState, R: Record<P>> Record<Blind<'a, P>> for Unblind<'a, P, R> {
+    fn begin(&mut self, t0: f64, t_end: f64) -> Result<(), Error> {
+        self.record.begin(t0, t_end)
+    }
+
     fn step(&mut self, accepted: &Accepted<'_, Blind<'a, P>>) -> ControlFlow<()> {
         let (step, before) = (accepted.step, self.mode.clone());
         let seen = Accepted { mode: before.clone(), step, landed_on: None, stats: accepted.stats };

@@ -53,7 +53,9 @@ pub enum Error {
         component: usize,
     },
     /// A guard is infinite or not a number.
-    #[error("guard {guard} is not finite at t = {t} in mode {mode}; check its definition there")]
+    #[error(
+        "guard {guard} is not finite at t = {t} in mode {mode}, or is not written there; check its definition"
+    )]
     NonFiniteGuard {
         /// Time.
         t: f64,
@@ -61,6 +63,20 @@ pub enum Error {
         mode: String,
         /// Index of the guard.
         guard: usize,
+    },
+    /// The rounding bound of a guard is not usable.
+    #[error(
+        "the rounding bound of guard {guard} is {bound} at t = {t} in mode {mode}: it must be finite and above zero; state some 4 ε times the largest term of the guard"
+    )]
+    BadGuardBound {
+        /// Time.
+        t: f64,
+        /// Mode.
+        mode: String,
+        /// Index of the guard.
+        guard: usize,
+        /// The bound; NaN where none is written.
+        bound: f64,
     },
     /// A guard moves too fast to be followed within a step, or its values are too noisy.
     #[error(
@@ -78,7 +94,7 @@ pub enum Error {
     },
     /// Transitions at one instant did not end in a mode whose guards all hold.
     #[error(
-        "{n} transitions at t = {t} without rest, the last one from mode {mode} by guard {guard}: two modes hand over to each other; give the model the sliding or sticking mode between them"
+        "{n} transitions at t = {t} without rest, the last one from mode {mode} by guard {guard}: {cure}"
     )]
     Chatter {
         /// Time.
@@ -89,6 +105,8 @@ pub enum Error {
         mode: String,
         /// Guard of the last transition.
         guard: usize,
+        /// What to change.
+        cure: &'static str,
     },
     /// Events accumulate at a time for which the model gives no limiting mode.
     #[error(

@@ -12,8 +12,8 @@
 //! 0. Does the guard move as slowly as the states? Steps are as long as the states allow, and a guard such as
 //!    `sin(1000 t)` may turn many times within one. Five values between the ends are compared with the cubic through
 //!    values and rates at both ends. That is done in the first step of a phase, and where a step is longer by a third
-//!    than the longest on which the guards were seen to follow their cubics. A guard that strays from its cubic is searched
-//!    for by stage 4 alone.
+//!    than the longest on which the guards were seen to follow their cubics. A guard that strays from its cubic is
+//!    searched for by stage 4 alone.
 //! 1. Values and rates at both ends determine a cubic. If the cubic has no minimum inside the step, or one far above
 //!    zero, the guard is taken to hold. Every step pays for this stage: one evaluation of the guards and their rates,
 //!    a few operations per guard, and a square root for a guard near its surface.
@@ -33,17 +33,16 @@
 //! The search finds falls of the dense output. For a dip, [`one_step`](crate::one_step) therefore retakes the step to
 //! the deepest point, and discards the dip if the retaken step does not show it.
 
+mod follow;
 mod march;
 mod shape;
 
 use num_dual::Dual64;
 
-use march::Found;
-use shape::{N_NODES, cubic_at, has_no_dip, sextic};
+use shape::{N_NODES, has_no_dip, sextic};
 
 pub(crate) use shape::is_far;
 
-use crate::dense::hermite;
 use crate::error::Error;
 use crate::root::{Bracket, find_root, minimum};
 use crate::step::Step;
@@ -54,17 +53,6 @@ use crate::tolerance::Tolerance;
 /// of the range. For the sine of three quarters of a period, the minimum may lie lower between two nodes by 0.7 % of
 /// the range, and the error of the polynomial is 0.6 % of it.
 const MISFIT: f64 = 0.02;
-/// Fractions of a step at which the guards are compared with their cubics. No two distances between them have a simple
-/// ratio, so that no sine of many periods has the values of a cubic at all of them.
-const PROBES: [f64; 5] = [0.14, 0.318, 0.53, 0.69, 0.91];
-/// A guard strays where it differs from its cubic by more than this fraction of its size. A sine that is as large as its
-/// range is seen to follow its cubic over 3.3 radians at most, where the middle of the step is a zero of it.
-const STRAYS: f64 = 1.0 / 64.0;
-/// Guards are compared with their cubics anew on a step longer than the longest compared before by this factor. So no
-/// sine is searched for by the polynomial of degree six over more than three quarters of a period.
-const LONGER: f64 = 4.0 / 3.0;
-/// The march after a guard that strays begins with an interval of this fraction of the step, or less.
-const FIRST_INTERVAL: f64 = 1.0 / 1024.0;
 
 /// The crossing of a guard that falls below zero within a step.
 #[derive(Clone, Copy, Debug)]
@@ -151,6 +139,28 @@ impl<P: System> GuardWatch<P> {
             }
         }
         Ok(first)
+    }
+
+    /// The same where a mode is entered: guards and bounds that the model does not write are told from zeros.
+    ///
+    /// # Errors
+    /// [`Error::NonFiniteGuard`], [`Error::BadGuardBound`].
+    pub(crate) fn violated_on_entry(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        t: f64,
+        y: &P::State<f64>,
+    ) -> Result<Option<usize>, Error> {
+        self.values.as_mut().fill(f64::NAN);
+        self.bounds.as_mut().fill(f64::NAN);
+        problem.guard_bounds(mode.clone(), t, y, &mut self.bounds);
+        let is_good = |bound: &f64| bound.is_finite() && *bound > 0.0;
+        if let Some(guard) = self.bounds.as_ref().iter().position(|bound| !is_good(bound)) {
+            let bound = self.bounds.as_ref()[guard];
+            return Err(Error::BadGuardBound { t, mode: format!("{mode:?}"), guard, bound });
+        }
+        self.violated(problem, mode, t, y)
     }
 
     /// Whether guard `i`, as last evaluated, is violated.
@@ -274,52 +284,13 @@ impl<P: System> GuardWatch<P> {
         is_clear
     }
 
-    /// Whether the guards need not be compared with their cubics on a step of size `h`.
-    pub(crate) fn knows(&self, h: f64) -> bool {
-        h.abs() <= LONGER * self.followed
-    }
-
-    /// Whether all guards follow their cubics on `step`: between its ends they differ from them by little. The states
-    /// between are those of the cubic of the states, so that a guard which moves with the states does not stray.
-    #[cold]
-    #[inline(never)]
-    fn all_follow(
-        &mut self,
-        problem: &P,
-        mode: P::Mode,
-        step: &(impl Step<P::State<f64>> + ?Sized),
-    ) -> bool {
-        let (t0, h) = (step.t0(), step.t1() - step.t0());
-        problem.guard_bounds(mode.clone(), step.t1(), step.y1(), &mut self.bounds);
-        self.strays.fill(false);
-        for theta in PROBES {
-            let ends = ((step.y0(), step.slope0()), (step.y1(), step.slope1()));
-            hermite(theta, h, ends.0, ends.1, &mut self.y);
-            problem.guards(mode.clone(), t0 + theta * h, &self.y, &mut self.values);
-            for (i, value) in self.values.as_ref().iter().enumerate() {
-                let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
-                let slopes = [g0.eps * h, g1.eps * h];
-                let off = (value - cubic_at(theta, [g0.re, g1.re], slopes)).abs();
-                let size = g0.re.abs().max(g1.re.abs()).max(value.abs());
-                // A guard that is not a number strays.
-                let follows = off <= STRAYS * size + self.bounds.as_ref()[i];
-                self.strays[i] |= !follows;
-            }
-        }
-        let all = !self.strays.contains(&true);
-        if all {
-            self.followed = h.abs();
-        }
-        all
-    }
-
     /// The guard that falls first on a step that [`is_clear`](Self::is_clear) could not clear. The time is located to
     /// within `precision` steps or the spacing of `f64`. Returns `None` where no guard falls; the end then becomes
     /// the start of the next step. Where a tolerance is given, in `doubt`, a dip counts only if it is deeper than the
     /// error of the guard that the tolerance allows.
     ///
     /// # Errors
-    /// [`Error::NonFiniteGuard`].
+    /// [`Error::NonFiniteGuard`], and [`Error::UnresolvedGuard`] for a guard that cannot be followed.
     pub fn first_to_fall(
         &mut self,
         problem: &P,
@@ -494,41 +465,6 @@ impl<P: System> GuardWatch<P> {
             top = k;
         }
         (at(top), None)
-    }
-
-    /// The same as [`dip`](Self::dip) for a guard that strays from its cubic.
-    #[cold]
-    fn march(
-        &mut self,
-        problem: &P,
-        mode: P::Mode,
-        step: &dyn Step<P::State<f64>>,
-        i: usize,
-    ) -> Result<(f64, Option<f64>), Error> {
-        let (t0, h) = (step.t0(), step.t1() - step.t0());
-        let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
-        let size = g0.re.abs().max(g1.re.abs());
-        // The first interval is short beside the time in which the rates at the ends change the guard by its size.
-        let turn = size / ((g0.eps * h).abs().max((g1.eps * h).abs()));
-        let first = if turn > 0.0 { FIRST_INTERVAL.min(0.1 * turn) } else { FIRST_INTERVAL };
-        let (bound, from) = (self.bounds.as_ref()[i], self.disproved[i]);
-        let margin = 0.5 * bound + self.doubts.as_ref()[i];
-        let g =
-            |theta: f64| self.clearance_on(problem, mode.clone(), step, i, t0 + theta * h) + margin;
-        let slopes = (from == 0.0 && g0.eps * h < 0.0, g1.eps * h > 0.0);
-        match march::first_fall(g, from, first, bound, slopes) {
-            Found::Fall(top, below) => {
-                self.deepest[i] = below;
-                Ok((top, Some(below)))
-            }
-            Found::Nothing => Ok((1.0, None)),
-            Found::NotFinite => {
-                Err(Error::NonFiniteGuard { t: step.t1(), mode: format!("{mode:?}"), guard: i })
-            }
-            Found::Lost => {
-                Err(Error::UnresolvedGuard { t: t0, h, mode: format!("{mode:?}"), guard: i })
-            }
-        }
     }
 
     /// The [`clearance`](Self::clearance) of guard `i` at `t` on the step's dense output.

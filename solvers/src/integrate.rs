@@ -13,6 +13,10 @@ use crate::system::{Next, System, Vector};
 /// Largest number of transitions at one instant, unless twice the number of guards is larger. Beyond it the run ends
 /// in [`Error::Chatter`].
 const CHATTER: usize = 16;
+/// What to change where one guard stays violated after its own transition, and where modes hand over to each other.
+const UNPROJECTED: &str = "it stays violated after its own transition; put the state on the surface there, or state a larger rounding bound";
+const HANDED_OVER: &str =
+    "two modes hand over to each other; give the model the sliding or sticking mode between them";
 /// Events are held to accumulate where this many in a row, or twice as many as there are guards, …
 const STORM: usize = 100;
 /// … lie within this fraction of the time since the integration's start, …
@@ -50,7 +54,8 @@ impl<'a, P: System> Integration<'a, P> {
     /// # Errors
     /// [`Error::BadArgument`] for a `t_end` that is not finite, [`Error::NonFinite`] for a start that is not finite,
     /// [`Error::Chatter`] for transitions at one instant that do not end, [`Error::EventStorm`] for events that
-    /// accumulate to no [limit](System::accumulation), and any error of a step.
+    /// accumulate to no [limit](System::accumulation), [`Error::BadGuardBound`] for a rounding bound that is not above
+    /// zero, any error of the recorder's [beginning](Record::begin), and any error of a step.
     pub fn run(
         &mut self,
         t_end: f64,
@@ -86,6 +91,7 @@ impl<'a, P: System> Integration<'a, P> {
         t_end: f64,
         record: &mut dyn Record<P>,
     ) -> Result<Option<Outcome>, Error> {
+        record.begin(self.point.t, t_end)?;
         match self.transitions.begin(self.problem, &self.point, t_end)? {
             Some(guard) => self.pass(PhaseEnd::Guard(guard), record),
             None => Ok(None),
@@ -165,7 +171,7 @@ impl<P: System> Transitions<P> {
     }
 
     fn violated(&mut self, problem: &P, point: &Point<P>) -> Result<Option<usize>, Error> {
-        self.watch.violated(problem, point.mode.clone(), point.t, &point.y)
+        self.watch.violated_on_entry(problem, point.mode.clone(), point.t, &point.y)
     }
 
     /// Makes the transition of `guard`, and then of every guard that is violated afterwards at the same instant, one
@@ -178,10 +184,13 @@ impl<P: System> Transitions<P> {
         stats: &mut Stats,
         record: &mut dyn Record<P>,
     ) -> Result<Option<Outcome>, Error> {
-        let mut last = (at.mode.clone(), guard);
+        let first = (at.mode.clone(), guard);
+        let mut last = first.clone();
+        let mut repeats = true;
         let most = CHATTER.max(2 * problem.n_guards());
         for _ in 0..most {
             last = (at.mode.clone(), guard);
+            repeats &= last == first;
             let after = problem.transition(at.mode.clone(), guard, at.t, at.y);
             let mut outcome = enter(&mut at, guard, after, stats, record)?;
             if outcome.is_none()
@@ -204,7 +213,8 @@ impl<P: System> Transitions<P> {
             }
         }
         let (mode, guard) = last;
-        Err(Error::Chatter { t: at.t.value(), n: most, mode: format!("{mode:?}"), guard })
+        let cure = if repeats { UNPROJECTED } else { HANDED_OVER };
+        Err(Error::Chatter { t: at.t.value(), n: most, mode: format!("{mode:?}"), guard, cure })
     }
 
     /// Notes an event at `t`. Where the last events accumulate, returns the time between the first and the last of

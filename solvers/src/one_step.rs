@@ -322,6 +322,11 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             Control::Fixed(_) => (STRETCH_FIXED, 0.0),
             Control::Adaptive(_) => (STRETCH_ADAPTIVE, LEAST_START * point.t.abs()),
         };
+        if let &Control::Fixed(h) = self.controller.control()
+            && t_end + h == t_end
+        {
+            return Err(underflow(point, h));
+        }
         self.method.restart(problem, mode.clone(), point.t, &point.y, stats);
         check_finite(point, self.method.step().slope0())?;
         self.watch.begin(problem, mode, point.t, &point.y, self.method.step().slope0());

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use crate::error::Error;
 use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{Next, System};
@@ -65,6 +66,14 @@ pub const REJECTIONS_A_LOOK: u64 = 64;
 /// [between](Record::passed), and is called now and then while attempts are [rejected](Record::rejected). [`ControlFlow::Break`] ends the run as
 /// [`Interrupted`](crate::Outcome::Interrupted).
 pub trait Record<P: System> {
+    /// A run from `t0` towards `t_end` begins.
+    ///
+    /// # Errors
+    /// The recorder's own, where it cannot record this run.
+    fn begin(&mut self, _t0: f64, _t_end: f64) -> Result<(), Error> {
+        Ok(())
+    }
+
     /// A step was accepted.
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()>;
 
@@ -113,6 +122,11 @@ impl<P: System> Record<P> for () {
 
 /// Two recorders of the same run; either may end it.
 impl<P: System, A: Record<P>, B: Record<P>> Record<P> for (A, B) {
+    fn begin(&mut self, t0: f64, t_end: f64) -> Result<(), Error> {
+        self.0.begin(t0, t_end)?;
+        self.1.begin(t0, t_end)
+    }
+
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let first = self.0.step(accepted);
         let second = self.1.step(accepted);
@@ -144,6 +158,10 @@ impl<P: System, A: Record<P>, B: Record<P>> Record<P> for (A, B) {
 
 /// A recorder, or none.
 impl<P: System, R: Record<P>> Record<P> for Option<R> {
+    fn begin(&mut self, t0: f64, t_end: f64) -> Result<(), Error> {
+        self.as_mut().map_or(Ok(()), |record| record.begin(t0, t_end))
+    }
+
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         self.as_mut().map_or(ControlFlow::Continue(()), |record| record.step(accepted))
     }
@@ -166,6 +184,10 @@ impl<P: System, R: Record<P>> Record<P> for Option<R> {
 }
 
 impl<P: System, R: Record<P> + ?Sized> Record<P> for &mut R {
+    fn begin(&mut self, t0: f64, t_end: f64) -> Result<(), Error> {
+        (**self).begin(t0, t_end)
+    }
+
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         (**self).step(accepted)
     }

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use crate::error::Error;
 use crate::record::{Accepted, Event, Needs, Record};
 use crate::system::{Next, System, Vector};
 
@@ -73,6 +74,23 @@ impl<Y, M> Trajectory<Y, M> {
 }
 
 impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
+    /// # Errors
+    /// [`Error::BadArgument`] for a sample time that is not a number, before the start, or not after the one before it.
+    fn begin(&mut self, t0: f64, t_end: f64) -> Result<(), Error> {
+        let Grid::Times(times) = &self.grid else { return Ok(()) };
+        let ahead = (t_end - t0).signum();
+        let mut before = t0;
+        for (i, &t) in times[self.next..].iter().enumerate() {
+            let is_in_order = (t - before) * ahead > 0.0 || i == 0 && t == t0;
+            if !is_in_order {
+                let allowed = "sample times must be finite, not before the start, each after the one before it";
+                return Err(Error::BadArgument { name: "sample time", value: t, allowed });
+            }
+            before = t;
+        }
+        Ok(())
+    }
+
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let (step, mode) = (accepted.step, accepted.mode.clone());
         match &self.grid {

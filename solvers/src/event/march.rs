@@ -25,8 +25,8 @@ pub(super) enum Found {
     /// The guard falls between the first fraction of the step, where it is above zero, and the second, where it is
     /// below.
     Fall(f64, f64),
-    /// It does not fall.
-    Nothing,
+    /// It does not fall; the fraction of the step at which it is largest after its last minimum.
+    Nothing(f64),
     /// It is not a number at this fraction of the step.
     NotFinite,
     /// It moves too fast to be followed.
@@ -108,7 +108,7 @@ pub(super) fn first_fall(
             return Found::Fall(top.theta, theta);
         }
     }
-    Found::Nothing
+    Found::Nothing(top.theta)
 }
 
 /// How far the vertex of the parabola through three values is below the middle one, the least of them.
@@ -151,7 +151,7 @@ mod tests {
                     let period = TAU / omega;
                     assert!(above < fall && fall < below && below < fall + 0.5 * period, "{k}");
                 }
-                Found::Nothing => assert!(fall > 1.0, "{k}"),
+                Found::Nothing(_) => assert!(fall > 1.0, "{k}"),
                 other => panic!("{k}: {other:?}"),
             }
         }
@@ -181,19 +181,16 @@ mod tests {
 
     #[test]
     fn a_guard_that_is_far_or_touches_does_not_fall() {
-        assert_eq!(
-            first_fall(|s| 2.0 + (500.0 * s).sin(), 0.0, 1e-3, 0.0, (false, false)),
-            Found::Nothing
-        );
-        assert_eq!(
-            first_fall(|s| 1.0 + (50.0 * s).cos() + 1e-9, 0.0, 1e-3, 0.0, (false, false)),
-            Found::Nothing
-        );
-        assert_eq!(
-            first_fall(|s| (s - 0.37).abs(), 0.0, 1e-3, 0.0, (false, false)),
-            Found::Nothing
-        );
-        assert_eq!(first_fall(|_| 0.0, 0.0, 1e-3, 0.0, (false, false)), Found::Nothing);
+        let guards: [fn(f64) -> f64; 4] = [
+            |s| 2.0 + (500.0 * s).sin(),
+            |s| 1.0 + (50.0 * s).cos() + 1e-9,
+            |s| (s - 0.37).abs(),
+            |_| 0.0,
+        ];
+        for g in guards {
+            let found = first_fall(g, 0.0, 1e-3, 0.0, (false, false));
+            assert!(matches!(found, Found::Nothing(_)), "{found:?}");
+        }
     }
 
     #[test]

@@ -38,6 +38,9 @@ use crate::tableau::Tableau;
 use crate::taylor::{self, TaylorMethod};
 use crate::tolerance::Tolerance;
 
+/// Smallest relative tolerance of a run in `f64`.
+const LEAST_RTOL: f64 = 1e-15;
+
 /// A method: its name, and what it is made of.
 #[derive(Debug)]
 pub struct Method {
@@ -341,6 +344,10 @@ impl Method {
         match control {
             Control::Adaptive(_) if self.is_fixed_step() => {
                 Err(Error::BadControl { method: self.name, needs: "a fixed step" })
+            }
+            Control::Adaptive(tolerance) if tolerance.rtol < LEAST_RTOL => {
+                let allowed = "f64 has no digits below 1e-15";
+                Err(Error::BadArgument { name: "rtol", value: tolerance.rtol, allowed })
             }
             Control::Adaptive(tolerance) => tolerance.check(n),
             Control::Fixed(h) if !(h.is_finite() && *h > 0.0) => {

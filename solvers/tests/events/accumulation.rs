@@ -16,7 +16,8 @@ fn two_modes_that_hand_over_without_moving_are_chatter() {
         let error = outcome.unwrap_err();
         assert_eq!(log.events.len(), 16);
         let (mode, guard) = (format!("{:?}", log.events[15].2), log.events[15].1);
-        assert_eq!(error, Error::Chatter { t: 0.5, n: 16, mode, guard });
+        let cure = "two modes hand over to each other; give the model the sliding or sticking mode between them";
+        assert_eq!(error, Error::Chatter { t: 0.5, n: 16, mode, guard, cure });
     }
 }
 

@@ -16,6 +16,7 @@ mod fast;
 mod modes;
 mod not_finite;
 mod recorder;
+mod refused;
 mod rejecting;
 mod resets;
 mod runs;

@@ -1,0 +1,101 @@
+//! Guards that move faster than the states: which do, and where they fall.
+
+use super::GuardWatch;
+use super::march::{self, Found};
+use super::shape::cubic_at;
+use crate::dense::hermite;
+use crate::error::Error;
+use crate::step::Step;
+use crate::system::System;
+
+/// Fractions of a step at which the guards are compared with their cubics. No two distances between them have a simple
+/// ratio, so that no sine of many periods has the values of a cubic at all of them.
+const PROBES: [f64; 5] = [0.14, 0.318, 0.53, 0.69, 0.91];
+/// A guard strays where it differs from its cubic by more than this fraction of its size. A sine that is as large as its
+/// range is seen to follow its cubic over 3.3 radians at most, where the middle of the step is a zero of it.
+const STRAYS: f64 = 1.0 / 64.0;
+/// Guards are compared with their cubics anew on a step longer than the longest compared before by this factor. So no
+/// sine is searched for by the polynomial of degree six over more than three quarters of a period.
+const LONGER: f64 = 4.0 / 3.0;
+/// The march after a guard that strays begins with an interval of this fraction of the step, or less.
+const FIRST_INTERVAL: f64 = 1.0 / 1024.0;
+
+impl<P: System> GuardWatch<P> {
+    /// Whether the guards need not be compared with their cubics on a step of size `h`.
+    pub(crate) fn knows(&self, h: f64) -> bool {
+        h.abs() <= LONGER * self.followed
+    }
+
+    /// Whether all guards follow their cubics on `step`: between its ends they differ from them by little. The states
+    /// between are those of the cubic of the states, so that a guard which moves with the states does not stray.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn all_follow(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &(impl Step<P::State<f64>> + ?Sized),
+    ) -> bool {
+        let (t0, h) = (step.t0(), step.t1() - step.t0());
+        problem.guard_bounds(mode.clone(), step.t1(), step.y1(), &mut self.bounds);
+        self.strays.fill(false);
+        for theta in PROBES {
+            let ends = ((step.y0(), step.slope0()), (step.y1(), step.slope1()));
+            hermite(theta, h, ends.0, ends.1, &mut self.y);
+            problem.guards(mode.clone(), t0 + theta * h, &self.y, &mut self.values);
+            for (i, value) in self.values.as_ref().iter().enumerate() {
+                let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
+                let slopes = [g0.eps * h, g1.eps * h];
+                let off = (value - cubic_at(theta, [g0.re, g1.re], slopes)).abs();
+                let size = g0.re.abs().max(g1.re.abs()).max(value.abs());
+                // A guard that is not a number strays.
+                let follows = off <= STRAYS * size + self.bounds.as_ref()[i];
+                self.strays[i] |= !follows;
+            }
+        }
+        let all = !self.strays.contains(&true);
+        if all {
+            self.followed = h.abs();
+        }
+        all
+    }
+
+    /// Position of the maximum of guard `i` before its first fall on the dense output, and of a point below, in
+    /// fractions of the step; `None` where it does not fall. For a guard that strays from its cubic.
+    ///
+    /// # Errors
+    /// [`Error::NonFiniteGuard`], and [`Error::UnresolvedGuard`] for a guard that cannot be followed.
+    #[cold]
+    pub(super) fn march(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        i: usize,
+    ) -> Result<(f64, Option<f64>), Error> {
+        let (t0, h) = (step.t0(), step.t1() - step.t0());
+        let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
+        let size = g0.re.abs().max(g1.re.abs());
+        // The first interval is short beside the time in which the rates at the ends change the guard by its size.
+        let turn = size / ((g0.eps * h).abs().max((g1.eps * h).abs()));
+        let first = if turn > 0.0 { FIRST_INTERVAL.min(0.1 * turn) } else { FIRST_INTERVAL };
+        let (bound, from) = (self.bounds.as_ref()[i], self.disproved[i]);
+        let margin = 0.5 * bound + self.doubts.as_ref()[i];
+        let g =
+            |theta: f64| self.clearance_on(problem, mode.clone(), step, i, t0 + theta * h) + margin;
+        let slopes = (from == 0.0 && g0.eps * h < 0.0, g1.eps * h > 0.0);
+        match march::first_fall(g, from, first, bound, slopes) {
+            Found::Fall(top, below) => {
+                self.deepest[i] = below;
+                Ok((top, Some(below)))
+            }
+            Found::Nothing(top) => Ok((top, None)),
+            Found::NotFinite => {
+                Err(Error::NonFiniteGuard { t: step.t1(), mode: format!("{mode:?}"), guard: i })
+            }
+            Found::Lost => {
+                Err(Error::UnresolvedGuard { t: t0, h, mode: format!("{mode:?}"), guard: i })
+            }
+        }
+    }
+}
