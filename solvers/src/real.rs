@@ -37,6 +37,41 @@ pub trait Real:
     /// Sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);
 
+    /// Sine of an angle in radians. Where the cosine is needed too, [`sin_cos`](Self::sin_cos) costs half.
+    #[inline(always)]
+    fn sin(self) -> Self {
+        self.sin_cos().0
+    }
+
+    /// Cosine of an angle in radians.
+    #[inline(always)]
+    fn cos(self) -> Self {
+        self.sin_cos().1
+    }
+
+    /// Tangent of an angle in radians.
+    #[inline(always)]
+    fn tan(self) -> Self {
+        let (sin, cos) = self.sin_cos();
+        sin / cos
+    }
+
+    /// `selfⁿ`, by products of squares; one for `n = 0`.
+    #[inline]
+    fn powi(self, n: u32) -> Self {
+        let (mut power, mut square, mut n) = (None::<Self>, self, n);
+        while n > 0 {
+            if n % 2 == 1 {
+                power = Some(power.map_or(square, |power| power * square));
+            }
+            n /= 2;
+            if n > 0 {
+                square = square * square;
+            }
+        }
+        power.unwrap_or(Self::cst(1.0))
+    }
+
     /// Exponential.
     fn exp(self) -> Self;
 
@@ -325,6 +360,11 @@ mod tests {
             (Real::sqrt(d).eps, 0.5 / x.sqrt()),
             (sin.eps, x.cos()),
             (cos.eps, -x.sin()),
+            (Real::sin(d).eps, x.cos()),
+            (Real::cos(d).eps, -x.sin()),
+            (Real::tan(d).eps, 1.0 + x.tan() * x.tan()),
+            (Real::powi(d, 0).eps, 0.0),
+            (Real::powi(d, 5).eps, 5.0 * x.powi(4)),
             (Real::exp(d).eps, x.exp()),
             (Real::ln(d).eps, 1.0 / x),
             (Real::powf(d, 1.5).eps, 1.5 * x.sqrt()),

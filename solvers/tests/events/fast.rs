@@ -26,7 +26,7 @@ impl System for Hum {
     }
 
     fn guards<S: Real>(&self, (is_high, _): (bool, u32), t: S, _y: &[S; 2], g: &mut [S; 1]) {
-        let value = (t * self.omega + self.phase).sin_cos().0 + self.level;
+        let value = (t * self.omega + self.phase).sin() + self.level;
         *g = [if is_high { value } else { -value }];
     }
 
