@@ -101,6 +101,11 @@ impl Place {
     }
 }
 
+/// A number between 0 and 1 drawn for a run, from a stream that no key has.
+pub(super) fn unit_of_run(seed: u64, run: u64) -> f64 {
+    between(mixed(mixed(seed, u64::MAX), run))
+}
+
 /// The output number `i` of the generator SplitMix64 that starts at `seed`.
 ///
 /// G. L. Steele, D. Lea, C. H. Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014, figure 17; its state

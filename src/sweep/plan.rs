@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::draw::{Law, Place, Sampling};
+use super::draw::{Law, Place, Sampling, unit_of_run};
 use super::saltelli;
 
 /// What a sweep runs.
@@ -146,10 +146,10 @@ pub struct Draw {
 }
 
 impl Plan {
-    /// Whether the error of a run is estimated: of evenly many of any runs in a row.
+    /// Whether the error of a run is estimated: drawn for each run, so that it follows no axis of the grid.
     pub fn is_checked(&self, run: u64) -> bool {
-        let before = |n: u64| libm::floor(self.check * n as f64);
-        before(run + 1) > before(run)
+        let seed = self.random.as_ref().map_or(0, |random| random.seed);
+        unit_of_run(seed, run) < self.check
     }
 
     /// The keys that it sets, in the order of their columns.

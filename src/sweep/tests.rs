@@ -400,13 +400,15 @@ fn a_part_of_the_runs_has_its_error_estimated() {
     let mut rows = String::new();
     let mut runner = sweep.runner();
     (0..sweep.n_runs).for_each(|run| drop(runner.some(run..run + 1, &mut rows)));
+    let mut checked = [0; 2];
     for (run, row) in rows.lines().enumerate() {
         let fields: Vec<&str> = row.split(',').collect();
         let [horizon, e, events] = fields[place..] else { panic!("{row}") };
-        if run % 4 != 3 {
+        if !sweep.plan.is_checked(run as u64) {
             assert_eq!([horizon, e, events], [""; 3], "{row}");
             continue;
         }
+        checked[run / 8] += 1;
         assert_eq!(horizon, "4e-1");
         let e: f64 = e.parse().unwrap();
         // Measured: 0.4 to 3 with 2 to 6 events too many, and 4e-9 to 1e-8.
@@ -415,6 +417,23 @@ fn a_part_of_the_runs_has_its_error_estimated() {
         } else {
             assert!(e < 1e-6 && events == "yes", "{row}");
         }
+    }
+    assert!(checked.iter().all(|n| *n > 0), "{checked:?}");
+}
+
+#[test]
+fn runs_that_are_checked_follow_no_axis() {
+    let scratch = Scratch::new();
+    let plan = "check = 0.5\n\
+                [[axis]]\nkey = \"contact.damping\"\nlinear = [0, 300]\npoints = 500\n\
+                [[axis]]\nkey = \"solver.rtol\"\nvalues = [1e-4, 1e-8]\n";
+    let sweep = scratch.sweep(plan, &[]).unwrap();
+    let of_rtol = |i: u64| (0..500).filter(|k| sweep.plan.is_checked(2 * k + i)).count();
+    // Of 500 draws at 1/2: a standard deviation of 11.
+    assert!([0, 1].map(of_rtol).iter().all(|n| n.abs_diff(250) < 40), "{:?}", [0, 1].map(of_rtol));
+    for (check, expected) in [(0.0, 0), (1.0, 1000)] {
+        let plan = Plan { check, ..sweep.plan.clone() };
+        assert_eq!((0..1000).filter(|run| plan.is_checked(*run)).count(), expected);
     }
 }
 
