@@ -136,9 +136,10 @@ pub fn tight_runs(subject: &Subject, spans: &[Span], stop: &AtomicBool) -> Tight
 pub struct Estimate {
     /// How far the motion is predictable.
     pub horizon: Horizon,
-    /// Its error `e` up to there; none where that is not known.
+    /// Its error `e` up to there; none where the tight runs of a part were broken off before.
     pub e: Option<f64>,
-    /// Whether it has their events for as long as these are certain; none of a run that locates none.
+    /// Whether it has their events for as long as these are certain; none where the tight runs of a part were broken off
+    /// before the horizon, and of a run that locates no events.
     pub has_events: Option<bool>,
 }
 
@@ -149,35 +150,14 @@ pub fn estimate(
     spans: &[Span],
     stop: &AtomicBool,
 ) -> Estimate {
-    let pairs = Pairs::new(subject, spans, 1, stop);
-    let (tight, largest) = (pairs.told(), pairs.largest());
-    let until = match tight.horizon {
-        Horizon::WholeRun => Some(f64::INFINITY),
-        Horizon::LostAt(t) => Some(t),
-        Horizon::NotMeasured => None,
-    };
-    let (mut e, mut has_events) = (0.0, true);
-    for (i, (pair, span)) in pairs.0.iter().zip(spans).enumerate() {
-        let Some(pair) = pair else { continue };
-        let mut bound = Bound { setting, most: f64::INFINITY, stop };
-        let (run, trace) =
-            pair.part.run(setting, Start::Exact, span.reached, &pair.grid, &mut bound);
-        e = worse(e, pair.error(&trace, until.unwrap_or(0.0), &largest));
-        has_events &= tight.warning(subject, i, &trace.changes, run.t).is_none();
-    }
-    let is_located = setting.events == Events::Located;
-    Estimate {
-        horizon: tight.horizon,
-        e: until.map(|_| e),
-        has_events: is_located.then_some(has_events),
-    }
+    Pairs::new(subject, spans, 1, stop).judged(subject, setting, spans, stop)
 }
 
 /// The tight runs of each part; none of one that was not run.
 struct Pairs<'a>(Vec<Option<Pair<'a>>>);
 
 impl<'a> Pairs<'a> {
-    /// Makes them on at most two `threads`.
+    /// Makes both runs of each part, at the same time where `threads` is two.
     fn new(subject: &'a Subject, spans: &[Span], threads: usize, stop: &AtomicBool) -> Self {
         let parts = subject.parts.iter().zip(spans);
         Self(parts.map(|(part, span)| pair(part, *span, threads, stop)).collect())
@@ -202,6 +182,36 @@ impl<'a> Pairs<'a> {
             horizon,
             events: self.0.iter().map(|pair| Some(pair.as_ref()?.events())).collect(),
         }
+    }
+
+    /// The estimate of a run of `subject` at `setting` over `spans`, which is made once more.
+    fn judged(
+        &self,
+        subject: &Subject,
+        setting: &Setting,
+        spans: &[Span],
+        stop: &AtomicBool,
+    ) -> Estimate {
+        let (tight, largest) = (self.told(), self.largest());
+        let unknown = Estimate { horizon: tight.horizon, e: None, has_events: None };
+        let until = match tight.horizon {
+            Horizon::WholeRun => f64::INFINITY,
+            Horizon::LostAt(t) => t,
+            Horizon::NotMeasured => return unknown,
+        };
+        let (mut e, mut has_events) = (0.0, true);
+        for (i, (pair, span)) in self.0.iter().zip(spans).enumerate() {
+            let Some(pair) = pair.as_ref().filter(|pair| pair.reaches(until)) else {
+                return unknown;
+            };
+            let mut bound = Bound { setting, most: f64::INFINITY, stop };
+            let (run, trace) =
+                pair.part.run(setting, Start::Exact, span.reached, &pair.grid, &mut bound);
+            e = worse(e, pair.error(&trace, until, &largest));
+            has_events &= tight.warning(subject, i, &trace.changes, run.t).is_none();
+        }
+        let is_located = setting.events == Events::Located;
+        Estimate { e: Some(e), has_events: is_located.then_some(has_events), ..unknown }
     }
 }
 
@@ -260,6 +270,11 @@ impl Pair<'_> {
         let is_whole =
             |run: &PartRun| matches!(run.outcome, Ok(Outcome::Finished | Outcome::Stopped));
         is_whole(&self.own.0) && is_whole(&self.nudged.0)
+    }
+
+    /// Whether both came to their end, or at least to the time `t` [s].
+    fn reaches(&self, t: f64) -> bool {
+        self.is_whole() || self.own.0.t.min(self.nudged.0.t) >= t
     }
 }
 
@@ -321,7 +336,64 @@ impl Brake for Bound<'_> {
 
 #[cfg(test)]
 mod tests {
+    use deltazero_solvers::Method;
+    use deltazero_solvers::problems::{CompliantBall, Exit};
+
     use super::*;
+    use crate::run::Accuracy;
+
+    static RUNNING: AtomicBool = AtomicBool::new(false);
+
+    /// Two balls between walls with a run of each at rtol 1e-9 over 0.1 s, in which each hits both walls.
+    fn two_balls() -> (Subject, Setting, [Span; 2]) {
+        let ball = |speed: f64| CompliantBall {
+            mass: 6.0,
+            stiffness: 1e7,
+            damping: 20.0,
+            exit: Exit::Penetration,
+            gap: 2e-4,
+            start: [1e-4, -speed],
+        };
+        let parts = [1e-2, 2e-2].map(|speed| Part::new(ball(speed))).to_vec();
+        let method = Method::named("rk45").unwrap();
+        let accuracy = Accuracy::Rtol(1e-9, None);
+        let setting = Setting { method, events: Events::Located, accuracy };
+        (Subject { parts }, setting, [Span { t_end: 0.1, reached: 0.1, work: 1e4 }; 2])
+    }
+
+    #[test]
+    fn where_no_tight_run_came_to_the_end_nothing_is_said_of_error_and_events() {
+        let (subject, setting, spans) = two_balls();
+        let whole = estimate(&subject, &setting, &spans, &RUNNING);
+        assert_eq!((whole.horizon, whole.has_events), (Horizon::WholeRun, Some(true)));
+        // Measured: 9.2e-7.
+        assert!(whole.e.is_some_and(|e| e < 5e-6), "{whole:?}");
+        // Each run is broken off after its first step.
+        let none = estimate(&subject, &setting, &spans, &AtomicBool::new(true));
+        assert_eq!(none, Estimate { horizon: Horizon::NotMeasured, e: None, has_events: None });
+    }
+
+    #[test]
+    fn a_part_that_was_not_followed_to_the_horizon_leaves_the_error_unknown() {
+        let (subject, setting, spans) = two_balls();
+        let judged = |reached: f64| {
+            let mut pairs = Pairs::new(&subject, &spans, 1, &RUNNING);
+            let [Some(lost), Some(broken_off)] = &mut pairs.0[..] else { panic!("no tight runs") };
+            let at = lost.own.1.times.iter().position(|t| *t >= 0.05).unwrap();
+            lost.nudged.1.states[at..].iter_mut().for_each(|y| y[0] += 1e-4);
+            let (run, trace) = &mut broken_off.own;
+            (run.outcome, run.t) = (Ok(Outcome::Interrupted), reached);
+            let n = trace.times.iter().take_while(|t| **t <= reached).count();
+            trace.times.truncate(n);
+            trace.states.truncate(n);
+            pairs.judged(&subject, &setting, &spans, &RUNNING)
+        };
+        let early = judged(0.02);
+        assert!(matches!(early.horizon, Horizon::LostAt(t) if t < 0.06), "{early:?}");
+        assert_eq!((early.e, early.has_events), (None, None));
+        let late = judged(0.08);
+        assert!(late.e.is_some() && late.has_events == Some(true), "{late:?}");
+    }
 
     fn events(list: &[(f64, i8)]) -> Vec<ModeChange> {
         list.iter()
