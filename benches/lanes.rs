@@ -9,7 +9,7 @@ use std::time::Instant;
 use deltazero::config::Config;
 use deltazero::model::{Block, Joints, State};
 use deltazero::run::BlockTrajectory;
-use deltazero_solvers::{Grid, Method, Record, Stats, Trajectory};
+use deltazero_solvers::{Grid, Method, Stats, Trajectory};
 use deltazero_study::run::{Accuracy, Setting, integrate, integrate_all};
 use deltazero_study::setting::Events;
 
@@ -113,8 +113,6 @@ fn one_by_one(setting: &Setting, blocks: &[&Block], n: usize) -> Results {
 
 fn at_once(setting: &Setting, blocks: &[&Block], n: usize) -> Results {
     let (starts, mut trajectories) = begun(blocks, n);
-    let mut records: Vec<&mut dyn Record<Block>> =
-        trajectories.iter_mut().map(|own| own as _).collect();
-    let runs = integrate_all(&starts, setting, T_END, &mut records);
+    let runs = integrate_all(&starts, setting, T_END, &mut trajectories);
     runs.iter().map(|run| run.stats).zip(trajectories).collect()
 }

@@ -9,7 +9,7 @@ use common::{Golden, GoldenChain, config, located, run, run_chain, setting};
 use deltazero::model::{Block, Joints, State};
 use deltazero::run::{Run, mode_changes};
 use deltazero::study::plan::reference;
-use deltazero_solvers::{Grid, METHODS, Record, Trajectory};
+use deltazero_solvers::{Grid, METHODS, Trajectory};
 use deltazero_study::Problem as _;
 use deltazero_study::errors::{ErrorScale, ScaledGroup, match_events};
 use deltazero_study::part::counted;
@@ -253,9 +253,7 @@ fn at_once_has_same_bits(
 ) {
     let fresh = || Trajectory::on(grid.clone());
     let mut trajectories: Vec<_> = runs.iter().map(|_| fresh()).collect();
-    let mut records: Vec<&mut dyn Record<Block>> =
-        trajectories.iter_mut().map(|own| own as _).collect();
-    let at_once = integrate_all(runs, setting, t_end, &mut records);
+    let at_once = integrate_all(runs, setting, t_end, &mut trajectories);
     for (((block, y), run), trajectory) in runs.iter().zip(&at_once).zip(&trajectories) {
         let mut own = fresh();
         let alone = integrate(*block, setting, *y, t_end, &mut own);
@@ -324,6 +322,18 @@ fn both_joints_at_once_have_the_bits_of_one_after_the_other() {
             }
         }
     }
+}
+
+#[test]
+fn a_run_unlike_the_others_leaves_them_at_once() {
+    let mechanism = Joints::new(&config(&["joint2.contact.law=hunt_crossley"]));
+    let blocks = mechanism.blocks();
+    let runs: Vec<_> = [0, 1, 0].map(|i| (blocks[i], blocks[i].initial_state())).to_vec();
+    let setting = located("rk45", 1e-6);
+    let grid = Grid::uniform(0.01, 0.2);
+    at_once_has_same_bits(&runs, &setting, &grid, 0.2, &["hunt_crossley between two"]);
+    let at_once = integrate_all(&runs, &setting, 0.2, &mut [(); 3]);
+    assert_eq!(at_once.iter().map(|run| run.batch).collect::<Vec<_>>(), [2, 1, 2]);
 }
 
 #[test]

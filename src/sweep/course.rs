@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use deltazero_solvers::Outcome;
 use deltazero_study::brief::{Brief, briefs};
 use deltazero_study::horizon::{Estimate, Span, estimate};
-use deltazero_study::run::{Brake, Limit, Limits, Price, Setting, Watch};
+use deltazero_study::run::{Limit, Limits, Price, Setting, Watch};
 use deltazero_study::selection::work;
 use deltazero_study::{Part, Subject};
 
@@ -127,9 +127,8 @@ pub(super) fn make(courses: &mut [&mut Course], audit: bool) {
 fn make_parts(parts: Vec<Next<'_>>, setting: &Setting, t_end: f64, audit: bool) {
     let price = Price::of_setting(setting);
     let mut watches: Vec<Watch<'_>> = parts.iter().map(|(own, _)| own.left.watch(price)).collect();
-    let mut brakes: Vec<&mut dyn Brake> = watches.iter_mut().map(|own| own as _).collect();
     let list: Vec<&Part> = parts.iter().map(|(_, part)| part).collect();
-    let made = caught(|| briefs(&list, setting, t_end, audit, &mut brakes));
+    let made = caught(|| briefs(&list, setting, t_end, audit, &mut watches));
     let are_several = parts.len() > 1;
     let alone = |part| make_parts(vec![part], setting, t_end, audit);
     match made {

@@ -69,12 +69,12 @@ pub(crate) fn shape<P: Problem>(problem: &P, audit: bool) -> BriefShape {
 ///
 /// # Panics
 /// Where there are fewer brakes than parts.
-pub fn briefs(
+pub fn briefs<B: Brake>(
     parts: &[&Part],
     setting: &Setting,
     t_end: f64,
     audit: bool,
-    brakes: &mut [&mut dyn Brake],
+    brakes: &mut [B],
 ) -> Vec<Brief> {
     by_kind(parts, brakes, |first, all, brakes| first.briefs(all, setting, t_end, audit, brakes))
 }
@@ -98,8 +98,7 @@ pub(crate) fn briefs_of<'a, P: Problem>(
     for (own, brake) in begun.iter().zip(brakes) {
         records.push((audit(own), (Braked(&mut **brake), Counts::new(own.0))));
     }
-    let mut shown: Vec<&mut dyn Record<P>> = records.iter_mut().map(|own| own as _).collect();
-    let runs = integrate_all(&begun, setting, t_end, &mut shown);
+    let runs = integrate_all(&begun, setting, t_end, &mut records);
     let brief = |((problem, run), (audit, (_, counts))): ((&&P, _), (_, (_, Counts<'_, P>)))| {
         brief(*problem, setting, run, audit, &counts.of_site)
     };

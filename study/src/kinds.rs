@@ -3,16 +3,20 @@
 use crate::part::{Part, Runs};
 use crate::run::Brake;
 
-/// Gives `work` the parts of each type, with the first of them apart and with their brakes, and returns what it makes of
-/// each in the order of `parts`.
-pub(crate) fn by_kind<T>(
+/// Sorts `parts` by their types, calls `work` once for each type, and returns what it makes of each part in the order of
+/// `parts`. `work` is given the first part of the type, all parts of it with that one among them, and their brakes.
+///
+/// # Panics
+/// Where there are fewer brakes than parts.
+pub(crate) fn by_kind<T, B: Brake>(
     parts: &[&Part],
-    brakes: &mut [&mut dyn Brake],
+    brakes: &mut [B],
     mut work: impl FnMut(&dyn Runs, &[&dyn Runs], &mut [&mut dyn Brake]) -> Vec<T>,
 ) -> Vec<T> {
+    assert!(brakes.len() >= parts.len(), "a part needs a brake");
     let mut left: Vec<(usize, &dyn Runs, &mut dyn Brake)> = Vec::with_capacity(parts.len());
     for (i, (part, brake)) in parts.iter().zip(brakes).enumerate() {
-        left.push((i, &*part.runs, &mut **brake));
+        left.push((i, &*part.runs, brake));
     }
     let mut made = Vec::with_capacity(parts.len());
     while let Some(first) = left.first().map(|(_, runs, _)| *runs) {

@@ -4,7 +4,7 @@ use std::any::{Any, TypeId};
 use std::fmt;
 use std::sync::Arc;
 
-use deltazero_solvers::{Grid, Outcome, Record, Trajectory};
+use deltazero_solvers::{Grid, Outcome, Trajectory};
 
 use crate::brief::{Brief, BriefShape, briefs_of, shape};
 use crate::check::{ProblemError, check};
@@ -15,7 +15,7 @@ use crate::problem::{EndName, Group, Problem, Quantity, nudged};
 use crate::reference::{Maker, PartReference, Path, ReferenceError, path};
 use crate::run::{
     Brake, Braked, Limits, ModeChange, OwnRun, PartRun, Price, Setting, Took, integrate,
-    integrate_all, is_for_batches,
+    integrate_all, is_at_once,
 };
 use crate::simulation::{Asked, Simulation, SiteMotion, motion_with_touches, simulate};
 use crate::steps::step_size::{Steps, steps};
@@ -127,7 +127,7 @@ impl<P: Problem + 'static> Runs for P {
     }
 
     fn runs_at_once(&self, setting: &Setting) -> bool {
-        is_for_batches(setting) && Problem::runs_at_once(self)
+        is_at_once(self, setting)
     }
 
     fn traces(
@@ -145,8 +145,7 @@ impl<P: Problem + 'static> Runs for P {
         for brake in brakes {
             records.push((Trajectory::on(grid.clone()), Braked(&mut **brake)));
         }
-        let mut shown: Vec<&mut dyn Record<P>> = records.iter_mut().map(|own| own as _).collect();
-        let runs = integrate_all(&begun, setting, t_end, &mut shown);
+        let runs = integrate_all(&begun, setting, t_end, &mut records);
         let traced = |((own, run), (trajectory, _)): ((&&P, OwnRun<P>), &(_, _))| {
             (run.plain(), Trace::of(*own, trajectory))
         };
@@ -366,11 +365,10 @@ impl Subject {
     ) -> Option<Took> {
         let price = Price::of_setting(setting);
         let mut watches: Vec<_> = self.parts.iter().map(|_| limits.watch(price)).collect();
-        let mut brakes: Vec<&mut dyn Brake> = watches.iter_mut().map(|own| own as _).collect();
-        let runs =
-            by_kind(&self.parts.iter().collect::<Vec<_>>(), &mut brakes, |first, all, brakes| {
-                first.traces(all, setting, Start::Exact, t_end, grid, brakes)
-            });
+        let parts: Vec<&Part> = self.parts.iter().collect();
+        let runs = by_kind(&parts, &mut watches, |first, all, brakes| {
+            first.traces(all, setting, Start::Exact, t_end, grid, brakes)
+        });
         let is_whole = runs.iter().all(|(run, _)| run.outcome != Ok(Outcome::Interrupted));
         is_whole.then(|| runs.iter().map(|(run, _)| run.took).sum())
     }

@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 use crate::problem::{Problem, scales};
 pub use crate::setting::{Accuracy, Events, Setting};
 
-pub(crate) use at_once::one_by_one;
-pub use at_once::{Begun, at_once, integrate_all, is_for_batches};
+pub use at_once::{Begun, at_once, integrate_all};
+pub(crate) use at_once::{is_at_once, one_by_one};
 pub use limits::{Brake, Braked, Clock, Limit, Limits, Price, SERIES, Watch};
 pub use stopwatch::{Stopwatch, Took};
 
@@ -45,6 +45,8 @@ pub struct Ran<Y, M> {
     pub stats: Stats,
     /// Time that the integration took.
     pub took: Took,
+    /// Runs that were computed at once, this one counted; its time is an even share of theirs.
+    pub batch: usize,
 }
 
 /// What became of a run of `P`, in its own states and modes.
@@ -70,6 +72,7 @@ impl<Y: AsRef<[f64]>, M: std::fmt::Debug> Ran<Y, M> {
             mode: format!("{:?}", self.mode),
             stats: self.stats,
             took: self.took,
+            batch: self.batch,
         }
     }
 }
@@ -143,7 +146,7 @@ pub fn no_such_run<P: Problem>(problem: &P, y0: P::State<f64>, reason: &str) -> 
     finished(problem, end, Stats::default(), Err(error), Took::default())
 }
 
-/// What became of an integration that took so long.
+/// What became of an integration alone that took so long.
 pub fn ended<P: Problem>(
     problem: &P,
     run: Integration<'_, P>,
@@ -170,5 +173,5 @@ fn finished<P: Problem>(
 ) -> OwnRun<P> {
     let Point { t, y, mode } = end;
     let outcome = problem.judged(outcome, t, &mode, &y);
-    Ran { outcome, t, y, mode, stats, took }
+    Ran { outcome, t, y, mode, stats, took, batch: 1 }
 }
