@@ -11,6 +11,7 @@ use deltazero_study::energy_balance::Balance;
 use deltazero_study::errors::contact_summary::ContactSummary;
 use deltazero_study::errors::work::WorkByPhase;
 use deltazero_study::horizon::{Horizon, Span, TightRuns, tight_runs};
+use deltazero_study::part::Timing;
 use deltazero_study::run::{Limits, Price, Setting};
 use deltazero_study::selection::work;
 use deltazero_study::setting::Events;
@@ -99,9 +100,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     match outcome(&parts) {
         "failed" => Err(Failure::Run(failure(&parts))),
         "interrupted" => Err(Failure::Interrupted("what was computed until then is written")),
-        _ if stop.load(Ordering::Relaxed) => Err(Failure::Interrupted(
-            "the run is written, how far it is predictable is not measured",
-        )),
+        _ if stop.load(Ordering::Relaxed) => Err(Failure::Interrupted(written(horizon))),
         _ => Ok(()),
     }
 }
@@ -129,8 +128,8 @@ struct Alone {
 }
 
 impl Alone {
-    /// The shortest of some runs without audit and progress, where those of `parts` are short and were not broken off;
-    /// else theirs.
+    /// The shortest of some runs without audit and progress, where those of `parts` are short and neither they nor all
+    /// of these were broken off; else that of `parts`, which were run one after the other.
     fn of(
         subject: &Subject,
         setting: &Setting,
@@ -139,17 +138,17 @@ impl Alone {
         stop: &AtomicBool,
     ) -> Self {
         let wall = parts.iter().map(|part| part.own.run.took.wall).sum();
+        let audited = Self { wall, batch: 1 };
         let is_broken_off = |part: &Simulated<'_>| part.own.run.outcome == Ok(Outcome::Interrupted);
         if wall > REPLAY || parts.iter().any(is_broken_off) {
-            return Self { wall, batch: 1 };
+            return audited;
         }
         let t_end = config.run.t_end;
         let grid = Grid::uniform(config.run.sample, t_end);
         let repeats = if wall > SHORT { 1 } else { REPEATS };
         let once = |_| subject.took(setting, t_end, &grid, Limits::none(stop));
-        let took = (0..repeats).filter_map(once).map(|took| took.wall).min();
-        let batch = subject.batch(setting);
-        Self { wall: took.unwrap_or(wall), batch }
+        let shortest = (0..repeats).filter_map(once).min_by_key(|timing| timing.took.wall);
+        shortest.map_or(audited, |Timing { took, batch }| Self { wall: took.wall, batch })
     }
 }
 
@@ -179,6 +178,16 @@ fn horizon_json(horizon: Option<Horizon>) -> Value {
         Some(Horizon::LostAt(t)) => t.into(),
         Some(Horizon::WholeRun) => Value::Null,
         Some(Horizon::NotMeasured) | None => "not_measured".into(),
+    }
+}
+
+/// What there is of a run that came to its end before an interruption.
+fn written(horizon: Option<Horizon>) -> &'static str {
+    match horizon {
+        Some(Horizon::NotMeasured) => {
+            "the run is written, how far it is predictable is not measured"
+        }
+        _ => "the run is written, `wall_s` may be the time with its audit",
     }
 }
 
@@ -379,4 +388,38 @@ fn part_line(Simulated { part, own, .. }: &Simulated<'_>) -> String {
         format!("; energy residual {:.1e} J of {:.1e} J of work", balance.residual, balance.work)
     });
     format!("{name}{end}, {}{energy}\n", own.run.mode)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn after_an_interruption_the_time_is_that_of_the_parts_one_after_the_other() {
+        let sets = ["run.t_end=0.02".to_owned()];
+        let config = Config::load(None, &sets).unwrap();
+        let setting = deltazero::run::setting(&config).unwrap();
+        let subject = config.mechanism.subject(&config);
+        let (running, stopped) = (AtomicBool::new(false), AtomicBool::new(true));
+        let simulated = |part| {
+            let grid = Grid::Times(Vec::new());
+            let asked = Asked { setting: &setting, t_end: config.run.t_end, grid, tell: &|_| {} };
+            let mut watch = Limits::none(&running).watch(Price::of_setting(&setting));
+            let own = Part::simulate(part, &asked, &mut watch);
+            Simulated { part, own, too_long: None }
+        };
+        let parts: Vec<_> = subject.parts.iter().map(simulated).collect();
+        let of = |stop| Alone::of(&subject, &setting, &parts, &config, stop);
+        assert_eq!((of(&running).batch, of(&stopped).batch), (2, 1));
+        let wall: Duration = parts.iter().map(|part| part.own.run.took.wall).sum();
+        assert_eq!(of(&stopped).wall, wall);
+    }
+
+    #[test]
+    fn an_interruption_says_of_the_horizon_what_run_json_has() {
+        assert!(written(Some(Horizon::NotMeasured)).contains("is not measured"));
+        for horizon in [None, Some(Horizon::WholeRun), Some(Horizon::LostAt(0.1))] {
+            assert!(!written(horizon).contains("predictable"), "{horizon:?}");
+        }
+    }
 }

@@ -36,3 +36,61 @@ pub(crate) fn by_kind<T, B: Brake>(
 pub(crate) fn of_type<'a, P: 'static>(all: &[&'a dyn Runs]) -> Vec<&'a P> {
     all.iter().filter_map(|runs| runs.as_any().downcast_ref()).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use deltazero_solvers::problems::{BouncingBall, CompliantBall, Exit};
+    use deltazero_solvers::{Grid, Method};
+
+    use super::*;
+    use crate::part::Subject;
+    use crate::run::{Accuracy, Events, Limits, Price, Setting};
+
+    /// Two balls of a kind, with one of another between them.
+    fn subject() -> Subject {
+        let ball = |gravity| Part::new(BouncingBall { restitution: 0.5, gravity, height: 1.0 });
+        let other = CompliantBall {
+            mass: 6.0,
+            stiffness: 1e7,
+            damping: 20.0,
+            exit: Exit::Penetration,
+            gap: 2e-4,
+            start: [1e-4, -1e-2],
+        };
+        Subject { parts: vec![ball(9.8), Part::new(other), ball(1.6)] }
+    }
+
+    #[test]
+    fn parts_of_a_kind_come_together_and_what_is_made_of_them_in_their_places() {
+        let (subject, stop) = (subject(), AtomicBool::new(false));
+        let parts: Vec<&Part> = subject.parts.iter().collect();
+        let mut watches = [Limits::none(&stop).watch(Price::PLAIN); 3];
+        let mut calls = 0;
+        let made = by_kind(&parts, &mut watches, |_, all, brakes| {
+            assert_eq!(all.len(), brakes.len());
+            calls += 1;
+            (0..all.len()).map(|i| (calls, i)).collect()
+        });
+        assert_eq!(made, [(1, 0), (2, 0), (1, 1)]);
+    }
+
+    #[test]
+    fn a_time_says_how_many_parts_were_at_once() {
+        let (subject, stop) = (subject(), AtomicBool::new(false));
+        let timing = |name: &str, accuracy| {
+            let method = Method::named(name).unwrap();
+            let setting = Setting { method, events: Events::Located, accuracy };
+            subject.took(&setting, 0.1, &Grid::Times(vec![0.1]), Limits::none(&stop)).unwrap()
+        };
+        for (name, accuracy, batch) in [
+            ("rk45", Accuracy::Rtol(1e-8, None), 2),
+            ("taylor", Accuracy::Rtol(1e-8, None), 2),
+            ("taylor", Accuracy::Step(1e-4), 1),
+            ("radau5", Accuracy::Rtol(1e-8, None), 1),
+        ] {
+            assert_eq!(timing(name, accuracy).batch, batch, "{name}");
+        }
+    }
+}

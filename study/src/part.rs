@@ -294,6 +294,11 @@ impl Part {
         self.runs.motion(setting, times, t_end, brake)
     }
 
+    /// Whether runs of it at `setting` are computed at once with others of its kind.
+    pub fn runs_at_once(&self, setting: &Setting) -> bool {
+        self.runs.runs_at_once(setting)
+    }
+
     /// Runs it once, and tells all of the run.
     pub fn simulate(&self, asked: &Asked<'_>, brake: &mut dyn Brake) -> Simulation {
         self.runs.simulate(asked, brake)
@@ -333,6 +338,15 @@ pub struct Subject {
     pub parts: Vec<Part>,
 }
 
+/// The time of a run, and how it was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Timing {
+    /// What all parts took.
+    pub took: Took,
+    /// Most parts that were computed at once; one where they were run one after the other.
+    pub batch: usize,
+}
+
 impl Subject {
     /// One problem.
     pub fn of<P: Problem + 'static>(problem: P) -> Self {
@@ -344,17 +358,7 @@ impl Subject {
         self.parts.first().map_or(1.0, |part| part.unit_of_time)
     }
 
-    /// How many of its parts are computed at once in a run at `setting`; one where they are run one after the other.
-    pub fn batch(&self, setting: &Setting) -> usize {
-        let of_kind = |part: &Part| {
-            let alike = |other: &&Part| other.runs.kind() == part.runs.kind();
-            self.parts.iter().filter(alike).count()
-        };
-        let at_once = self.parts.iter().filter(|part| part.runs.runs_at_once(setting));
-        at_once.map(of_kind).max().unwrap_or(1)
-    }
-
-    /// The time that a run of it takes, [at once](Self::batch) where that is offered; none where it is broken
+    /// The time that a run of it takes, parts of a kind computed at once where that is offered; none where it is broken
     /// off, which is no time. The limits are those of each part.
     pub fn took(
         &self,
@@ -362,7 +366,7 @@ impl Subject {
         t_end: f64,
         grid: &Grid,
         limits: Limits<'_>,
-    ) -> Option<Took> {
+    ) -> Option<Timing> {
         let price = Price::of_setting(setting);
         let mut watches: Vec<_> = self.parts.iter().map(|_| limits.watch(price)).collect();
         let parts: Vec<&Part> = self.parts.iter().collect();
@@ -370,7 +374,10 @@ impl Subject {
             first.traces(all, setting, Start::Exact, t_end, grid, brakes)
         });
         let is_whole = runs.iter().all(|(run, _)| run.outcome != Ok(Outcome::Interrupted));
-        is_whole.then(|| runs.iter().map(|(run, _)| run.took).sum())
+        is_whole.then(|| Timing {
+            took: runs.iter().map(|(run, _)| run.took).sum(),
+            batch: runs.iter().map(|(run, _)| run.batch).max().unwrap_or(1),
+        })
     }
 
     /// Whether each of its parts has runs that read their mode off the state.

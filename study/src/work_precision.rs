@@ -12,11 +12,11 @@ use crate::forecast::Forecast;
 use crate::json_number;
 use crate::measured::{Errors, Measured};
 use crate::parallel::in_parallel;
-use crate::part::Subject;
+use crate::part::{Subject, Timing};
 use crate::plan::Plan;
 use crate::quantile::quantile;
 use crate::reference::{Reference, ReferenceError, ReferenceSummary};
-use crate::run::{Accuracy, Events, Limits, Setting, Took};
+use crate::run::{Accuracy, Events, Limits, Setting};
 use crate::setting::Digits;
 use crate::warning::Warning;
 
@@ -118,7 +118,8 @@ pub struct Row {
     /// The same of the processor [s].
     #[serde(default)]
     pub cpus_s: Vec<f64>,
-    /// Parts that were computed at once when it was timed; one where they were run one after the other.
+    /// Most parts that were computed at once when it was timed; one where they were run one after the other, and
+    /// before the first time.
     #[serde(default = "alone")]
     pub batch: u64,
     /// Further errors.
@@ -162,10 +163,16 @@ impl Row {
         median.zip(self.time_s()).map_or(1.0, |(median, least)| median / least)
     }
 
-    /// Takes the time of one more repeat.
-    fn take(&mut self, Took { wall, cpu }: Took) {
-        self.walls_s.push(wall.as_secs_f64());
-        self.cpus_s.push(cpu.as_secs_f64());
+    /// Takes the time of one more repeat. Earlier ones with other numbers of parts at once, which an earlier version
+    /// may have made, are times of another kind and dropped.
+    fn take(&mut self, Timing { took, batch }: Timing) {
+        if self.batch != batch as u64 {
+            self.batch = batch as u64;
+            self.walls_s.clear();
+            self.cpus_s.clear();
+        }
+        self.walls_s.push(took.wall.as_secs_f64());
+        self.cpus_s.push(took.cpu.as_secs_f64());
         let of = |times: &[f64]| {
             let mut times = times.to_vec();
             [0.0, 0.5, 1.0].map(|fraction| quantile(&mut times, fraction))
@@ -406,7 +413,7 @@ impl Bench<'_> {
             cpu_s_min: None,
             cpu_s_median: None,
             cpus_s: Vec::new(),
-            batch: subject.batch(setting) as u64,
+            batch: 1,
             n_retaken: stats.n_retaken,
             n_factorisations: stats.work.n_factorisations,
             n_rhs_restart: stats.restart.n_rhs,
@@ -476,4 +483,42 @@ pub fn doubt(rows: &[Row], e: f64) -> String {
     let names: Vec<String> =
         near.iter().map(|row| format!("{} {}", row.method, row.events)).collect();
     format!(" (within the noise: also {})", names.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use deltazero_solvers::Method;
+    use deltazero_solvers::problems::BouncingBall;
+
+    use super::*;
+    use crate::part::Part;
+
+    #[test]
+    fn times_of_parts_one_after_the_other_do_not_stand_among_those_at_once() {
+        let ball = |gravity| Part::new(BouncingBall { restitution: 0.5, gravity, height: 1.0 });
+        let subject = Subject { parts: vec![ball(9.8), ball(1.6)] };
+        let (method, accuracy) = (Method::named("rk45").unwrap(), Accuracy::Rtol(1e-8, None));
+        let setting = Setting { method, events: Events::Located, accuracy };
+        let (stop, hear) = (AtomicBool::new(false), |_| {});
+        let studied = |repeats, known: &[Row]| {
+            let plan = Plan {
+                settings: vec![setting.clone()],
+                digits: Digits::Double,
+                t_end: 1.0,
+                times: vec![0.5, 1.0],
+                repeats,
+                threads: 1,
+                max_rhs: u64::MAX,
+                max_seconds: f64::INFINITY,
+            };
+            work_precision(&subject, &plan, known, &stop, &hear).unwrap().rows.remove(0)
+        };
+        let row = studied(1, &[]);
+        assert_eq!((row.batch, row.walls_s.len()), (2, 1));
+        // As a version made it that ran them one after the other.
+        let known = Row { batch: 1, walls_s: vec![9.0], cpus_s: vec![9.0], ..row };
+        let row = studied(3, &[known]);
+        assert_eq!((row.batch, row.walls_s.len()), (2, 2));
+        assert!(row.wall_s_max.is_some_and(|longest| longest < 9.0), "{row:?}");
+    }
 }

@@ -4,9 +4,9 @@ use std::sync::atomic::AtomicBool;
 
 use deltazero_solvers::Grid;
 
-use crate::part::Subject;
+use crate::part::{Subject, Timing};
 use crate::reference::{Reference, ReferenceError};
-use crate::run::{Limits, Setting, Took};
+use crate::run::{Limits, Setting};
 
 /// A problem that is predictable for less than this is ill-posed \[[units of time](Subject::unit_of_time)\].
 const ILL_POSED_BELOW: f64 = 0.2;
@@ -81,7 +81,7 @@ impl Benchmark {
     }
 
     /// The time that its run at `setting` takes; none where that is broken off.
-    pub fn took(&self, setting: &Setting, stop: &AtomicBool) -> Option<Took> {
+    pub fn took(&self, setting: &Setting, stop: &AtomicBool) -> Option<Timing> {
         let limits = Limits { max_seconds: self.max_seconds, ..Limits::none(stop) };
         self.subject.took(setting, self.t_end, &Grid::Times(self.times.clone()), limits)
     }

@@ -1,6 +1,7 @@
 //! The finals: those that need little work are timed in turns.
 
 use super::{Contest, Entry, least};
+use crate::part::Timing;
 use crate::run::Setting;
 
 /// Those that take longer than this many times the shortest time, and more than this many times the least
@@ -31,7 +32,7 @@ pub(super) fn time(
             if !entry.timed || turn > 1 && is_far {
                 continue;
             }
-            if let Some(took) = contest.benchmark.took(setting, contest.stop) {
+            if let Some(Timing { took, .. }) = contest.benchmark.took(setting, contest.stop) {
                 let [wall, cpu] = [took.wall, took.cpu].map(|time| time.as_secs_f64());
                 entry.wall_s = entry.wall_s.min(wall);
                 entry.cpu_s = entry.cpu_s.map(|least| least.min(cpu));
