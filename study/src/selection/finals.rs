@@ -34,8 +34,11 @@ pub(super) fn time(
             }
             if let Some(Timing { took, .. }) = contest.benchmark.took(setting, contest.stop) {
                 let [wall, cpu] = [took.wall, took.cpu].map(|time| time.as_secs_f64());
-                entry.wall_s = entry.wall_s.min(wall);
-                entry.cpu_s = entry.cpu_s.map(|least| least.min(cpu));
+                // The search ran its parts one after the other: its time is not one of these.
+                let is_first = own.is_empty();
+                let least = |known: f64, time: f64| if is_first { time } else { known.min(time) };
+                entry.wall_s = least(entry.wall_s, wall);
+                entry.cpu_s = entry.cpu_s.map(|known| least(known, cpu));
                 own.push(cpu);
             }
         }
