@@ -40,11 +40,12 @@ impl<'a> Limits<'a> {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// What they leave after a part of a run whose work has this price.
+    /// What they leave after a part of a run whose work has this price. Of a part that was computed at once with others the
+    /// time of all of them counts, which is more than it takes alone.
     pub fn after<Y, M>(self, part: &Ran<Y, M>, price: Price) -> Self {
         Self {
             max_rhs: self.max_rhs.saturating_sub(price.of(&part.stats) as u64),
-            max_seconds: self.max_seconds - part.took.wall.as_secs_f64(),
+            max_seconds: self.max_seconds - part.batch as f64 * part.took.wall.as_secs_f64(),
             ..self
         }
     }
@@ -216,5 +217,31 @@ impl Brake for Watch<'_> {
         let is_too_much = self.price.of(stats) > self.limits.max_rhs as f64;
         let is_late = self.clock().is_over();
         self.judge(is_too_much, is_late)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use deltazero_solvers::Outcome;
+
+    use super::*;
+    use crate::run::Took;
+
+    #[test]
+    fn a_part_among_others_costs_the_time_of_all() {
+        let stop = AtomicBool::new(false);
+        let took = Took { wall: Duration::from_secs(2), cpu: Duration::from_secs(2) };
+        let part = |batch| Ran {
+            outcome: Ok(Outcome::Finished),
+            t: 1.0,
+            y: (),
+            mode: (),
+            stats: Stats::default(),
+            took,
+            batch,
+        };
+        let limits = Limits { max_seconds: 60.0, ..Limits::none(&stop) };
+        let left = |batch| limits.after(&part(batch), Price::PLAIN).max_seconds;
+        assert_eq!([left(1), left(8)], [58.0, 44.0]);
     }
 }
