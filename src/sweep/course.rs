@@ -1,12 +1,13 @@
 //! Runs under way: parts of a kind are run at once, whatever run they are of.
 
+use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::AtomicBool;
 
-use deltazero_solvers::Outcome;
+use deltazero_solvers::{Outcome, Stats};
 use deltazero_study::brief::{Brief, briefs};
 use deltazero_study::horizon::{Estimate, Span, estimate};
-use deltazero_study::run::{Limit, Limits, Price, Setting, Watch};
+use deltazero_study::run::{Brake, Clock, Limit, Limits, Price, Setting, Watch};
 use deltazero_study::selection::work;
 use deltazero_study::{Part, Subject};
 
@@ -25,6 +26,9 @@ pub(super) struct Course {
     left: Limits<'static>,
     /// Parts that are not made, the last one first.
     parts: Vec<Part>,
+    /// Whether they are to be made alone: because they are not computed at once, or because among others their time may
+    /// have been over.
+    is_alone: bool,
     /// What became of the others.
     pub(super) made: Vec<(Part, Brief)>,
     /// Why the run did not come to its end, if it did not.
@@ -36,6 +40,27 @@ pub(super) struct Course {
 /// A part of a run that is to be made.
 type Next<'a> = (&'a mut Course, Part);
 
+/// The brake of a part among others.
+struct Among {
+    own: Watch<'static>,
+    /// The time of all.
+    clock: Clock,
+    /// Whether that broke it off.
+    is_late: bool,
+}
+
+impl Brake for Among {
+    fn step(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {
+        self.is_late = self.clock.is_over_after(stats);
+        if self.is_late { ControlFlow::Break(()) } else { self.own.step(t, stats) }
+    }
+
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        self.is_late = self.clock.is_over();
+        if self.is_late { ControlFlow::Break(()) } else { self.own.rejected(stats) }
+    }
+}
+
 impl Course {
     /// The run of this configuration, none of it made; or why there is none.
     pub(super) fn new(config: &Config) -> Result<Self, String> {
@@ -43,16 +68,34 @@ impl Course {
             setting(config).ok_or_else(|| format!("no method {}", config.solver.method))?;
         let (max_rhs, max_seconds) = (config.study.max_rhs, config.study.max_seconds);
         let limits = Limits { max_rhs, max_seconds, stop: &NEVER };
-        let mut parts = caught(|| config.mechanism.subject(config).parts)?;
+        let mut parts = config.mechanism.subject(config).parts;
         parts.reverse();
+        let is_alone = !parts.iter().all(|part| part.runs_at_once(&setting));
         let (t_end, made, status) = (config.run.t_end, Vec::new(), Ok(()));
         let (left, estimate) = (limits, None);
-        Ok(Self { setting, t_end, limits, left, parts, made, status, estimate })
+        Ok(Self { setting, t_end, limits, left, parts, is_alone, made, status, estimate })
+    }
+
+    /// Whether all its parts are made.
+    pub(super) fn is_made(&self) -> bool {
+        self.parts.is_empty()
     }
 
     /// How far the run came [s].
     pub(super) fn reached(&self) -> f64 {
         self.made.iter().map(|(_, brief)| brief.run.t).fold(0.0, f64::max)
+    }
+
+    /// Makes what is left of it, with contacts and energy if it is to have an `audit`.
+    pub(super) fn make(&mut self, audit: bool) {
+        while let Some(part) = self.parts.pop() {
+            let mut watch = [self.left.watch(Price::of_setting(&self.setting))];
+            match caught(|| briefs(&[&part], &self.setting, self.t_end, audit, &mut watch)) {
+                // Of one part there is one.
+                Ok(mut made) => self.take(part, made.remove(0), watch[0].cut),
+                Err(panic) => self.give_up(panic),
+            }
+        }
     }
 
     /// Has tight runs made beside a run that came to its end.
@@ -82,6 +125,14 @@ impl Course {
         self.made.push((part, brief));
     }
 
+    /// Has all of it made anew, and alone, beginning with `part` after those that were made.
+    fn begin_alone(&mut self, part: Part) {
+        self.is_alone = true;
+        self.parts.push(part);
+        self.parts.extend(self.made.drain(..).rev().map(|(part, _)| part));
+        (self.left, self.status) = (self.limits, Ok(()));
+    }
+
     /// Why a part did not come to its end.
     fn status_of(&self, part: &Part, brief: &Brief, cut: Option<Limit>) -> Result<(), String> {
         let name = if part.name.is_empty() { String::new() } else { format!("{}: ", part.name) };
@@ -104,11 +155,14 @@ impl Course {
     }
 }
 
-/// Makes the runs to their ends, with contacts and energy if they are to have an `audit`.
-pub(super) fn make(courses: &mut [&mut Course], audit: bool) {
+/// Makes those parts of the runs that are computed at once, for at most so many `seconds`, with contacts and energy if they
+/// are to have an `audit`. A run that needs longer is left to be made alone; so is one whose own limit of time may have been
+/// reached, because its time among others is not the one it takes.
+pub(super) fn make_at_once(courses: &mut [&mut Course], audit: bool, seconds: f64) {
+    let clock = Clock::of(seconds);
     loop {
-        let next =
-            courses.iter_mut().filter_map(|own| own.parts.pop().map(|part| (&mut **own, part)));
+        let together = courses.iter_mut().filter(|own| !own.is_alone);
+        let next = together.filter_map(|own| own.parts.pop().map(|part| (&mut **own, part)));
         let mut waiting: Vec<Next<'_>> = next.collect();
         if waiting.is_empty() {
             return;
@@ -118,37 +172,38 @@ pub(super) fn make(courses: &mut [&mut Course], audit: bool) {
             let is_same = |(own, _): &Next<'_>| own.setting == setting && own.t_end == t_end;
             let (same, others) = waiting.into_iter().partition(is_same);
             waiting = others;
-            make_parts(same, &setting, t_end, audit);
+            make_parts(same, (&setting, t_end, audit), clock);
         }
     }
 }
 
-/// Makes parts of runs that have one setting.
-fn make_parts(parts: Vec<Next<'_>>, setting: &Setting, t_end: f64, audit: bool) {
-    let price = Price::of_setting(setting);
-    let mut watches: Vec<Watch<'_>> = parts.iter().map(|(own, _)| own.left.watch(price)).collect();
+/// Makes parts of runs that have one setting, to one end.
+fn make_parts(parts: Vec<Next<'_>>, (setting, t_end, audit): (&Setting, f64, bool), clock: Clock) {
+    let brake = |(own, _): &Next<'_>| {
+        let own = own.left.watch(Price::of_setting(setting));
+        Among { own, clock, is_late: false }
+    };
+    let mut brakes: Vec<Among> = parts.iter().map(brake).collect();
     let list: Vec<&Part> = parts.iter().map(|(_, part)| part).collect();
-    let made = caught(|| briefs(&list, setting, t_end, audit, &mut watches));
-    let are_several = parts.len() > 1;
-    let alone = |part| make_parts(vec![part], setting, t_end, audit);
-    match made {
-        Ok(made) => {
-            for (((own, part), brief), watch) in parts.into_iter().zip(made).zip(&watches) {
-                // The time of a run among others is theirs too.
-                if are_several && watch.cut == Some(Limit::Time) {
-                    alone((own, part));
+    match caught(|| briefs(&list, setting, t_end, audit, &mut brakes)) {
+        Ok(briefs) => {
+            for (((own, part), brief), brake) in parts.into_iter().zip(briefs).zip(&brakes) {
+                let left = own.left.after(&brief.run, Price::of_setting(setting));
+                let cut = brake.own.cut;
+                if brake.is_late || cut == Some(Limit::Time) || left.max_seconds <= 0.0 {
+                    own.begin_alone(part);
                 } else {
-                    own.take(part, brief, watch.cut);
+                    own.take(part, brief, cut);
                 }
             }
         }
-        Err(_) if are_several => parts.into_iter().for_each(alone),
-        Err(panic) => parts.into_iter().for_each(|(own, _)| own.give_up(panic.clone())),
+        // Which of them it was is found out one by one.
+        Err(_) => parts.into_iter().for_each(|(own, part)| own.begin_alone(part)),
     }
 }
 
 /// What `work` returns, or that it panicked.
-fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+pub(super) fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or_else(|| panic.downcast_ref::<&str>().copied());

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::Sweep;
 use super::columns::{Cell, cells, estimated};
-use super::course::{Course, make};
+use super::course::{Course, make_at_once};
 use crate::config::Variants;
 use crate::report::{exact, field};
 
@@ -19,6 +19,8 @@ pub(super) const OK: &str = "ok";
 const MOST_TOGETHER: u64 = 64;
 /// Time that runs made together may take, so that a stop is soon obeyed and progress seen.
 const TOGETHER: Duration = Duration::from_millis(200);
+/// Time after which they are given up, because runs are slower than those before: the rest are made one after the other.
+const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Makes runs of a sweep, on one thread.
 pub struct Runner<'a> {
@@ -26,7 +28,9 @@ pub struct Runner<'a> {
     variants: Variants,
     cells: Vec<Cell>,
     /// Runs that are made together next.
-    n_together: u64,
+    pub(super) n_together: u64,
+    /// Time that they may take.
+    pub(super) patience: Duration,
     /// Time that the integrations took so far.
     pub took: Duration,
 }
@@ -42,26 +46,39 @@ struct Begun {
 impl<'a> Runner<'a> {
     pub(super) fn new(sweep: &'a Sweep) -> Self {
         let variants = sweep.variants.clone();
-        Self { sweep, variants, cells: Vec::new(), n_together: 1, took: Duration::ZERO }
+        let (cells, n_together, took) = (Vec::new(), 1, Duration::ZERO);
+        Self { sweep, variants, cells, n_together, patience: PATIENCE, took }
     }
 
     /// Makes the first few of `runs`, as many as take little time together, and adds their rows to `rows`. Returns of
-    /// each whether it came to its end.
-    pub fn some(&mut self, runs: Range<u64>, rows: &mut String) -> Vec<bool> {
+    /// each whether it came to its end. Once `is_over` says so, the first run has its row, and others only if nothing of them
+    /// is left to be made or checked.
+    pub fn some(
+        &mut self,
+        runs: Range<u64>,
+        rows: &mut String,
+        is_over: &dyn Fn() -> bool,
+    ) -> Vec<bool> {
         let start = Instant::now();
         let n = self.n_together.min(runs.end - runs.start);
         let mut begun: Vec<_> = runs.clone().take(n as usize).map(|run| self.begin(run)).collect();
-        let mut courses: Vec<_> =
-            begun.iter_mut().filter_map(|own| own.course.as_mut().ok()).collect();
-        make(&mut courses, self.sweep.plan.audit);
-        for own in begun.iter_mut().filter(|own| self.sweep.plan.is_checked(own.run)) {
-            if let Ok(course) = &mut own.course {
-                course.check();
-            }
+        if n > 1 {
+            let courses = begun.iter_mut().filter_map(|own| own.course.as_mut().ok());
+            let seconds = self.patience.as_secs_f64();
+            make_at_once(&mut courses.collect::<Vec<_>>(), self.sweep.plan.audit, seconds);
         }
-        let ends = begun.into_iter().map(|own| self.write(own, rows)).collect();
-        let each = start.elapsed().as_secs_f64() / n as f64;
-        self.n_together = ((TOGETHER.as_secs_f64() / each) as u64).clamp(1, MOST_TOGETHER);
+        let mut ends = Vec::with_capacity(begun.len());
+        for mut own in begun {
+            let is_late = || is_over() || start.elapsed() > self.patience;
+            if !ends.is_empty() && self.has_work(&own) && is_late() {
+                break;
+            }
+            self.finish(&mut own);
+            ends.push(self.write(own, rows));
+        }
+        let each = start.elapsed().as_secs_f64() / ends.len() as f64;
+        let most = MOST_TOGETHER.min(2 * self.n_together);
+        self.n_together = ((TOGETHER.as_secs_f64() / each) as u64).clamp(1, most);
         ends
     }
 
@@ -71,6 +88,22 @@ impl<'a> Runner<'a> {
         self.sweep.plan.values(run, &indices, &mut values);
         let config = self.variants.set(&values).map_err(|error| error.to_string());
         Begun { run, indices, values, course: config.and_then(Course::new) }
+    }
+
+    /// Whether something of a run is still to be made.
+    fn has_work(&self, begun: &Begun) -> bool {
+        let is_checked = self.sweep.plan.is_checked(begun.run);
+        begun.course.as_ref().is_ok_and(|course| !course.is_made() || is_checked)
+    }
+
+    /// Makes what is still to be made of a run.
+    fn finish(&self, begun: &mut Begun) {
+        if let Ok(course) = &mut begun.course {
+            course.make(self.sweep.plan.audit);
+            if self.sweep.plan.is_checked(begun.run) {
+                course.check();
+            }
+        }
     }
 
     /// Adds the row of a run that was made; whether it came to its end.

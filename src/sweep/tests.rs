@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
 
 use deltazero_study::run::Stopwatch;
 use tempfile::TempDir;
@@ -364,26 +365,64 @@ fn rows_of_runs_made_together_are_those_of_runs_alone() {
     let scratch = Scratch::new();
     let plan = PLAN
         .replace("values = [\"rk45\", \"dop853\", \"bs32\"]", "values = [\"rk45\", \"taylor\"]");
-    // The work of a run, and what ends some in their first part or their second.
-    for (most, part) in
-        [(1_000_000_000, ",ok,"), (600, "joint 1: cut at"), (1500, "joint 2: cut at")]
-    {
-        let limit = format!("study.max_rhs={most}");
-        let sweep = scratch.sweep(&plan, &[&SHORT[..], &[&limit]].concat()).unwrap();
+    // What ends some runs in their first part or their second: work, and a time that is over at the first look.
+    for (limit, part) in [
+        ("study.max_rhs=1000000000", ",ok,"),
+        ("study.max_rhs=600", "joint 1: cut at"),
+        ("study.max_rhs=1500", "joint 2: cut at"),
+        ("study.max_seconds=1e-9", "joint 1: cut at"),
+    ] {
+        let sweep = scratch.sweep(&plan, &[&SHORT[..], &[limit]].concat()).unwrap();
         let (mut alone, mut together) = (String::new(), String::new());
         let mut runner = sweep.runner();
         for run in 0..sweep.n_runs {
-            assert_eq!(runner.some(run..run + 1, &mut alone).len(), 1);
+            assert_eq!(runner.some(run..run + 1, &mut alone, &|| false).len(), 1);
         }
-        let (mut runner, mut sizes) = (sweep.runner(), Vec::new());
-        while sizes.iter().sum::<u64>() < sweep.n_runs {
-            let ends = runner.some(sizes.iter().sum()..sweep.n_runs, &mut together);
-            sizes.push(ends.len() as u64);
+        let (mut runner, mut made) = (sweep.runner(), 0);
+        while made < sweep.n_runs {
+            runner.n_together = 16;
+            made += runner.some(made..sweep.n_runs, &mut together, &|| false).len() as u64;
         }
-        assert!(sizes.iter().any(|n| *n > 8), "{sizes:?}");
         assert_eq!(together, alone);
         assert!(alone.contains(part), "no {part:?} in {alone}");
     }
+}
+
+#[test]
+fn runs_that_take_long_together_are_made_one_by_one() {
+    let scratch = Scratch::new();
+    let sweep = scratch.sweep(PLAN, &SHORT).unwrap();
+    let rows = |n_together, patience| {
+        let (mut rows, mut sizes) = (String::new(), Vec::new());
+        while sizes.iter().sum::<u64>() < 8 {
+            let mut runner = sweep.runner();
+            (runner.n_together, runner.patience) = (n_together, patience);
+            let ends = runner.some(sizes.iter().sum()..8, &mut rows, &|| false);
+            sizes.push(ends.len() as u64);
+        }
+        (rows, sizes)
+    };
+    let (alone, _) = rows(1, Duration::MAX);
+    assert_eq!(rows(8, Duration::MAX), (alone.clone(), vec![8]));
+    // Their time is over at the first look.
+    assert_eq!(rows(8, Duration::ZERO), (alone, vec![1; 8]));
+}
+
+#[test]
+fn a_stop_is_obeyed_between_runs_without_lanes_and_between_checks() {
+    let scratch = Scratch::new();
+    let made = |plan: &str, sets: &[&str]| {
+        let sweep = scratch.sweep(plan, &[&SHORT[..], sets].concat()).unwrap();
+        let mut runner = sweep.runner();
+        runner.n_together = 8;
+        runner.some(0..8, &mut String::new(), &|| true).len()
+    };
+    let plan = PLAN.replace("\"rk45\", \"dop853\", \"bs32\"", "\"rk45\", \"radau5\"");
+    // The first ten runs are by rk45, and made at once.
+    assert_eq!(made(&plan, &[]), 8);
+    let implicit = plan.replace("\"rk45\", \"radau5\"", "\"radau5\"");
+    assert_eq!(made(&implicit, &[]), 1);
+    assert_eq!(made(&format!("check = 1\n{plan}"), &[]), 1);
 }
 
 #[test]
@@ -399,7 +438,7 @@ fn a_part_of_the_runs_has_its_error_estimated() {
     assert_eq!(columns[place..], ["horizon_s", "estimated_e", "events_right"]);
     let mut rows = String::new();
     let mut runner = sweep.runner();
-    (0..sweep.n_runs).for_each(|run| drop(runner.some(run..run + 1, &mut rows)));
+    (0..sweep.n_runs).for_each(|run| drop(runner.some(run..run + 1, &mut rows, &|| false)));
     let mut checked = [0; 2];
     for (run, row) in rows.lines().enumerate() {
         let fields: Vec<&str> = row.split(',').collect();
@@ -449,7 +488,7 @@ fn a_sweep_adds_little_to_the_time_of_its_runs() {
     let watch = Stopwatch::start();
     let mut n = 0;
     while n < sweep.n_runs {
-        let ends = runner.some(n..sweep.n_runs, &mut rows);
+        let ends = runner.some(n..sweep.n_runs, &mut rows, &|| false);
         assert!(ends.iter().all(|is_ok| *is_ok));
         n += ends.len() as u64;
     }

@@ -21,7 +21,7 @@ pub struct Work<'a> {
     pub chunks: &'a Chunks,
     /// Threads.
     pub threads: usize,
-    /// Ends it after the runs that are under way.
+    /// Ends it after the runs that are under way; those that are begun together may take two seconds.
     pub stop: &'a AtomicBool,
     /// Told of what is done.
     pub made: &'a (dyn Fn(Made) + Sync),
@@ -90,7 +90,7 @@ fn make(
     let (mut n_written, mut written) = (rows.n, Instant::now());
     let runs = work.chunks.runs(chunk);
     while runs.start + rows.n < runs.end && !is_over() {
-        for is_ok in runner.some(runs.start + rows.n..runs.end, &mut rows.text) {
+        for is_ok in runner.some(runs.start + rows.n..runs.end, &mut rows.text, &is_over) {
             rows.n += 1;
             rows.failed += u64::from(!is_ok);
             (work.made)(Made::Run(is_ok));
