@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::Sweep;
 use super::columns::{Cell, cells, estimated};
-use super::course::{Course, make_at_once};
+use super::course::{Course, caught, make_at_once};
 use crate::config::Variants;
 use crate::report::{exact, field};
 
@@ -86,8 +86,16 @@ impl<'a> Runner<'a> {
         let (mut indices, mut values) = Default::default();
         self.sweep.plan.indices(run, &mut indices);
         self.sweep.plan.values(run, &indices, &mut values);
-        let config = self.variants.set(&values).map_err(|error| error.to_string());
-        Begun { run, indices, values, course: config.and_then(Course::new) }
+        let begin = || {
+            let config = self.variants.set(&values).map_err(|error| error.to_string());
+            config.and_then(Course::new)
+        };
+        let course = caught(begin).unwrap_or_else(|panic| {
+            // Values may be entered in part.
+            self.variants = self.sweep.variants.clone();
+            Err(panic)
+        });
+        Begun { run, indices, values, course }
     }
 
     /// Whether something of a run is still to be made.
@@ -114,7 +122,10 @@ impl<'a> Runner<'a> {
             rows.push(',');
             write_value(rows, value);
         }
-        let status = self.fill(&indices, course);
+        let status = caught(|| self.fill(&indices, course)).unwrap_or_else(|panic| {
+            self.cells.clear();
+            Err(panic)
+        });
         rows.push(',');
         match &status {
             Ok(()) => rows.push_str(OK),
