@@ -180,9 +180,13 @@ fn another(dir: &Path, begun: &Value, identity: &Value) -> Failure {
         }
         other => of[other].clone(),
     };
-    let parts = ["plan", "model", "configuration", "version"].into_iter();
-    let different = parts.filter(|name| part(begun, name) != part(identity, name));
-    let different = different.collect::<Vec<_>>().join(" and ");
+    let is_other = |name: &&str| part(begun, name) != part(identity, name);
+    let parts = ["plan", "model", "configuration", "version", "build"].into_iter();
+    let mut different = parts.filter(is_other).collect::<Vec<_>>().join(" and ");
+    if is_other(&"build") {
+        different +=
+            " (one has fused multiply-add, the other has not; build both with the same RUSTFLAGS)";
+    }
     Failure::Usage(format!(
         "{}: holds a sweep of another {different}; name another directory with --out, or begin anew with --force",
         dir.display()

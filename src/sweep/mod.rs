@@ -45,6 +45,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
+use deltazero_solvers::lanes::FUSED;
 use serde_json::{Value, json};
 
 use crate::config::{Config, Kind, MODEL_TABLES, Variants, Varied};
@@ -91,16 +92,21 @@ impl Sweep {
         self.variants.config()
     }
 
-    /// What its rows follow from: the plan, the configuration, the version of the program.
+    /// What its rows follow from: the plan, the configuration, the version of the program, and its build where that has
+    /// fused multiply-add.
     pub fn identity(&self) -> Value {
         let mut config = self.config().clone();
         config.study.threads = 1;
         config.regimes.threads = 1;
-        json!({
+        let mut identity = json!({
             "plan": self.plan,
             "config": config.to_json(),
             "version": env!("CARGO_PKG_VERSION"),
-        })
+        });
+        if FUSED {
+            identity["build"] = "fused multiply-add".into();
+        }
+        identity
     }
 
     /// The names of the columns. A parameter of a model with the name of another column has its long name.

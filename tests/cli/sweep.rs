@@ -232,6 +232,25 @@ fn a_plan_that_differs_is_refused_by_what_differs() {
 }
 
 #[test]
+fn a_sweep_of_a_build_that_rounds_otherwise_is_refused() {
+    let scratch = Scratch::with_plan(0.01);
+    scratch.sweep("out", &[]);
+    let mut record = scratch.json("out/sweep.json");
+    record["hash"] = "of the other build".into();
+    record["build"] = match record["build"] {
+        serde_json::Value::Null => "fused multiply-add".into(),
+        _ => serde_json::Value::Null,
+    };
+    fs::write(scratch.path("out/sweep.json"), record.to_string()).unwrap();
+    for shard in [&[][..], &["--shard", "1/2"]] {
+        let ran = scratch.run(&[&["sweep", "plan.toml", "--out", "out"], shard].concat());
+        assert_eq!(ran.code, Some(2), "{}", ran.stderr);
+        let expected = "a sweep of another build (one has fused multiply-add, the other has not";
+        assert!(ran.stderr.contains(expected), "{}", ran.stderr);
+    }
+}
+
+#[test]
 fn an_interrupted_sweep_says_how_to_go_on() {
     let scratch = Scratch::with_plan(2.0);
     let run = start(&scratch);

@@ -17,6 +17,10 @@ use sin_cos::sin_cos;
 /// The largest number of lanes: two vectors of AVX2, which do not wait for each other.
 pub const LANES: usize = 8;
 
+/// Whether this build fuses `a b + c` into one operation with one rounding, where it may: the last bits of Taylor series
+/// follow from it.
+pub const FUSED: bool = cfg!(target_feature = "fma");
+
 /// A vector of the processor, with a number in each of `N` lanes, at most [`LANES`].
 pub trait Simd:
     Copy
@@ -89,11 +93,7 @@ macro_rules! simd {
             #[inline(always)]
             fn mul_add(self, by: Self, plus: Self) -> Self {
                 // The vectors' own is fused on some targets where that of an `f64` is not.
-                if cfg!(target_feature = "fma") {
-                    <$vector>::mul_add(self, by, plus)
-                } else {
-                    self * by + plus
-                }
+                if FUSED { <$vector>::mul_add(self, by, plus) } else { self * by + plus }
             }
 
             #[inline(always)]

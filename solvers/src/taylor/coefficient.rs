@@ -7,7 +7,7 @@ use wide::{f64x2, f64x4, f64x8};
 use super::recurrence::SHORT;
 use super::rows::{MAX_ORDER, Row, Tail};
 use crate::double_double::DoubleDouble;
-use crate::lanes::{Lanes, Simd};
+use crate::lanes::{FUSED, Lanes, Simd};
 use crate::real::{Ordered, Real};
 
 /// A number that can be the coefficient of a series.
@@ -48,7 +48,7 @@ impl Coefficient for f64 {
 
     #[inline(always)]
     fn fma(a: Self, b: Self, c: Self) -> Self {
-        if cfg!(target_feature = "fma") { a.mul_add(b, c) } else { a * b + c }
+        if FUSED { a.mul_add(b, c) } else { a * b + c }
     }
 
     #[inline(always)]
@@ -139,7 +139,7 @@ impl Four<f64> for f64x4 {
 
     #[inline(always)]
     fn mul_add(self, by: Self, plus: Self) -> Self {
-        if cfg!(target_feature = "fma") { self.mul_add(by, plus) } else { self * by + plus }
+        if FUSED { self.mul_add(by, plus) } else { self * by + plus }
     }
 
     #[inline(always)]
