@@ -137,6 +137,8 @@ pub(super) fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if args.shard.is_none() {
         if known.is_none() && output.read(RECORD).is_some() {
             chunks.clear()?;
+            // It would stand beside rows that are not its own.
+            let _ = std::fs::remove_file(dir.join(BY_COLUMN));
         }
         chunks.sweep_up(&[ROWS, BY_COLUMN, RECORD]);
     }

@@ -112,6 +112,16 @@ fn a_finished_sweep_gives_its_rows_by_column_too() {
 }
 
 #[test]
+fn another_sweep_leaves_no_rows_by_column_of_the_one_before() {
+    let scratch = Scratch::with_plan(0.01);
+    scratch.sweep("out", &["--parquet"]);
+    assert!(scratch.path("out/runs.parquet").exists());
+    fs::write(scratch.path("plan.toml"), PLAN.replace("seed = 3", "seed = 4")).unwrap();
+    scratch.sweep("out", &["--force"]);
+    assert_eq!(scratch.files("out"), ["runs.csv", "sweep.json"]);
+}
+
+#[test]
 fn a_row_is_what_simulate_says_of_its_values() {
     let scratch = Scratch::with_plan(0.1);
     scratch.sweep("out", &[]);
