@@ -21,14 +21,19 @@ pub struct Plan {
     /// Whether runs tell of contacts and energy.
     #[serde(default = "audited")]
     pub audit: bool,
-    /// Part of the runs whose error is estimated, from zero to one.
-    #[serde(default)]
+    /// Part of the runs whose error is estimated, from zero to one: the chance that each of them is.
+    #[serde(default, skip_serializing_if = "is_none")]
     pub check: f64,
 }
 
 /// What the plans of earlier builds, which do not say it, had.
 fn audited() -> bool {
     true
+}
+
+/// Whether no run is checked: then a plan is that of earlier builds, which did not say it.
+fn is_none(check: &f64) -> bool {
+    *check == 0.0
 }
 
 /// One key and the values that it takes in turn.

@@ -461,6 +461,16 @@ fn a_part_of_the_runs_has_its_error_estimated() {
 }
 
 #[test]
+fn a_sweep_says_no_more_of_itself_than_its_rows_follow_from() {
+    let scratch = Scratch::new();
+    let identity = |plan: &str| scratch.sweep(plan, &SHORT).unwrap().identity();
+    // Directories of builds without `check` and without fused multiply-add are still taken up.
+    assert_eq!(identity(PLAN)["plan"].get("check"), None);
+    assert_eq!(identity(&format!("check = 0.5\n{PLAN}"))["plan"]["check"], 0.5);
+    assert_eq!(identity(PLAN).get("build").is_some(), FUSED);
+}
+
+#[test]
 fn runs_that_are_checked_follow_no_axis() {
     let scratch = Scratch::new();
     let plan = "check = 0.5\n\
