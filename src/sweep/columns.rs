@@ -1,12 +1,17 @@
 //! The columns of `runs.csv`: what a run tells at its end, by name, and which of them the runs of a plan have.
 
+use std::fmt;
+
 use deltazero_solvers::{Outcome, Stats};
 use deltazero_study::brief::{Brief, BriefShape, SiteBrief};
 use deltazero_study::energy_balance::Balance;
 use deltazero_study::errors::contact_summary::ContactSummary;
 use deltazero_study::horizon::{Estimate, Horizon};
 use deltazero_study::{Part, Subject};
+use serde_json::Value;
 
+use super::plan::{Plan, Values};
+use crate::config::{MODEL_TABLES, Varied};
 use crate::report::simulation::header_of;
 
 /// What a row has in a column.
@@ -27,8 +32,42 @@ pub(super) enum CellKind {
     Number,
     /// Whole numbers.
     Count,
+    /// True or false.
+    Truth,
     /// Words.
     Text,
+}
+
+impl CellKind {
+    /// That of the column of a key which takes these values.
+    fn of(values: &Values) -> Self {
+        let all = match values {
+            Values::Linear { whole, .. } | Values::Log { whole, .. } => {
+                return if *whole { Self::Count } else { Self::Number };
+            }
+            Values::List(all) => all,
+        };
+        if all.iter().all(Value::is_i64) {
+            Self::Count
+        } else if all.iter().all(Value::is_number) {
+            Self::Number
+        } else if all.iter().all(Value::is_boolean) {
+            Self::Truth
+        } else {
+            Self::Text
+        }
+    }
+}
+
+impl fmt::Display for CellKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Number => "number",
+            Self::Count => "whole number",
+            Self::Truth => "true or false",
+            Self::Text => "word",
+        })
+    }
 }
 
 /// The name of a column with the unit of its numbers, empty for none, and what its cells are.
@@ -57,7 +96,25 @@ impl Head {
     }
 }
 
-/// What a column has of a `T`.
+/// The heads of all columns of the runs of a plan: number, keys, status, and what a run tells. A parameter of a model with the
+/// name of another column has its long name.
+pub(super) fn heads_of_rows(plan: &Plan, varied: &[Varied], told: &[Head]) -> Vec<Head> {
+    let (run, status) = (Head::count("run"), Head::text("status"));
+    let is_taken = |key: &str| [&run, &status].into_iter().chain(told).any(|head| head.name == key);
+    let own = |key: &str| {
+        let long = if is_taken(key) { format!("{}.", MODEL_TABLES[1]) } else { String::new() };
+        long + key
+    };
+    let axes = plan.axes.iter().map(|axis| (&axis.key, CellKind::of(&axis.values)));
+    let drawn = plan.random.iter().flat_map(|random| &random.keys);
+    let drawn = drawn.map(|draw| (&draw.key, CellKind::Number));
+    let keys = axes.chain(drawn).zip(varied);
+    let keys: Vec<Head> =
+        keys.map(|((key, kind), varied)| Head::new(own(key), &varied.unit, kind)).collect();
+    [run].into_iter().chain(keys).chain([status]).chain(told.iter().cloned()).collect()
+}
+
+/// How the cell of a column is taken from a value of type `T`.
 enum Of<T> {
     Number(fn(&T) -> Option<f64>),
     Count(fn(&T) -> u64),

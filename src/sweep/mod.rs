@@ -48,7 +48,7 @@ use std::path::Path;
 use deltazero_solvers::lanes::FUSED;
 use serde_json::{Value, json};
 
-use crate::config::{Config, Kind, MODEL_TABLES, Variants, Varied};
+use crate::config::{Config, Variants};
 use crate::report::field;
 
 pub use error::SweepError;
@@ -57,7 +57,7 @@ pub use read::Over;
 pub use runner::Runner;
 pub use work::{Made, Work, work};
 
-use columns::CellKind;
+use columns::{Head, heads_of_rows};
 use layout::Layout;
 use plan::Plan;
 
@@ -72,6 +72,8 @@ pub struct Sweep {
     pub n_runs: u64,
     variants: Variants,
     layout: Layout,
+    /// The heads of all columns.
+    heads: Vec<Head>,
 }
 
 impl Sweep {
@@ -84,7 +86,8 @@ impl Sweep {
         let read::Read { plan, variants, n_runs } = read::plan(path, over)?;
         let file = path.display().to_string();
         let layout = Layout::new(&file, &plan, &mut variants.clone())?;
-        Ok(Self { plan, n_runs, variants, layout })
+        let heads = heads_of_rows(&plan, variants.varied(), &layout.heads);
+        Ok(Self { plan, n_runs, variants, layout, heads })
     }
 
     /// The configuration that is varied.
@@ -111,36 +114,12 @@ impl Sweep {
 
     /// The names of the columns. A parameter of a model with the name of another column has its long name.
     pub fn columns(&self) -> Vec<String> {
-        let is_taken = |key: &str| {
-            ["run", "status"].contains(&key)
-                || self.layout.heads.iter().any(|head| head.name == key)
-        };
-        let own = |key: &str| {
-            let long = if is_taken(key) { format!("{}.", MODEL_TABLES[1]) } else { String::new() };
-            long + key
-        };
-        let keys = self.plan.keys().into_iter().map(own);
-        let names = ["run".to_owned()].into_iter().chain(keys).chain(["status".to_owned()]);
-        names.chain(self.layout.heads.iter().map(|head| head.name.clone())).collect()
+        self.heads.iter().map(|head| head.name.clone()).collect()
     }
 
     /// The units of the columns, empty for none.
     pub fn units(&self) -> Vec<String> {
-        let keys = self.variants.varied().iter().map(|varied| varied.unit.clone());
-        let units = [String::new()].into_iter().chain(keys).chain([String::new()]);
-        units.chain(self.layout.heads.iter().map(|head| head.unit.clone())).collect()
-    }
-
-    /// What the columns have.
-    fn kinds(&self) -> Vec<CellKind> {
-        let of_key = |varied: &Varied| match varied.kind {
-            Kind::Number(_) => CellKind::Number,
-            Kind::Integer(..) => CellKind::Count,
-            _ => CellKind::Text,
-        };
-        let keys = self.variants.varied().iter().map(of_key);
-        let kinds = [CellKind::Count].into_iter().chain(keys).chain([CellKind::Text]);
-        kinds.chain(self.layout.heads.iter().map(|head| head.kind)).collect()
+        self.heads.iter().map(|head| head.unit.clone()).collect()
     }
 
     /// Writes the rows of `csv`, which is `runs.csv`, to the Parquet file `path`.
@@ -152,13 +131,13 @@ impl Sweep {
         metadata["units"] = self.columns().into_iter().zip(self.units()).collect();
         let read = |source| SweepError::File { path: csv.to_owned(), doing: "read", source };
         let rows = BufReader::new(File::open(csv).map_err(read)?);
-        let written = parquet_file::write(rows, &self.kinds(), metadata.to_string(), path);
+        let written = parquet_file::write(rows, &self.heads, metadata.to_string(), path);
         written.map_err(|source| SweepError::File { path: path.to_owned(), doing: "write", source })
     }
 
     /// The first line of `runs.csv`.
     pub fn header(&self) -> String {
-        let names: Vec<String> = self.columns().iter().map(|name| field(name)).collect();
+        let names: Vec<String> = self.heads.iter().map(|head| field(&head.name)).collect();
         names.join(",") + "\n"
     }
 

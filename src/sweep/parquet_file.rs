@@ -1,22 +1,21 @@
 //! `runs.parquet`: the rows of `runs.csv` by column, each with its type.
 //!
-//! Numbers are `DOUBLE`, whole ones `INT64`, words `STRING`, each optional: what a row does not have is null. The key
-//! `deltazero` of the file's metadata has what `sweep.json` has of the plan, the configuration, the version and the units.
+//! Numbers are `DOUBLE`, whole ones `INT64`, truths `BOOLEAN`, words `STRING`, each optional: what a row does not have is
+//! null. The key `deltazero` of the file's metadata has what `sweep.json` has of the plan, the configuration, the version and the units.
 
-use std::borrow::Cow;
 use std::io::{self, BufRead, Write};
 use std::path::Path;
 use std::sync::Arc;
 
 use parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::{ParquetError, Result};
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
 
-use super::columns::CellKind;
+use super::columns::{CellKind, Head};
 use super::csv::fields;
 use super::whole;
 
@@ -32,6 +31,7 @@ struct Column {
 enum Values {
     Numbers(Vec<f64>),
     Counts(Vec<i64>),
+    Truths(Vec<bool>),
     Words(Vec<ByteArray>),
 }
 
@@ -40,24 +40,25 @@ impl Column {
         let values = match kind {
             CellKind::Number => Values::Numbers(Vec::new()),
             CellKind::Count => Values::Counts(Vec::new()),
+            CellKind::Truth => Values::Truths(Vec::new()),
             CellKind::Text => Values::Words(Vec::new()),
         };
         Self { values, is_there: Vec::new() }
     }
 
-    /// Adds the field of a row; empty, there is none.
-    fn add(&mut self, field: &str) -> Result<()> {
+    /// Adds the field of a row; empty, there is none. None where it is not of the column's type.
+    fn add(&mut self, field: &str) -> Option<()> {
         self.is_there.push((!field.is_empty()).into());
         if field.is_empty() {
-            return Ok(());
+            return Some(());
         }
-        let refused = || ParquetError::General(format!("{field:?} is not of its column's type"));
         match &mut self.values {
-            Values::Numbers(all) => all.push(field.parse().map_err(|_| refused())?),
-            Values::Counts(all) => all.push(field.parse().map_err(|_| refused())?),
+            Values::Numbers(all) => all.push(field.parse().ok()?),
+            Values::Counts(all) => all.push(field.parse().ok()?),
+            Values::Truths(all) => all.push(field.parse().ok()?),
             Values::Words(all) => all.push(field.into()),
         }
-        Ok(())
+        Some(())
     }
 
     /// Writes what was added, and forgets it.
@@ -72,6 +73,10 @@ impl Column {
                 column.typed::<Int64Type>().write_batch(all, is_there, None)?;
                 all.clear();
             }
+            Values::Truths(all) => {
+                column.typed::<BoolType>().write_batch(all, is_there, None)?;
+                all.clear();
+            }
             Values::Words(all) => {
                 column.typed::<ByteArrayType>().write_batch(all, is_there, None)?;
                 all.clear();
@@ -82,38 +87,30 @@ impl Column {
     }
 }
 
-/// Writes the rows of `csv`, whose columns have these kinds, to `path` with this metadata.
+/// Writes the rows of `csv`, whose columns have these heads, to `path` with this metadata.
 ///
 /// # Errors
-/// Those of the file system, and a field that is not of its column's kind.
+/// Those of the file system, a row with more or fewer fields than columns, and a field that is not of its column's kind.
 pub(super) fn write(
     csv: impl BufRead,
-    kinds: &[CellKind],
+    heads: &[Head],
     metadata: String,
     path: &Path,
 ) -> io::Result<()> {
-    whole::write_by(path, |out| to(out, csv, kinds, metadata).map_err(io::Error::other))
+    whole::write_by(path, |out| to(out, csv, heads, metadata).map_err(io::Error::other))
 }
 
-fn to(
-    out: impl Write + Send,
-    csv: impl BufRead,
-    kinds: &[CellKind],
-    metadata: String,
-) -> Result<()> {
-    let mut lines = csv.lines();
-    let header = lines.next().unwrap_or_else(|| Ok(String::new()))?;
-    let schema = schema(fields(&header), kinds)?;
+fn to(out: impl Write + Send, csv: impl BufRead, heads: &[Head], metadata: String) -> Result<()> {
+    let schema = schema(heads)?;
     let metadata = Some(vec![KeyValue::new("deltazero".to_owned(), metadata)]);
     let properties = WriterProperties::builder().set_key_value_metadata(metadata).build();
     let mut writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties))?;
-    let mut columns: Vec<Column> = kinds.iter().map(|kind| Column::new(*kind)).collect();
+    let mut columns: Vec<Column> = heads.iter().map(|head| Column::new(head.kind)).collect();
     let mut n = 0;
-    for line in lines {
-        let line = line?;
-        for (column, field) in columns.iter_mut().zip(fields(&line)) {
-            column.add(&field)?;
-        }
+    // The first line is the header.
+    for (line, text) in csv.lines().enumerate().skip(1) {
+        add(&text?, heads, &mut columns)
+            .map_err(|why| ParquetError::General(format!("line {}{why}", line + 1)))?;
         n += 1;
         if n == GROUP {
             group(&mut writer, &mut columns)?;
@@ -127,16 +124,30 @@ fn to(
     Ok(())
 }
 
-fn schema<'a>(names: impl Iterator<Item = Cow<'a, str>>, kinds: &[CellKind]) -> Result<Type> {
-    let field = |(name, kind): (Cow<'_, str>, &CellKind)| {
-        let physical = match kind {
+/// Adds the fields of a row; what is wrong with it.
+fn add(row: &str, heads: &[Head], columns: &mut [Column]) -> std::result::Result<(), String> {
+    let n = fields(row).count();
+    if n != columns.len() {
+        return Err(format!(" has {n} fields of {} columns", columns.len()));
+    }
+    for ((field, head), column) in fields(row).zip(heads).zip(columns) {
+        let name = &head.name;
+        column.add(&field).ok_or_else(|| format!(", {name}: {field:?} is no {}", head.kind))?;
+    }
+    Ok(())
+}
+
+fn schema(heads: &[Head]) -> Result<Type> {
+    let field = |head: &Head| {
+        let physical = match head.kind {
             CellKind::Number => Physical::DOUBLE,
             CellKind::Count => Physical::INT64,
+            CellKind::Truth => Physical::BOOLEAN,
             CellKind::Text => Physical::BYTE_ARRAY,
         };
-        let field =
-            Type::primitive_type_builder(&name, physical).with_repetition(Repetition::OPTIONAL);
-        let field = match kind {
+        let field = Type::primitive_type_builder(&head.name, physical)
+            .with_repetition(Repetition::OPTIONAL);
+        let field = match head.kind {
             CellKind::Text => field
                 .with_logical_type(Some(LogicalType::String))
                 .with_converted_type(ConvertedType::UTF8),
@@ -144,7 +155,7 @@ fn schema<'a>(names: impl Iterator<Item = Cow<'a, str>>, kinds: &[CellKind]) -> 
         };
         field.build().map(Arc::new)
     };
-    let fields = names.zip(kinds).map(field).collect::<Result<_>>()?;
+    let fields = heads.iter().map(field).collect::<Result<_>>()?;
     Type::group_type_builder("runs").with_fields(fields).build()
 }
 
@@ -169,13 +180,23 @@ mod tests {
 
     use super::*;
 
+    fn head(name: &str, kind: CellKind) -> Head {
+        Head { name: name.to_owned(), unit: String::new(), kind }
+    }
+
     #[test]
     fn rows_come_back_with_their_types() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("runs.parquet");
-        let csv = "run,K,law,peak\n0,1e7,\"a,b\",0.1\n1,2.5,\"say \"\"c\"\"\",\n";
-        let kinds = [CellKind::Count, CellKind::Number, CellKind::Text, CellKind::Number];
-        write(csv.as_bytes(), &kinds, "{}".to_owned(), &path).unwrap();
+        let csv = "run,K,law,peak,stops\n0,1e7,\"a,b\",0.1,true\n1,2.5,\"say \"\"c\"\"\",,false\n";
+        let heads = [
+            head("run", CellKind::Count),
+            head("K", CellKind::Number),
+            head("law", CellKind::Text),
+            head("peak", CellKind::Number),
+            head("stops", CellKind::Truth),
+        ];
+        write(csv.as_bytes(), &heads, "{}".to_owned(), &path).unwrap();
         let reader = SerializedFileReader::new(std::fs::File::open(&path).unwrap()).unwrap();
         let metadata = reader.metadata().file_metadata();
         assert_eq!(metadata.key_value_metadata().unwrap()[0].value.as_deref(), Some("{}"));
@@ -187,8 +208,18 @@ mod tests {
         assert_eq!(rows[1].get_string(2).unwrap(), "say \"c\"");
         assert_eq!(rows[0].get_double(3).unwrap(), 0.1);
         assert!(rows[1].get_double(3).is_err());
-        let refused = write("n\nx\n".as_bytes(), &[CellKind::Count], String::new(), &path);
-        assert!(refused.unwrap_err().to_string().contains("\"x\""));
+        assert_eq!([0, 1].map(|i| rows[i].get_bool(4).unwrap()), [true, false]);
+        let heads = [head("n", CellKind::Count), head("x", CellKind::Number)];
+        for (row, why) in [
+            ("1,y", "line 3, x: \"y\" is no number"),
+            ("x,1", "line 3, n: \"x\" is no whole number"),
+            ("1", "line 3 has 1 fields of 2 columns"),
+            ("1,2,3", "line 3 has 3 fields of 2 columns"),
+        ] {
+            let csv = format!("n,x\n0,1\n{row}\n");
+            let refused = write(csv.as_bytes(), &heads, String::new(), &path).unwrap_err();
+            assert!(refused.to_string().contains(why), "{refused}");
+        }
         // What was there before is still there.
         assert!(SerializedFileReader::new(std::fs::File::open(&path).unwrap()).is_ok());
     }

@@ -9,6 +9,7 @@ use deltazero_study::run::Stopwatch;
 use tempfile::TempDir;
 
 use super::chunks::Chunks;
+use super::columns::CellKind;
 use super::*;
 
 /// A plan of 60 runs of some 0.1 ms with draws, in chunks of 7.
@@ -358,6 +359,42 @@ fn every_column_has_a_place_for_its_unit() {
         let at = columns.iter().position(|column| column == name).unwrap();
         assert_eq!(units[at], unit, "{name}");
     }
+}
+
+#[test]
+fn columns_of_keys_have_the_types_of_their_values() {
+    let scratch = Scratch::new();
+    let plan = r#"
+[[axis]]
+key = "bays"
+values = [1, 2]
+[[axis]]
+key = "run.stop_at_90"
+values = [true, false]
+[[axis]]
+key = "run.sample"
+values = [0.1, 0.2]
+[[axis]]
+key = "solver.atol"
+values = [1e-9, 1e-8]
+[[axis]]
+key = "friction.law"
+values = ["coulomb", "stribeck"]
+[[axis]]
+key = "contact.stiffness"
+log = [1e6, 1e7]
+points = 2
+[random]
+samples = 2
+[[random.key]]
+key = "friction.coefficient"
+uniform = [0.05, 0.2]
+"#;
+    let sweep = scratch.sweep(plan, &SHORT).unwrap();
+    let kinds: Vec<CellKind> = sweep.heads.iter().map(|head| head.kind).collect();
+    let [number, count, text] = [CellKind::Number, CellKind::Count, CellKind::Text];
+    let keys = [count, CellKind::Truth, number, number, text, number, number];
+    assert_eq!(kinds[..10], [&[count], &keys[..], &[text, text]].concat());
 }
 
 #[test]
