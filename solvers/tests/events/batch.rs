@@ -46,8 +46,9 @@ fn shown<P: System>(
     (log, samples): &Recorder<P>,
 ) -> String {
     let point = (run.point.t, &run.point.y, &run.point.mode);
-    let Log { steps, states, events, .. } = log;
-    format!("{end:?} {point:?} {:?} {steps:?} {states:?} {events:?} {samples:?}", run.stats)
+    let Log { steps, states, events, passed, .. } = log;
+    let shown = format!("{steps:?} {states:?} {events:?} {passed:?} {samples:?}");
+    format!("{end:?} {point:?} {:?} {shown}", run.stats)
 }
 
 /// Runs of `problems` from their starts in one batch and one by one, each under its control. Returns how those of the

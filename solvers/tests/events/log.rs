@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use deltazero_solvers::{
     Accepted, Control, Error, Event, Integration, METHODS, Method, Needs, Next, Outcome, Record,
-    System, Tolerance,
+    Stats, System, Tolerance,
 };
 
 use crate::script::chain;
@@ -41,9 +41,11 @@ pub(crate) struct Log<M> {
     pub(crate) steps: Vec<(f64, f64, Option<usize>)>,
     /// Time, guard, mode before, what follows, and the number of steps seen by then.
     pub(crate) events: Vec<(f64, usize, M, Next<M>, usize)>,
+    /// Ends of the steps that were not shown, and evaluations of the right-hand side by then.
+    pub(crate) passed: Vec<(f64, u64)>,
     /// States and slopes at the ends of each, and the state amid it where that was needed.
     pub(crate) states: Vec<Vec<f64>>,
-    /// Breaks at the step and at the event of this number.
+    /// Breaks at the step, shown or not, and at the event of this number.
     pub(crate) break_at: (usize, usize),
     /// What it needs of a step from this time.
     pub(crate) needs: fn(f64) -> Needs,
@@ -53,7 +55,8 @@ impl<M> Default for Log<M> {
     fn default() -> Self {
         let break_at = (usize::MAX, usize::MAX);
         let (steps, states, events) = (Vec::new(), Vec::new(), Vec::new());
-        Self { steps, states, events, break_at, needs: |_| Needs::DenseOutput }
+        let passed = Vec::new();
+        Self { steps, states, events, passed, break_at, needs: |_| Needs::DenseOutput }
     }
 }
 
@@ -64,6 +67,11 @@ impl<M> Log<M> {
 
     pub(crate) fn guards(&self) -> Vec<usize> {
         self.events.iter().map(|event| event.1).collect()
+    }
+
+    /// Whether to go on after a step.
+    fn goes_on(&self) -> ControlFlow<()> {
+        flow(self.steps.len() + self.passed.len() != self.break_at.0)
     }
 }
 
@@ -82,7 +90,12 @@ impl<P: System> Record<P> for Log<P::Mode> {
         let ends = [step.y0(), step.y1(), step.slope0(), step.slope1()];
         self.states
             .push(ends.into_iter().chain([&amid]).flat_map(|y| y.as_ref()).copied().collect());
-        flow(self.steps.len() != self.break_at.0)
+        self.goes_on()
+    }
+
+    fn passed(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {
+        self.passed.push((t, stats.work.n_rhs));
+        self.goes_on()
     }
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {

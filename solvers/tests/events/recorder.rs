@@ -108,16 +108,44 @@ fn what_a_recorder_needs_of_steps_changes_neither_the_run_nor_what_it_sees() {
 }
 
 #[test]
-fn a_step_that_nobody_needs_is_shown_to_nobody() {
+fn a_step_that_nobody_needs_is_shown_to_nobody_and_told_of() {
     let ball = BouncingBall { restitution: 0.8, gravity: 9.8, height: 1.0 };
     for (method, control) in settings().iter().filter(|(method, _)| !steps_itself(method, &ball)) {
+        let name = method.name;
         let mut log = Log { needs: |_| Needs::Nothing, ..Log::default() };
         let mut solver = method.solver(&ball, control.clone()).unwrap();
         let mut integration = Integration::new(&ball, 0.0, ball.start());
         integration.run(2.0, &mut *solver, &mut log).unwrap();
-        let shown_all = method.name == "auto";
-        assert_eq!(log.steps.is_empty(), !shown_all, "{}", method.name);
-        assert_eq!(log.events.len() as u64, integration.stats.n_events, "{}", method.name);
+        let shown_all = name == "auto";
+        assert_eq!(
+            (log.steps.is_empty(), log.passed.is_empty()),
+            (!shown_all, shown_all),
+            "{name}"
+        );
+        let n = log.steps.len() + log.passed.len();
+        assert_eq!(n as u64, integration.stats.n_accepted, "{name}");
+        assert!(log.passed.is_sorted_by(|a, b| a.0 < b.0 && a.1 <= b.1), "{name}");
+        assert!(log.passed.last().is_none_or(|(t, _)| *t == 2.0), "{name}");
+        assert_eq!(log.events.len() as u64, integration.stats.n_events, "{name}");
+    }
+}
+
+#[test]
+fn a_recorder_may_break_off_at_a_step_that_it_is_only_told_of() {
+    let ball = BouncingBall { restitution: 0.8, gravity: 9.8, height: 1.0 };
+    for (method, control) in settings().iter().filter(|(method, _)| !steps_itself(method, &ball)) {
+        let mut log =
+            Log { needs: |_| Needs::Nothing, break_at: (3, usize::MAX), ..Log::default() };
+        let mut solver = method.solver(&ball, control.clone()).unwrap();
+        let mut integration = Integration::new(&ball, 0.0, ball.start());
+        let outcome = integration.run(2.0, &mut *solver, &mut log);
+        assert_eq!(outcome, Ok(Outcome::Interrupted), "{}", method.name);
+        assert_eq!(integration.stats.n_accepted, 3, "{}", method.name);
+        if let Some((t, _)) = log.passed.last() {
+            assert_eq!(integration.point.t, *t, "{}", method.name);
+        }
+        let outcome = integration.run(2.0, &mut *solver, &mut log);
+        assert_eq!(outcome, Ok(Outcome::Finished), "{}", method.name);
     }
 }
 
