@@ -62,9 +62,9 @@ impl Needs {
 /// Number of rejected attempts between two calls of [`Record::rejected`].
 pub const REJECTIONS_A_LOOK: u64 = 64;
 
-/// Sees, in order, every accepted step that it [needs](Record::needs) and every event, each once, is told of the steps
-/// [between](Record::passed), and is called now and then while attempts are [rejected](Record::rejected). [`ControlFlow::Break`] ends the run as
-/// [`Interrupted`](crate::Outcome::Interrupted).
+/// Sees, in order, every accepted step that it [needs](Record::needs) and every event, each once; is [told](Record::passed)
+/// of every accepted step that it does not see; and is called now and then while attempts are
+/// [rejected](Record::rejected). [`ControlFlow::Break`] ends the run as [`Interrupted`](crate::Outcome::Interrupted).
 pub trait Record<P: System> {
     /// A run from `t0` towards `t_end` begins.
     ///
@@ -96,8 +96,8 @@ pub trait Record<P: System> {
         ControlFlow::Continue(())
     }
 
-    /// What the recorder needs of a step from `t0` to `t1`; a step costs less where less is needed. A recorder that
-    /// counts steps or limits their work needs nothing: it is told of the others by [`passed`](Self::passed).
+    /// What the recorder needs of a step from `t0` to `t1`; a step costs less where less is needed. A recorder that only
+    /// counts steps or limits their work needs nothing, because [`passed`](Self::passed) tells it of each step.
     ///
     /// Called before the step is shown, possibly more than once, and also for steps that are then not accepted.
     fn needs(&self, _t0: f64, _t1: f64) -> Needs {
