@@ -18,7 +18,7 @@ const STRAYS: f64 = 1.0 / 64.0;
 /// sine is searched for by the polynomial of degree six over more than three quarters of a period.
 const LONGER: f64 = 4.0 / 3.0;
 /// The march after a guard that strays begins with an interval of this fraction of the step, or less.
-const FIRST_INTERVAL: f64 = 1.0 / 1024.0;
+const FIRST_INTERVAL: f64 = 1.0 / 64.0;
 
 impl<P: System> GuardWatch<P> {
     /// Whether the guards need not be compared with their cubics on a step of size `h`.

@@ -6,9 +6,9 @@ use crate::root::minimum;
 /// A guard is followed on an interval where the parabola through three of its values gives two more to this fraction
 /// of their range.
 const MISFIT: f64 = 0.05;
-/// The next interval is twice as long where the parabola is better than this fraction of the misfit allowed. An error
-/// of the third order grows eight times with twice the length.
-const GROWS_BELOW: f64 = 1.0 / 8.0;
+/// The next interval is longer by this factor where the parabola is better than the cube of its inverse, as a fraction
+/// of the misfit allowed: an error of the third order grows with the cube of the length.
+const GROWTH: [f64; 2] = [4.0, 2.0];
 /// What is at least this many times further from zero than from its parabola is followed too: it stays above zero.
 const HEADROOM: f64 = 8.0;
 /// Inner points of an interval. No two distances between them have a simple ratio, so that no sine has the values of a
@@ -94,9 +94,8 @@ pub(super) fn first_fall(
             }
             (before, a) = (a, next);
         }
-        if off <= GROWS_BELOW * allowed {
-            width *= 2.0;
-        }
+        let growth = GROWTH.into_iter().find(|by| off * by * by * by <= allowed);
+        width *= growth.unwrap_or(1.0);
     }
     if a.theta < 1.0 {
         return Found::Lost;
@@ -142,8 +141,9 @@ mod tests {
             // 0.3 to 300 periods in the step, each with another phase.
             let omega = TAU * 0.3 * 1000.0_f64.powf(f64::from(k) / 1000.0);
             let phase = TAU * 0.618_034 * f64::from(k) % TAU;
-            let found =
-                first_fall(|s| (phase + omega * s).sin(), 0.0, 1.0 / 1024.0, 1e-15, (false, false));
+            let g = |s: f64| (phase + omega * s).sin();
+            let width = (0.1 / omega).min(1.0 / 64.0);
+            let found = first_fall(g, 0.0, width, 1e-15, (false, false));
             let fall =
                 if phase < TAU / 2.0 { TAU / 2.0 - phase } else { 1.5 * TAU - phase } / omega;
             match found {
@@ -164,7 +164,7 @@ mod tests {
             let middle = 0.1 * 200.0_f64.powf((0.618_034 * f64::from(k)).fract());
             let depth = 1e-9_f64.powf((0.754_878 * f64::from(k)).fract());
             let g = |s: f64| 1.0 - depth - (40.0 * (s - middle / 20.0)).cos();
-            let found = first_fall(g, 0.0, 1.0 / 1024.0, 1e-15, (false, true));
+            let found = first_fall(g, 0.0, 1.0 / 64.0, 1e-15, (false, true));
             let Found::Fall(above, below) = found else { panic!("{depth}: {found:?}") };
             assert!(g(above) > 0.0 && g(below) < 0.0, "{depth}");
         }
