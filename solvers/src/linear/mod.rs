@@ -22,7 +22,34 @@ pub(crate) trait Scalar:
 
 impl<T: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy> Scalar for T {}
 
-/// The Jacobian `J` of a system in one mode at one state.
+/// The entries of a square matrix.
+pub(crate) trait Entries {
+    /// Number of rows.
+    fn n(&self) -> usize;
+
+    /// Calls `entry(i, j, value)` for every entry that can be nonzero, as [`System::jacobian`] does.
+    fn for_each(&self, entry: impl FnMut(usize, usize, f64));
+}
+
+/// The Jacobian of a system in a mode at `(t, y)`.
+pub(crate) struct JacobianAt<'a, P: System> {
+    pub(crate) problem: &'a P,
+    pub(crate) mode: P::Mode,
+    pub(crate) t: f64,
+    pub(crate) y: &'a P::State<f64>,
+}
+
+impl<P: System> Entries for JacobianAt<'_, P> {
+    fn n(&self) -> usize {
+        self.problem.dim()
+    }
+
+    fn for_each(&self, entry: impl FnMut(usize, usize, f64)) {
+        self.problem.jacobian(self.mode.clone(), self.t, self.y, entry);
+    }
+}
+
+/// A matrix `J` of [`Entries`], such as the Jacobian of a system in one mode at one state.
 pub(crate) enum Jacobian {
     Dense(DMatrix<f64>),
     Sparse(SparseMatrix),
@@ -45,17 +72,22 @@ impl Jacobian {
         t: f64,
         y: &P::State<f64>,
     ) -> Option<usize> {
+        self.set(&JacobianAt { problem, mode, t, y })
+    }
+
+    /// Sets all entries. Returns the row of an entry that is not finite, if there is one.
+    pub(crate) fn set(&mut self, all: &impl Entries) -> Option<usize> {
+        let n = all.n();
         if let Self::Sparse(sparse) = self {
-            if sparse.evaluate(problem, mode.clone(), t, y) {
+            if sparse.set(all) {
                 return sparse.non_finite_row();
             }
-            *self = Self::Dense(DMatrix::zeros(problem.dim(), problem.dim()));
+            *self = Self::Dense(DMatrix::zeros(n, n));
         }
         if let Self::Dense(dense) = self {
-            let n = problem.dim();
             let entries = dense.as_mut_slice();
             entries.fill(0.0);
-            problem.jacobian(mode, t, y, |i, j, entry| entries[j * n + i] = entry);
+            all.for_each(|i, j, entry| entries[j * n + i] = entry);
             return entries.iter().position(|entry| !entry.is_finite()).map(|entry| entry % n);
         }
         None

@@ -9,7 +9,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRe
 use faer::{Conj, Par};
 use nalgebra::ComplexField;
 
-use crate::system::System;
+use super::Entries;
 
 /// Largest fraction of nonzero entries of a matrix that is held sparse.
 const DENSITY: f64 = 0.25;
@@ -25,7 +25,7 @@ pub(crate) fn position(
     found.ok().map(|k| column.start + k)
 }
 
-/// A Jacobian with the pattern of all entries that have appeared so far.
+/// A matrix with the pattern of all entries that have appeared so far.
 pub(crate) struct SparseMatrix {
     pattern: SymbolicSparseColMat<usize>,
     entries: Vec<f64>,
@@ -55,35 +55,26 @@ impl SparseMatrix {
         }
     }
 
-    /// Evaluates the Jacobian. Returns false where it has too many entries to be held sparse.
-    pub(super) fn evaluate<P: System>(
-        &mut self,
-        problem: &P,
-        mode: P::Mode,
-        t: f64,
-        y: &P::State<f64>,
-    ) -> bool {
+    /// Sets all entries. Returns false where there are too many to be held sparse.
+    pub(super) fn set(&mut self, all: &impl Entries) -> bool {
         self.entries.fill(0.0);
         // The pattern contains the diagonal once it contains any entry.
         let mut is_complete = !self.entries.is_empty();
-        problem.jacobian(mode.clone(), t, y, |i, j, entry| {
-            match position(self.pattern.as_ref(), i, j) {
-                Some(k) => self.entries[k] = entry,
-                None => is_complete = false,
-            }
+        all.for_each(|i, j, entry| match position(self.pattern.as_ref(), i, j) {
+            Some(k) => self.entries[k] = entry,
+            None => is_complete = false,
         });
-        is_complete
-            || (self.widen(problem, mode.clone(), t, y) && self.evaluate(problem, mode, t, y))
+        is_complete || (self.widen(all) && self.set(all))
     }
 
-    /// Adds the entries of this Jacobian, and the diagonal, to the pattern. Returns false where these are too many.
-    fn widen<P: System>(&mut self, problem: &P, mode: P::Mode, t: f64, y: &P::State<f64>) -> bool {
-        let n = problem.dim();
+    /// Adds these entries, and the diagonal, to the pattern. Returns false where they are too many.
+    fn widen(&mut self, new: &impl Entries) -> bool {
+        let n = new.n();
         let mut rows: Vec<Vec<usize>> = (0..n).map(|j| vec![j]).collect();
         for (j, rows) in rows.iter_mut().enumerate() {
             rows.extend(&self.pattern.row_idx()[self.pattern.col_range(j)]);
         }
-        problem.jacobian(mode, t, y, |i, j, _| rows[j].push(i));
+        new.for_each(|i, j, _| rows[j].push(i));
         let mut starts = vec![0];
         let mut all = Vec::new();
         for mut rows in rows {
