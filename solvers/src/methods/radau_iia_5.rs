@@ -10,15 +10,15 @@
 //!
 //! Order 5, stage order 3, embedded order 3, dense output of order 4 (its local error falls as h⁵); L-stable and
 //! stiffly accurate. A step solves its equations by Newton's iteration, with one Jacobian and two factorisations, one
-//! real and one complex.
+//! real and one complex; where that diverges, with a Jacobian of each stage (see [`Radau`]).
 //!
 //! It is good at strong damping and tight tolerances, because the stages keep their order on stiff systems. On a
 //! contact of 10⁹ N/m with damping ratios of 1 and 20 it takes 7 and 3 times fewer steps than
 //! [Rodas5P](super::RODAS_5P) to an error of 10⁻⁶ of the clearance, and 17 and 11 times fewer to 10⁻⁹. Each step
-//! costs up to twice as much, and one attempt in eight fails to converge and is halved; in time the gain at 10⁻⁶ is 7
-//! and 4 times. It is less good at loose tolerances with many events: after a restart the iteration has no starting
-//! guess, and each step retaken on an event is iterated to rounding. Where accuracy limits the step, an explicit pair
-//! needs less work.
+//! costs up to twice as much; in time the gain at 10⁻⁶ is 7 and 4 times. It is good too at motions that a stiff force
+//! holds near a curve: at a tolerance of 10⁻⁸ a pendulum on a rod of stiffness 10⁶ takes 780 steps, on one of 10¹² 457.
+//! It is less good at loose tolerances with many events: after a restart the iteration has no starting guess, and each
+//! step retaken on an event is iterated to rounding. Where accuracy limits the step, an explicit pair needs less work.
 //!
 //! A fixed step iterates to rounding or fails. Where the slope jumps inside it, as in an [event-blind
 //! run](crate::blind), its equations may have no solution, and the run ends in

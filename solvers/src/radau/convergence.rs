@@ -20,7 +20,8 @@ pub(super) enum Iteration {
 /// The test of convergence, with what it remembers of the corrections so far.
 ///
 /// If corrections shrink by the factor θ, the error after one is θ/(1 − θ) of it. Under a tolerance the first
-/// correction is judged by the factor of the previous iteration. RADAU5.
+/// correction is judged by the factor of the previous iteration. RADAU5. Beyond it, the first corrections may be
+/// allowed to grow.
 pub(super) struct Convergence {
     /// Largest number of iterations.
     pub(super) most: usize,
@@ -29,6 +30,8 @@ pub(super) struct Convergence {
     /// Largest correction that is taken for rounding once corrections no longer shrink.
     noise: f64,
     pub(super) is_to_rounding: bool,
+    /// Number of corrections that may grow under a tolerance.
+    patience: usize,
     /// Error after a correction as a fraction of the correction.
     pub(super) left: f64,
     first: f64,
@@ -44,6 +47,7 @@ impl Convergence {
             rest: f64::EPSILON,
             noise: NOISE,
             is_to_rounding: true,
+            patience: 0,
             left: f64::INFINITY,
             first: f64::NAN,
             last: f64::NAN,
@@ -51,13 +55,15 @@ impl Convergence {
         }
     }
 
-    /// The test of an iteration to an error of `rest`; `left` is that of the iteration before.
-    pub(super) fn to_tolerance(rest: f64, left: f64) -> Self {
+    /// The test of an iteration to an error of `rest`; `left` is that of the iteration before, and the first
+    /// `patience` corrections may grow.
+    pub(super) fn to_tolerance(rest: f64, left: f64, patience: usize) -> Self {
         Self {
             most: ITERATIONS,
             rest,
             noise: 1e-3 * rest,
             is_to_rounding: false,
+            patience,
             left: libm::pow(left.max(f64::EPSILON), 0.8),
             ..Self::to_rounding()
         }
@@ -79,12 +85,14 @@ impl Convergence {
                 // The iteration is given up early where the remaining iterations cannot suffice.
                 let to_come = self.most.saturating_sub(n + 1) as f64;
                 let in_the_end = self.left * size * libm::pow(rate, to_come);
-                if in_the_end > self.rest && !self.is_to_rounding {
+                if in_the_end > self.rest && n > self.patience && !self.is_to_rounding {
                     return Some(Iteration::Diverged);
                 }
             } else if size <= self.noise {
                 // Rounding is reached.
                 return Some(Iteration::Converged);
+            } else if n <= self.patience {
+                self.left = f64::INFINITY;
             } else if !self.is_to_rounding {
                 return Some(Iteration::Diverged);
             }

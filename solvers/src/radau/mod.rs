@@ -1,6 +1,7 @@
 //! Radau IIA methods: fully implicit, with stages computed by Newton's iteration.
 
 mod convergence;
+mod full;
 mod newton;
 mod step;
 
@@ -25,6 +26,20 @@ use crate::order_conditions::{residuals, trees};
 /// (γ I − hJ) Δw₁ = h (T⁻¹ f)₁ − γ w₁
 /// ((α + iβ) I − hJ) Δw₂,₃ = h (T⁻¹ f)₂,₃ − (α + iβ) w₂,₃
 /// ```
+///
+/// Simplified iteration diverges where the direction of a stiff force turns within a step. Let a force of angular
+/// frequency ω hold the motion near a curve, whose normal turns by θ over the step. With the normal of the start, an
+/// error ε along the tangent becomes an error θε along the normal, and this one becomes (ωh)² θ · θε along the tangent.
+/// So the iteration needs θωh < 1, and its steps fall as the fourth root of the stiffness, though the accuracy allows
+/// longer ones. Where that is so, full Newton iteration solves the step, with the Jacobian `J_i` of each stage, anew in
+/// each iteration:
+///
+/// ```text
+/// Σ_j (A⁻¹)_ij Δz_j − hJ_i Δz_i = h f_i − Σ_j (A⁻¹)_ij z_j
+/// ```
+///
+/// C. Lubich, "Integration of stiff mechanical systems by Runge–Kutta methods", Z. angew. Math. Phys. 44, 1022–1053
+/// (1993), treats such systems. He shows that the methods keep their accuracy, however stiff the force.
 ///
 /// The error estimate is the defect of the collocation polynomial's slope at the start, where the polynomial need not
 /// satisfy the equation, filtered by `(γ I − hJ)⁻¹`. It falls as h⁴, because `u` is cubic. The dense output is
@@ -114,6 +129,13 @@ impl Radau {
             all.extend(entries.map(|(left, right)| left - right));
         }
         all
+    }
+
+    /// Rows of `A⁻¹`, which is `T Λ T⁻¹`.
+    fn a_inverse(&self) -> [[f64; 3]; 3] {
+        let [alpha, beta] = self.complex;
+        let lambda = [[self.real, 0.0, 0.0], [0.0, alpha, -beta], [0.0, beta, alpha]];
+        product(&product(&self.t, &lambda), &self.t_inverse)
     }
 
     /// Weights of the `z_i` in `u(θ) − y`.

@@ -1,8 +1,9 @@
-//! The stages of a Radau step, computed by simplified Newton iteration.
+//! The stages of a Radau step, computed by Newton iteration.
 
 use nalgebra::Complex;
 
 use super::convergence::{Convergence, Iteration};
+use super::full::FullMatrix;
 use super::{Radau, RadauStep, transformed};
 use crate::control::Control;
 use crate::linear::{Jacobian, Shifted};
@@ -16,6 +17,17 @@ const REST: f64 = 0.03;
 /// States smaller than this fraction of the largest one are iterated as if they had that size.
 const SMALLEST: f64 = 1e-6;
 
+/// Full Newton iteration pays for steps this many times longer than those that simplified iteration can solve. An
+/// attempt by it takes about six times as long (5.0 and 0.9 µs on contacts of six states), and simplified iteration,
+/// which must stay below the size that it cannot solve, gets on by two thirds of that size per attempt.
+const PAYING: f64 = 4.0;
+/// Number of steps by full Newton iteration before simplified iteration is tried again. A vain try costs two or three
+/// of its iterations.
+const FULL_STEPS: usize = 16;
+/// Number of corrections by full iteration that may grow. Where a stiff force holds the motion near a curve, a
+/// correction along the tangent leaves the curve by its square, and the force of that distance spoils the next one.
+const PATIENCE: usize = 3;
+
 /// A Radau method applied to one system.
 pub struct RadauMethod<Y> {
     tableau: &'static Radau,
@@ -26,6 +38,13 @@ pub struct RadauMethod<Y> {
     jacobian: Jacobian,
     real: Shifted<f64>,
     complex: Shifted<Complex<f64>>,
+    full: FullMatrix,
+    /// Number of steps still to be taken by full Newton iteration.
+    n_full: usize,
+    /// Least step size at which simplified iteration diverged, since it last converged at a larger one.
+    least_diverged: f64,
+    /// Square of the norm of the error of the step before.
+    error_before_sq: f64,
     /// Whether the Jacobian is evaluated at the present start.
     is_linearised: bool,
     /// Whether a step from the present start was completed. Further attempts are then retaken steps.
@@ -35,6 +54,12 @@ pub struct RadauMethod<Y> {
     guess: [Y; 3],
     /// Step size that the guess belongs to; `None` at the start of a phase, where there is no guess.
     h_guess: Option<f64>,
+    /// Whether the guess extrapolates the step before.
+    is_extrapolated: bool,
+    /// End of the guess, as an increment.
+    guess_end: Y,
+    /// Square of the norm of the error estimated from the guess; zero where it is not.
+    error_of_guess_sq: f64,
     /// Whether phases begin on the slow solution, where the slope at the start is a good guess.
     is_smooth: bool,
     /// Error after a correction as a fraction of the correction, estimated from the last iteration.
@@ -42,7 +67,9 @@ pub struct RadauMethod<Y> {
     z: [Y; 3],
     w: [Y; 3],
     k: [Y; 3],
-    y_stage: Y,
+    y_stages: [Y; 3],
+    /// Slope at the start, or near it, that the error estimate is made of.
+    slope: Y,
     delta: Y,
     delta_pair: Vec<Complex<f64>>,
     /// Scale of each state by which corrections are divided.
@@ -77,17 +104,25 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
             jacobian: Jacobian::new(n),
             real: Shifted::new(n),
             complex: Shifted::new(n),
+            full: FullMatrix::new(tableau, n),
+            n_full: 0,
+            least_diverged: f64::INFINITY,
+            error_before_sq: f64::NAN,
             is_linearised: false,
             is_completed: false,
             has_converged: true,
             guess: three(),
             h_guess: None,
+            is_extrapolated: false,
+            guess_end: zero(),
+            error_of_guess_sq: 0.0,
             is_smooth: false,
             left: 1.0,
             z: three(),
             w: three(),
             k: three(),
-            y_stage: zero(),
+            y_stages: three(),
+            slope: zero(),
             delta: zero(),
             delta_pair: vec![Complex::new(0.0, 0.0); n],
             scale: zero(),
@@ -128,21 +163,23 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         for i in 0..self.n() {
             let [g1, g2, g3] = Self::at(&self.guess, i);
             let z = x.map(|x| x * (g1 + x * (g2 + x * g3)));
+            self.guess_end.as_mut()[i] = z[2];
             Self::set(&mut self.z, i, z);
             Self::set(&mut self.w, i, transformed(&self.tableau.t_inverse, z));
         }
     }
 
-    /// Solves the equations of the stages. Under a tolerance the error is reduced to a fraction of it. With fixed
-    /// steps, and for retaken steps, the iteration continues to rounding, so that the end of the step is a function
-    /// of `h` alone.
+    /// Solves the equations of the stages, by full Newton iteration while steps are to be taken by it. Under a
+    /// tolerance the error is reduced to a fraction of it. With fixed steps, and for retaken steps, the iteration
+    /// continues to rounding, so that the end of the step is a function of `h` alone.
     fn iterate<P: System<State<f64> = Y>>(
         &mut self,
         problem: &P,
         mode: P::Mode,
         stats: &mut Stats,
     ) -> Iteration {
-        let mut convergence = self.convergence();
+        let is_full = self.n_full > 0;
+        let mut convergence = self.convergence(is_full);
         self.begin();
         let mut end = Iteration::Diverged;
         for n in 1..=convergence.most {
@@ -150,7 +187,15 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
                 end = Iteration::NotFinite(component);
                 break;
             }
-            self.correct(stats);
+            self.evaluate_residual();
+            if is_full {
+                self.solve_fully(problem, mode.clone(), stats);
+            } else {
+                self.real.solve(self.delta.as_mut());
+                self.complex.solve(&mut self.delta_pair);
+                stats.work.n_lin_solves += 2;
+            }
+            self.correct();
             if n == 1 && convergence.is_to_rounding {
                 self.weigh_by_size();
             }
@@ -159,13 +204,26 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
                 break;
             }
         }
-        self.left = convergence.left;
+        // The corrections of full iteration shrink ever faster, so their rate says nothing of the next iteration.
+        self.left = if is_full { 1.0 } else { convergence.left };
         end
+    }
+
+    /// Whether full iteration pays after simplified iteration diverged: this step, or the step that the error of the
+    /// one before allows, is [so many times](PAYING) longer than one that simplified iteration can solve.
+    /// A retaken step begins no full iteration.
+    fn full_pays(&mut self) -> bool {
+        let (Some(h_before), false) = (self.h_guess, self.is_completed) else { return false };
+        let h = self.step.h.abs();
+        self.least_diverged = self.least_diverged.min(h);
+        let exponent = 0.5 / (self.tableau.embedded_order + 1) as f64;
+        let allowed = h_before.abs() / libm::pow(self.error_before_sq, exponent);
+        h.max(allowed) >= PAYING * self.least_diverged
     }
 
     /// The test of convergence of an iteration that is to begin. Under a tolerance it also sets the scales of the
     /// corrections.
-    fn convergence(&mut self) -> Convergence {
+    fn convergence(&mut self, is_full: bool) -> Convergence {
         let Some(tolerance) = self.tolerance.as_ref().filter(|_| !self.is_completed) else {
             return Convergence::to_rounding();
         };
@@ -173,7 +231,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         for (scale, (y0, atol)) in self.scale.as_mut().iter_mut().zip(y0) {
             *scale = atol + tolerance.rtol * y0.abs();
         }
-        Convergence::to_tolerance(self.rest, self.left)
+        Convergence::to_tolerance(self.rest, self.left, if is_full { PATIENCE } else { 0 })
     }
 
     /// Evaluates the slopes at the stages. Returns the first state whose slope is not finite, if there is one.
@@ -183,12 +241,13 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         mode: P::Mode,
         stats: &mut Stats,
     ) -> Option<usize> {
-        for ((c, z), k) in self.tableau.c.iter().zip(&self.z).zip(&mut self.k) {
+        let times = self.stage_times();
+        for (((t, z), k), y) in times.iter().zip(&self.z).zip(&mut self.k).zip(&mut self.y_stages) {
             let states = self.step.y0.as_ref().iter().zip(z.as_ref());
-            for (y, (y0, z)) in self.y_stage.as_mut().iter_mut().zip(states) {
+            for (y, (y0, z)) in y.as_mut().iter_mut().zip(states) {
                 *y = y0 + z;
             }
-            problem.rhs(mode.clone(), self.step.t0 + c * self.step.h, &self.y_stage, k);
+            problem.rhs(mode.clone(), *t, y, k);
             stats.work.n_rhs += 1;
             if let Some(component) = k.as_ref().iter().position(|slope| !slope.is_finite()) {
                 return Some(component);
@@ -197,8 +256,12 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         None
     }
 
-    /// Makes one correction of `w` and updates `z`.
-    fn correct(&mut self, stats: &mut Stats) {
+    fn stage_times(&self) -> [f64; 3] {
+        self.tableau.c.map(|c| self.step.t0 + c * self.step.h)
+    }
+
+    /// Computes the right-hand side of the equation of a correction of `w`.
+    fn evaluate_residual(&mut self) {
         let tableau = self.tableau;
         let shift = Complex::new(tableau.complex[0], tableau.complex[1]);
         let h = self.step.h;
@@ -209,15 +272,39 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
             self.delta_pair[i] =
                 Complex::new(h * f[1], h * f[2]) - shift * Complex::new(w[1], w[2]);
         }
-        self.real.solve(self.delta.as_mut());
-        self.complex.solve(&mut self.delta_pair);
-        stats.work.n_lin_solves += 2;
+    }
+
+    /// Replaces the residual by the correction of full Newton iteration.
+    fn solve_fully<P: System<State<f64> = Y>>(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        stats: &mut Stats,
+    ) {
+        self.full.factorise(problem, mode, self.stage_times(), &self.y_stages, self.step.h);
+        for i in 0..self.n() {
+            let (real, pair) = (self.delta.as_ref()[i], self.delta_pair[i]);
+            self.full.set(i, transformed(&self.tableau.t, [real, pair.re, pair.im]));
+        }
+        self.full.solve();
+        for i in 0..self.n() {
+            let [real, re, im] = transformed(&self.tableau.t_inverse, self.full.at(i));
+            self.delta.as_mut()[i] = real;
+            self.delta_pair[i] = Complex::new(re, im);
+        }
+        stats.work.n_jac += 3;
+        stats.work.n_factorisations += 1;
+        stats.work.n_lin_solves += 1;
+    }
+
+    /// Corrects `w` and updates `z`.
+    fn correct(&mut self) {
         for i in 0..self.n() {
             let [w1, w2, w3] = Self::at(&self.w, i);
             let (delta, pair) = (self.delta.as_ref()[i], self.delta_pair[i]);
             let w = [w1 + delta, w2 + pair.re, w3 + pair.im];
             Self::set(&mut self.w, i, w);
-            Self::set(&mut self.z, i, transformed(&tableau.t, w));
+            Self::set(&mut self.z, i, transformed(&self.tableau.t, w));
         }
     }
 
@@ -260,13 +347,13 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         }
     }
 
-    /// Computes the error estimate from the slope at the start, which is in `y_stage`.
+    /// Computes the error estimate from `slope`.
     fn estimate(&mut self, stats: &mut Stats) {
         let step = &mut self.step;
         let z3 = self.z[2].as_ref();
         let bend = step.bend[0].as_ref();
         for (i, error) in step.error.as_mut().iter_mut().enumerate() {
-            *error = step.h * self.y_stage.as_ref()[i] - (z3[i] - bend[i]);
+            *error = step.h * self.slope.as_ref()[i] - (z3[i] - bend[i]);
         }
         self.real.solve(step.error.as_mut());
         stats.work.n_lin_solves += 1;
@@ -285,15 +372,42 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         for (error, y0) in step.error.as_mut().iter_mut().zip(step.y0.as_ref()) {
             *error += y0;
         }
-        problem.rhs(mode, step.t0, &step.error, &mut self.y_stage);
+        problem.rhs(mode, step.t0, &step.error, &mut self.slope);
         stats.work.n_rhs += 1;
-        if self.y_stage.as_ref().iter().all(|slope| slope.is_finite()) {
+        if self.slope.as_ref().iter().all(|slope| slope.is_finite()) {
             self.estimate(stats);
         } else {
             for (error, y0) in step.error.as_mut().iter_mut().zip(step.y0.as_ref()) {
                 *error -= y0;
             }
         }
+    }
+
+    /// Estimates the error from the difference of the end and the guess, for a step by full Newton iteration. The
+    /// estimate by the defect says nothing of states that are stiff at the start and not at the end, and simplified
+    /// iteration, which diverges there, does not come to it. On smooth solutions the estimates are equal:
+    ///
+    /// ```text
+    /// error = −c₁c₂/(6γ) h⁴y⁗,   y₁ − guess = (1/4 + (2 − c₁ − c₂)/(3r) + (1 − c₁)(1 − c₂)/(2r²)) h⁴y⁗/6
+    /// ```
+    ///
+    /// with r the size of the step divided by that of the step before.
+    fn estimate_from_guess(&mut self) {
+        let (Some(tolerance), Some(h_guess)) = (&self.tolerance, self.h_guess) else { return };
+        let ends = self.z[2].as_ref().iter().zip(self.guess_end.as_mut());
+        ends.for_each(|(z, guess)| *guess = z - *guess);
+        let ([c1, c2, _], r) = (self.tableau.c, self.step.h / h_guess);
+        let apart = 0.25 + ((2.0 - c1 - c2) / 3.0 + 0.5 * (1.0 - c1) * (1.0 - c2) / r) / r;
+        let ratio = apart * self.tableau.real / (c1 * c2);
+        let (y0, y1) = (self.step.y0.as_ref(), self.step.y1.as_ref());
+        self.error_of_guess_sq =
+            tolerance.norm_sq(self.guess_end.as_ref(), y0, y1) / (ratio * ratio);
+    }
+
+    /// Square of the norm of the larger error estimate; not a number where that by the defect is none.
+    fn error_sq(&self, tolerance: &Tolerance) -> f64 {
+        let of_defect = self.step.norm_sq(tolerance);
+        if of_defect < self.error_of_guess_sq { self.error_of_guess_sq } else { of_defect }
     }
 
     /// Makes the cubic of the last attempt the guess for further attempts from the same start.
@@ -337,7 +451,9 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
         problem.rhs(mode, t, y, &mut step.slope0);
         stats.work.n_rhs += 1;
         (self.is_linearised, self.is_completed) = (false, false);
-        (self.h_guess, self.left) = (None, 1.0);
+        (self.h_guess, self.left, self.n_full) = (None, 1.0, 0);
+        (self.least_diverged, self.error_before_sq) = (f64::INFINITY, f64::NAN);
+        self.is_extrapolated = false;
         if self.is_smooth {
             self.h_guess = Some(1.0);
             let [linear, rest @ ..] = &mut self.guess;
@@ -349,6 +465,7 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
     fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats) {
         let tableau = self.tableau;
         (self.step.t1, self.step.h) = (t1, h);
+        self.error_of_guess_sq = 0.0;
         if !std::mem::replace(&mut self.is_linearised, true) {
             let non_finite =
                 self.jacobian.evaluate(problem, mode.clone(), self.step.t0, &self.step.y0);
@@ -359,20 +476,33 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
             }
         }
         self.real.factorise(&self.jacobian, tableau.real, h);
-        let shift = Complex::new(tableau.complex[0], tableau.complex[1]);
-        self.complex.factorise(&self.jacobian, shift, h);
-        stats.work.n_factorisations += 2;
-        let end = self.iterate(problem, mode.clone(), stats);
+        stats.work.n_factorisations += 1;
+        let mut end = Iteration::Diverged;
+        if self.n_full == 0 {
+            let shift = Complex::new(tableau.complex[0], tableau.complex[1]);
+            self.complex.factorise(&self.jacobian, shift, h);
+            stats.work.n_factorisations += 1;
+            end = self.iterate(problem, mode.clone(), stats);
+            if matches!(end, Iteration::Diverged) && self.full_pays() {
+                (self.n_full, self.left) = (FULL_STEPS, 1.0);
+            }
+        }
+        if self.n_full > 0 {
+            end = self.iterate(problem, mode.clone(), stats);
+        }
         self.has_converged = !matches!(end, Iteration::Diverged);
         match end {
             Iteration::Diverged => return,
             Iteration::NotFinite(component) => return self.step.spoil(component),
             Iteration::Converged => self.finish(),
         }
-        self.y_stage.clone_from(&self.step.slope0);
+        self.slope.clone_from(&self.step.slope0);
         self.estimate(stats);
         if self.tolerance.as_ref().is_some_and(|tolerance| self.step.norm_sq(tolerance) > 1.0) {
             self.estimate_again(problem, mode, stats);
+        }
+        if self.n_full > 0 && self.is_extrapolated {
+            self.estimate_from_guess();
         }
     }
 
@@ -390,12 +520,21 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
         stats.work.n_rhs += 1;
         if !std::mem::replace(&mut self.is_completed, true) {
             self.keep_polynomial();
+            self.is_extrapolated = false;
         }
     }
 
     fn advance(&mut self) {
         self.keep_polynomial();
         self.shift_guess();
+        self.is_extrapolated = true;
+        if self.n_full == 0 && self.step.h.abs() > self.least_diverged {
+            self.least_diverged = f64::INFINITY;
+        }
+        self.n_full = self.n_full.saturating_sub(1);
+        if let Some(tolerance) = &self.tolerance {
+            self.error_before_sq = self.error_sq(tolerance);
+        }
         let step = &mut self.step;
         step.t0 = step.t1;
         std::mem::swap(&mut step.y0, &mut step.y1);
@@ -412,6 +551,6 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
     }
 
     fn error_norm_sq(&self, tolerance: &Tolerance) -> f64 {
-        self.step.norm_sq(self.tolerance.as_ref().unwrap_or(tolerance))
+        self.error_sq(self.tolerance.as_ref().unwrap_or(tolerance))
     }
 }
