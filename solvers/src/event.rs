@@ -31,7 +31,9 @@
 //! be taken for one. A dip shallower than the error of the dense output may not appear on it.
 //!
 //! The search finds falls of the dense output. For a dip, [`one_step`](crate::one_step) therefore retakes the step to
-//! the deepest point, and discards the dip if the retaken step does not show it.
+//! the deepest point, and discards the dip if the retaken step does not show it. Where a stiff force holds a guard near
+//! its surface, the dense output shows such a dip in almost every step; a Radau method looks only for dips deeper than
+//! the error that the tolerance allows where its stages show none.
 
 mod follow;
 mod march;
@@ -39,7 +41,7 @@ mod shape;
 
 use num_dual::Dual64;
 
-use shape::{N_NODES, has_no_dip, sextic};
+use shape::{N_NODES, has_no_dip, sextic, stays_above_zero};
 
 pub(crate) use shape::is_far;
 
@@ -361,6 +363,26 @@ impl<P: System> GuardWatch<P> {
             self.keep();
         }
         Ok(first)
+    }
+
+    /// Whether each guard stays above zero on the cubic through its values at both ends of a step that
+    /// [`is_clear`](Self::is_clear) could not clear and at two states between them, given with their times.
+    pub(crate) fn is_clear_between(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        (t0, t1): (f64, f64),
+        between: [(f64, &P::State<f64>); 2],
+    ) -> bool {
+        for ((t, y), values) in between.iter().zip(&mut self.quarters) {
+            problem.guards(mode.clone(), *t, y, values);
+        }
+        let x = [0.0, between[0].0 - t0, between[1].0 - t0, t1 - t0].map(|t| t / (t1 - t0));
+        (0..self.end.as_ref().len()).all(|i| {
+            let [a, b] = [0, 1].map(|k| self.quarters[k].as_ref()[i]);
+            let g = [self.start.as_ref()[i].re, a, b, self.end.as_ref()[i].re];
+            stays_above_zero(x, g)
+        })
     }
 
     /// Writes `Σ_j |∂g_i/∂y_j| (atol_j + rtol |y_j|)` at the end of `step` to `doubts`: a bound of the change of each

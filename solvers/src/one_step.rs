@@ -26,7 +26,7 @@ const STRETCH_FIXED: f64 = 1.0 + 1e-9;
 const LEAST_START: f64 = 16.0 * f64::EPSILON;
 /// How closely the time of an event is located on the dense output, as a fraction of the step. The retaken steps then
 /// locate it to rounding.
-const PREDICTION: f64 = 1e-9;
+pub(crate) const PREDICTION: f64 = 1e-9;
 
 /// A method whose step depends on its start alone: explicit Runge–Kutta, Rosenbrock, Radau or Taylor.
 ///

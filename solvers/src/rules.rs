@@ -109,9 +109,11 @@
 //! the next call. diffsol: one; the rest of the step is searched only after `state_mut_back`.
 //!
 //! **The same guard twice in one step.** Found, see above; *not promised* for two dips within an eighth of a step.
+//! Methods that retake steps believe a dip only if the retaken step shows it, diffsol's if it is deeper than the error
+//! that their tolerance allows; `radau5` looks for deeper ones alone where the guard stays above zero at its stages.
 //! `fast::a_guard_that_turns_while_the_states_rest_is_followed`,
-//! `fast::dips_of_a_guard_that_turns_while_the_states_rest_are_found`. Methods that retake steps believe a dip only
-//! if the retaken step shows it, diffsol's if it is deeper than the error that their tolerance allows.
+//! `fast::dips_of_a_guard_that_turns_while_the_states_rest_are_found`,
+//! `stiff_constraint::steps_do_not_shrink_with_the_stiffness_of_a_constraint` (`radau5`),
 //! `dips::a_guard_that_falls_and_rises_within_one_step_is_found`,
 //! `dips::a_dip_of_the_interpolant_alone_does_not_hide_another_guard` (one-step methods).
 //! - heyoka: found, by isolating the real roots of the guard's Taylor polynomial; guards are part of

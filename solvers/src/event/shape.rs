@@ -89,9 +89,33 @@ pub(super) fn sextic(
     })
 }
 
+/// Whether the cubic with the values `g` at `x` is above zero at all nodes from 0 to 1.
+pub(super) fn stays_above_zero(x: [f64; 4], g: [f64; 4]) -> bool {
+    // Newton's divided differences.
+    let mut c = g;
+    for order in 1..4 {
+        for i in (order..4).rev() {
+            c[i] = (c[i] - c[i - 1]) / (x[i] - x[i - order]);
+        }
+    }
+    (0..=N_NODES).all(|k| {
+        let theta = k as f64 / N_NODES as f64;
+        c[0] + (theta - x[0]) * (c[1] + (theta - x[1]) * (c[2] + (theta - x[2]) * c[3])) > 0.0
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_cubic_through_four_values_is_followed() {
+        let x = [0.0, 0.2, 0.6, 1.0];
+        // Least at 0.3535.
+        let g = |floor: f64| x.map(|x: f64| 4.0 * x.powi(3) - 1.5 * x + floor);
+        assert!(stays_above_zero(x, g(0.36)));
+        assert!(!stays_above_zero(x, g(0.34)));
+    }
 
     #[test]
     fn the_minimum_of_a_cubic_is_found_where_it_is_inside() {

@@ -6,8 +6,10 @@ use super::convergence::{Convergence, Iteration};
 use super::full::FullMatrix;
 use super::{Radau, RadauStep, transformed};
 use crate::control::Control;
+use crate::error::Error;
+use crate::event::{GuardCrossing, GuardWatch};
 use crate::linear::{Jacobian, Shifted};
-use crate::one_step::OneStep;
+use crate::one_step::{OneStep, PREDICTION};
 use crate::stats::Stats;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
@@ -33,6 +35,8 @@ pub struct RadauMethod<Y> {
     tableau: &'static Radau,
     /// The tolerance for the error estimate; `None` with a fixed step.
     tolerance: Option<Tolerance>,
+    /// The tolerance of the run; `None` with a fixed step.
+    asked: Option<Tolerance>,
     /// Error that an iteration may leave, as a fraction of that tolerance.
     rest: f64,
     jacobian: Jacobian,
@@ -97,9 +101,14 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         let rest = tolerance.as_ref().map_or(0.0, |tolerance| {
             (10.0 * f64::EPSILON / tolerance.rtol).max(tolerance.rtol.sqrt().min(REST))
         });
+        let asked = match control {
+            Control::Fixed(_) => None,
+            Control::Adaptive(tolerance) => Some(tolerance.clone()),
+        };
         Self {
             tableau,
             tolerance,
+            asked,
             rest,
             jacobian: Jacobian::new(n),
             real: Shifted::new(n),
@@ -241,12 +250,9 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         mode: P::Mode,
         stats: &mut Stats,
     ) -> Option<usize> {
+        self.set_stages();
         let times = self.stage_times();
-        for (((t, z), k), y) in times.iter().zip(&self.z).zip(&mut self.k).zip(&mut self.y_stages) {
-            let states = self.step.y0.as_ref().iter().zip(z.as_ref());
-            for (y, (y0, z)) in y.as_mut().iter_mut().zip(states) {
-                *y = y0 + z;
-            }
+        for ((t, k), y) in times.iter().zip(&mut self.k).zip(&self.y_stages) {
             problem.rhs(mode.clone(), *t, y, k);
             stats.work.n_rhs += 1;
             if let Some(component) = k.as_ref().iter().position(|slope| !slope.is_finite()) {
@@ -254,6 +260,16 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
             }
         }
         None
+    }
+
+    /// Sets the states of the stages.
+    fn set_stages(&mut self) {
+        for (y, z) in self.y_stages.iter_mut().zip(&self.z) {
+            let states = self.step.y0.as_ref().iter().zip(z.as_ref());
+            for (y, (y0, z)) in y.as_mut().iter_mut().zip(states) {
+                *y = y0 + z;
+            }
+        }
     }
 
     fn stage_times(&self) -> [f64; 3] {
@@ -522,6 +538,27 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
             self.keep_polynomial();
             self.is_extrapolated = false;
         }
+    }
+
+    fn first_to_fall(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        watch: &mut GuardWatch<P>,
+        _stats: &mut Stats,
+    ) -> Result<Option<GuardCrossing>, Error> {
+        if watch.is_clear(problem, mode.clone(), &self.step) {
+            return Ok(None);
+        }
+        // A guard that a stiff force holds near zero is far nearer than the error of the dense output. The stages, which
+        // solve the equations, are held as near as the ends.
+        self.set_stages();
+        let [t1, t2, _] = self.stage_times();
+        let [y1, y2, _] = &self.y_stages;
+        let ends = (self.step.t0, self.step.t1);
+        let is_clear = watch.is_clear_between(problem, mode.clone(), ends, [(t1, y1), (t2, y2)]);
+        let doubt = self.asked.as_ref().filter(|_| is_clear);
+        watch.first_to_fall(problem, mode, &self.step, PREDICTION, doubt)
     }
 
     fn advance(&mut self) {
