@@ -254,7 +254,7 @@ impl System for RockingBlock {
 
     // The tilt of the present arc: low rocking has small rounding errors.
     fn guard_bounds(&self, mode: Mode, _t: f64, y: &[f64; 3], bounds: &mut [f64; 3]) {
-        let shaking = self.base_amplitude * (1.0 + y[2].abs());
+        let shaking = self.base_amplitude.abs() * (1.0 + y[2].abs());
         *bounds = match mode {
             Mode::AtRest => {
                 let bound = ROUNDING * (self.least_to_tilt() + shaking);

@@ -233,12 +233,12 @@ impl Block {
     /// Bounds of the guards' rounding errors.
     pub(super) fn guard_bounds_of(&self, mode: Mode, y: &State<f64>) -> [f64; N_GUARDS] {
         let eps = 4.0 * f64::EPSILON;
-        let delta = delta_bound(self.clearance);
-        // Above zero at rest too: a bound of zero would have an event sought to the last bit.
+        // Above zero without clearance and at rest too: a bound of zero would have an event sought to the last bit.
+        let delta = delta_bound(self.clearance).max(f64::MIN_POSITIVE);
         let least = self.rounding_floor();
         let speed =
             (y[3].abs() + y[4].abs() + self.spin_bound(y) * self.pin_radius).max(least.speed);
-        let area = 2.0 * self.clearance * delta;
+        let area = (2.0 * self.clearance * delta).max(f64::MIN_POSITIVE);
         let mut bounds = [END_BOUND, area, delta, delta, eps];
         if let Some(touch) = mode.touch() {
             let (pose, has_product) = (self.pose(y), self.has_product(self.body.held()));
