@@ -10,6 +10,7 @@ use crate::system::System;
 
 /// Fractions of a step at which the guards are compared with their cubics. No two distances between them have a simple
 /// ratio, so that no sine of many periods has the values of a cubic at all of them.
+#[allow(clippy::approx_constant, reason = "0.318 is not meant to be 1/π")]
 const PROBES: [f64; 5] = [0.14, 0.318, 0.53, 0.69, 0.91];
 /// A guard strays where it differs from its cubic by more than this fraction of its size. A sine that is as large as its
 /// range is seen to follow its cubic over 3.3 radians at most, where the middle of the step is a zero of it.
