@@ -127,8 +127,18 @@ impl<P: System> GuardWatch<P> {
         t: f64,
         y: &P::State<f64>,
     ) -> Result<Option<usize>, Error> {
+        self.evaluate(problem, mode.clone(), t, y);
+        self.first_violated(mode, t)
+    }
+
+    /// Evaluates all guards of `mode` and their bounds at `(t, y)`.
+    fn evaluate(&mut self, problem: &P, mode: P::Mode, t: f64, y: &P::State<f64>) {
         problem.guards(mode.clone(), t, y, &mut self.values);
-        problem.guard_bounds(mode.clone(), t, y, &mut self.bounds);
+        problem.guard_bounds(mode, t, y, &mut self.bounds);
+    }
+
+    /// The first guard that is violated, as evaluated in `mode` at `t`.
+    fn first_violated(&self, mode: P::Mode, t: f64) -> Result<Option<usize>, Error> {
         let mut first = None;
         for (i, (g, bound)) in self.values.as_ref().iter().zip(self.bounds.as_ref()).enumerate() {
             let margin = g + bound;
@@ -143,7 +153,8 @@ impl<P: System> GuardWatch<P> {
         Ok(first)
     }
 
-    /// The same where a mode is entered: guards and bounds that the model does not write are told from zeros.
+    /// The same as [`violated`](Self::violated) where a mode is entered: guards and bounds that the model does not write
+    /// are told from zeros.
     ///
     /// # Errors
     /// [`Error::NonFiniteGuard`], [`Error::BadGuardBound`].
@@ -156,13 +167,13 @@ impl<P: System> GuardWatch<P> {
     ) -> Result<Option<usize>, Error> {
         self.values.as_mut().fill(f64::NAN);
         self.bounds.as_mut().fill(f64::NAN);
-        problem.guard_bounds(mode.clone(), t, y, &mut self.bounds);
+        self.evaluate(problem, mode.clone(), t, y);
         let is_good = |bound: &f64| bound.is_finite() && *bound > 0.0;
         if let Some(guard) = self.bounds.as_ref().iter().position(|bound| !is_good(bound)) {
             let bound = self.bounds.as_ref()[guard];
             return Err(Error::BadGuardBound { t, mode: format!("{mode:?}"), guard, bound });
         }
-        self.violated(problem, mode, t, y)
+        self.first_violated(mode, t)
     }
 
     /// Whether guard `i`, as last evaluated, is violated.
@@ -316,24 +327,10 @@ impl<P: System> GuardWatch<P> {
         let mut knows_first = false;
         for guard in 0..self.end.as_ref().len() {
             let is_violated = self.end.as_ref()[guard].re < -self.bounds.as_ref()[guard];
-            let strays = self.strays[guard] && !self.knows(h);
-            if !strays && !is_violated && self.holds(guard, h) {
+            if !self.strays(guard, h) && !is_violated && self.holds(guard, h) {
                 continue;
             }
-            let mut found = if strays {
-                self.march(problem, mode.clone(), step, guard)?
-            } else {
-                self.dip(problem, mode.clone(), step, guard)
-            };
-            if !strays && (is_violated || found.1.is_some()) {
-                // The polynomial may have passed over a maximum that is low beside the range of the guard.
-                let is_level = found.0 == 0.0 && self.start.as_ref()[guard].eps * h <= 0.0;
-                let top = t0 + found.0 * h;
-                if !is_level && self.clearance_on(problem, mode.clone(), step, guard, top) <= 0.0 {
-                    found = self.march(problem, mode.clone(), step, guard)?;
-                }
-            }
-            let (top, dip) = found;
+            let (top, dip) = self.first_dip(problem, mode.clone(), step, guard)?;
             let violated_at = match dip {
                 Some(theta) => t0 + theta * h,
                 None if is_violated => t1,
@@ -442,8 +439,7 @@ impl<P: System> GuardWatch<P> {
         self.forget_dips();
     }
 
-    /// Position of the maximum of guard `i` before its first dip inside the step, and of the deepest point of that
-    /// dip, in fractions of the step. Without a dip, the position of the maximum after the last minimum, and `None`.
+    /// The same as [`first_dip`](Self::first_dip) by the polynomial of degree six; a dip is given by its deepest point.
     fn dip(
         &mut self,
         problem: &P,

@@ -112,8 +112,7 @@ pub fn minimum(mut f: impl FnMut(f64) -> f64, points: [f64; 3]) -> (f64, f64) {
             (a, m) = (left, right);
         }
     }
-    let (fall, rise) = ((m.1 - a.1) / (m.0 - a.0), (b.1 - m.1) / (b.0 - m.0));
-    let vertex = 0.5 * (a.0 + m.0) - 0.5 * fall * (b.0 - a.0) / (rise - fall);
+    let (vertex, _) = parabola([a, m, b]);
     if vertex > a.0 && vertex < b.0 {
         let value = f(vertex);
         if value < m.1 {
@@ -121,6 +120,13 @@ pub fn minimum(mut f: impl FnMut(f64) -> f64, points: [f64; 3]) -> (f64, f64) {
         }
     }
     m
+}
+
+/// The vertex `x₀` and the factor `c` of the parabola `y₀ + c (x − x₀)²` through three points `(x, y)`.
+pub(crate) fn parabola([a, m, b]: [(f64, f64); 3]) -> (f64, f64) {
+    let (fall, rise) = ((m.1 - a.1) / (m.0 - a.0), (b.1 - m.1) / (b.0 - m.0));
+    let vertex = 0.5 * (a.0 + m.0) - 0.5 * fall * (b.0 - a.0) / (rise - fall);
+    (vertex, (rise - fall) / (b.0 - a.0))
 }
 
 #[cfg(test)]

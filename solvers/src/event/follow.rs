@@ -27,6 +27,11 @@ impl<P: System> GuardWatch<P> {
         h.abs() <= LONGER * self.followed
     }
 
+    /// Whether guard `i` was seen to stray from its cubic on the present step, of size `h`.
+    pub(super) fn strays(&self, i: usize, h: f64) -> bool {
+        self.strays[i] && !self.knows(h)
+    }
+
     /// Whether all guards follow their cubics on `step`: between its ends they differ from them by little. The states
     /// between are those of the cubic of the states, so that a guard which moves with the states does not stray.
     #[cold]
@@ -61,13 +66,39 @@ impl<P: System> GuardWatch<P> {
         all
     }
 
-    /// Position of the maximum of guard `i` before its first fall on the dense output, and of a point below, in
-    /// fractions of the step; `None` where it does not fall. For a guard that strays from its cubic.
+    /// Position of the maximum of guard `i` before its first dip inside the step, and of a point where it is then
+    /// violated, in fractions of the step. Without a dip, the position of the maximum after the last minimum, and
+    /// `None`.
     ///
     /// # Errors
     /// [`Error::NonFiniteGuard`], and [`Error::UnresolvedGuard`] for a guard that cannot be followed.
+    pub(super) fn first_dip(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        i: usize,
+    ) -> Result<(f64, Option<f64>), Error> {
+        let (t0, h) = (step.t0(), step.t1() - step.t0());
+        if self.strays(i, h) {
+            return self.march(problem, mode, step, i);
+        }
+        let (top, dip) = self.dip(problem, mode.clone(), step, i);
+        let falls = dip.is_some() || self.end.as_ref()[i].re < -self.bounds.as_ref()[i];
+        let is_level = top == 0.0 && self.start.as_ref()[i].eps * h <= 0.0;
+        // The polynomial may have passed over a maximum that is low beside the range of the guard.
+        if falls
+            && !is_level
+            && self.clearance_on(problem, mode.clone(), step, i, t0 + top * h) <= 0.0
+        {
+            return self.march(problem, mode, step, i);
+        }
+        Ok((top, dip))
+    }
+
+    /// The same as [`first_dip`](Self::first_dip) in intervals short enough to follow the guard.
     #[cold]
-    pub(super) fn march(
+    fn march(
         &mut self,
         problem: &P,
         mode: P::Mode,

@@ -1,7 +1,7 @@
 //! The first fall of a guard that moves faster than the states: a march along the step, in intervals short enough to
 //! follow the guard.
 
-use crate::root::minimum;
+use crate::root::{minimum, parabola};
 
 /// A guard is followed on an interval where the parabola through three of its values gives two more to this fraction
 /// of their range.
@@ -112,11 +112,8 @@ pub(super) fn first_fall(
 
 /// How far the vertex of the parabola through three values is below the middle one, the least of them.
 fn depth(before: Value, least: Value, next: Value) -> f64 {
-    let (p, q) = (least.theta - before.theta, next.theta - least.theta);
-    let (fall, rise) = ((least.g - before.g) / p, (next.g - least.g) / q);
-    let curvature = (rise - fall) / (p + q);
-    let slope = fall + curvature * p;
-    slope * slope / (4.0 * curvature)
+    let (vertex, c) = parabola([before, least, next].map(|value| (value.theta, value.g)));
+    c * (least.theta - vertex) * (least.theta - vertex)
 }
 
 /// Largest difference, at the first and the last of the inner points, from the parabola through the start, the middle
