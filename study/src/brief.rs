@@ -172,23 +172,17 @@ impl<P: Problem> Record<P> for Counts<'_, P> {
 mod tests {
     use std::sync::atomic::AtomicBool;
 
-    use deltazero_solvers::problems::{CompliantBall, Exit};
+    use deltazero_solvers::problems::CompliantBall;
     use deltazero_solvers::{Grid, Method};
 
     use super::*;
+    use crate::problems::balls::HEAVY_BALL;
     use crate::run::{Accuracy, Events, Limits, Price};
     use crate::simulation::{Asked, simulate};
 
     #[test]
     fn a_run_in_brief_is_the_end_of_the_run_that_tells_all() {
-        let ball = CompliantBall {
-            mass: 6.0,
-            stiffness: 1e7,
-            damping: 20.0,
-            exit: Exit::Penetration,
-            gap: 2e-4,
-            start: [1e-4, -1e-3],
-        };
+        let ball = CompliantBall { start: [1e-4, -1e-3], ..HEAVY_BALL };
         let method = Method::named("rk45").unwrap();
         let accuracy = Accuracy::Rtol(1e-8, None);
         let setting = Setting { method, events: Events::Located, accuracy };

@@ -337,23 +337,17 @@ impl Brake for Bound<'_> {
 #[cfg(test)]
 mod tests {
     use deltazero_solvers::Method;
-    use deltazero_solvers::problems::{CompliantBall, Exit};
+    use deltazero_solvers::problems::CompliantBall;
 
     use super::*;
+    use crate::problems::balls::HEAVY_BALL;
     use crate::run::Accuracy;
 
     static RUNNING: AtomicBool = AtomicBool::new(false);
 
     /// Two balls between walls with a run of each at rtol 1e-9 over 0.1 s, in which each hits both walls.
     fn two_balls() -> (Subject, Setting, [Span; 2]) {
-        let ball = |speed: f64| CompliantBall {
-            mass: 6.0,
-            stiffness: 1e7,
-            damping: 20.0,
-            exit: Exit::Penetration,
-            gap: 2e-4,
-            start: [1e-4, -speed],
-        };
+        let ball = |speed: f64| CompliantBall { start: [1e-4, -speed], ..HEAVY_BALL };
         let parts = [1e-2, 2e-2].map(|speed| Part::new(ball(speed))).to_vec();
         let method = Method::named("rk45").unwrap();
         let accuracy = Accuracy::Rtol(1e-9, None);

@@ -41,25 +41,18 @@ pub(crate) fn of_type<'a, P: 'static>(all: &[&'a dyn Runs]) -> Vec<&'a P> {
 mod tests {
     use std::sync::atomic::AtomicBool;
 
-    use deltazero_solvers::problems::{BouncingBall, CompliantBall, Exit};
+    use deltazero_solvers::problems::BouncingBall;
     use deltazero_solvers::{Grid, Method};
 
     use super::*;
     use crate::part::Subject;
+    use crate::problems::balls::HEAVY_BALL;
     use crate::run::{Accuracy, Events, Limits, Price, Setting};
 
     /// Two balls of a kind, with one of another between them.
     fn subject() -> Subject {
         let ball = |gravity| Part::new(BouncingBall { restitution: 0.5, gravity, height: 1.0 });
-        let other = CompliantBall {
-            mass: 6.0,
-            stiffness: 1e7,
-            damping: 20.0,
-            exit: Exit::Penetration,
-            gap: 2e-4,
-            start: [1e-4, -1e-2],
-        };
-        Subject { parts: vec![ball(9.8), Part::new(other), ball(1.6)] }
+        Subject { parts: vec![ball(9.8), Part::new(HEAVY_BALL), ball(1.6)] }
     }
 
     #[test]

@@ -164,3 +164,29 @@ impl Problem for FrictionOscillator {
         position_and_velocity(self.release.abs(), self.omega() * self.release.abs())
     }
 }
+
+/// What the tests of several modules run.
+#[cfg(test)]
+pub(crate) mod balls {
+    use deltazero_solvers::problems::{CompliantBall, Exit};
+
+    /// A mass that flies slowly between two lightly damped walls.
+    pub(crate) const HEAVY_BALL: CompliantBall = CompliantBall {
+        mass: 6.0,
+        stiffness: 1e7,
+        damping: 20.0,
+        exit: Exit::Penetration,
+        gap: 2e-4,
+        start: [1e-4, -1e-2],
+    };
+
+    /// One that flies fast between two soft walls.
+    pub(crate) const LIGHT_BALL: CompliantBall = CompliantBall {
+        mass: 0.1,
+        stiffness: 1e4,
+        damping: 1.0,
+        exit: Exit::Penetration,
+        gap: 0.05,
+        start: [0.02, 1.0],
+    };
+}

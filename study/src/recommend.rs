@@ -214,24 +214,16 @@ fn factor(x: f64) -> String {
 mod tests {
     use std::sync::atomic::AtomicBool;
 
-    use deltazero_solvers::problems::{CompliantBall, Exit};
-
     use super::*;
     use crate::plan::sample_times;
+    use crate::problems::balls::LIGHT_BALL;
     use crate::selection::Candidate;
 
     const T_END: f64 = 0.2;
 
     /// A mass between two damped walls, five contacts.
     fn subject() -> Subject {
-        Subject::of(CompliantBall {
-            mass: 0.1,
-            stiffness: 1e4,
-            damping: 1.0,
-            exit: Exit::Penetration,
-            gap: 0.05,
-            start: [0.02, 1.0],
-        })
+        Subject::of(LIGHT_BALL)
     }
 
     fn standings(methods: &[&str], accuracy: f64) -> Standings {

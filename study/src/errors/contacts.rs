@@ -342,22 +342,16 @@ pub fn contact_errors(
 #[cfg(test)]
 mod tests {
     use deltazero_solvers::Method;
-    use deltazero_solvers::problems::{CompliantBall, Exit};
+    use deltazero_solvers::problems::CompliantBall;
 
     use super::*;
+    use crate::problems::balls::HEAVY_BALL;
     use crate::run::{Accuracy, Setting, integrate};
 
     /// Impact speed [m/s].
     const V: f64 = 1e-3;
     /// An undamped mass between two walls: half a sine at each.
-    const BALL: CompliantBall = CompliantBall {
-        mass: 6.0,
-        stiffness: 1e7,
-        damping: 0.0,
-        exit: Exit::Penetration,
-        gap: 2e-4,
-        start: [1e-4, -V],
-    };
+    const BALL: CompliantBall = CompliantBall { damping: 0.0, start: [1e-4, -V], ..HEAVY_BALL };
 
     /// The contacts of the mass with both walls.
     fn half_sines(method: &str, events: Events, accuracy: Accuracy) -> Vec<Contact> {

@@ -146,26 +146,18 @@ impl<P: Problem> Record<P> for Distance<'_> {
 #[cfg(test)]
 mod tests {
     use deltazero_solvers::Method;
-    use deltazero_solvers::problems::{CompliantBall, Exit};
+    use deltazero_solvers::problems::CompliantBall;
 
     use super::*;
     use crate::errors::ScaledGroup;
+    use crate::problems::balls::LIGHT_BALL;
     use crate::run::{Accuracy, Events, Setting, integrate};
-
-    const BALL: CompliantBall = CompliantBall {
-        mass: 0.1,
-        stiffness: 1e4,
-        damping: 1.0,
-        exit: Exit::Penetration,
-        gap: 0.05,
-        start: [0.02, 1.0],
-    };
 
     /// Runs the ball for 0.1 s.
     fn run(step: f64, record: &mut dyn Record<CompliantBall>) {
         let method = Method::named("rk4").unwrap();
         let setting = Setting { method, events: Events::Located, accuracy: Accuracy::Step(step) };
-        integrate(&BALL, &setting, BALL.start, 0.1, record);
+        integrate(&LIGHT_BALL, &setting, LIGHT_BALL.start, 0.1, record);
     }
 
     #[test]
@@ -185,11 +177,11 @@ mod tests {
         let mut nodes = Nodes::new(1);
         run(1e-4, &mut nodes);
         for node in &mut nodes.list {
-            node.y[0] += 0.25 * BALL.gap;
+            node.y[0] += 0.25 * LIGHT_BALL.gap;
         }
         let group =
             |states: &[usize], scale| ScaledGroup { states: states.to_vec(), scale, site: 0 };
-        let groups = vec![group(&[0], BALL.gap), group(&[1], 1.0)];
+        let groups = vec![group(&[0], LIGHT_BALL.gap), group(&[1], 1.0)];
         let scale = ErrorScale { groups, event_window: 1e-3 };
         let mut distance = Distance::new(1, &nodes.list, &scale);
         run(1e-4, &mut distance);
