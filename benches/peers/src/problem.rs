@@ -2,12 +2,13 @@
 
 use std::error::Error;
 
-use deltazero::config::{Config};
-use deltazero_study::errors::{ErrorScale, EventMatch, match_events, worse};
+use deltazero::config::Config;
 use deltazero::model::{Block, Joints, Mode, State};
-use deltazero_study::part::counted;
-use deltazero_study::run::{ModeChange};
 use deltazero_solvers::ModeOfState;
+use deltazero_study::Problem as _;
+use deltazero_study::errors::{EventMatch, match_events, worse};
+use deltazero_study::part::counted;
+use deltazero_study::run::ModeChange;
 
 /// The golden states, and their mode changes.
 const STATES: &str = include_str!("../../../tests/golden/pin_table1.csv");
@@ -93,13 +94,15 @@ impl Problem {
             for (y, reference) in own.samples.iter().zip(&golden.samples) {
                 verdict.e = worse(verdict.e, scale.error(y, reference));
             }
-            let (own, golden) = (counted(&own.events, block.starts_on_surface()), counted(&golden.events, block.starts_on_surface()));
+            let starts_on_surface = block.starts_on_surface();
+            let own = counted(&own.events, starts_on_surface);
+            let golden = counted(&golden.events, starts_on_surface);
             for (sum, of_contact) in [(&mut verdict.delta, true), (&mut verdict.slip, false)] {
                 let kind = |events: &[ModeChange]| -> Vec<ModeChange> {
                     let is_contact = |event: &&ModeChange| event.before == 0 || event.after == 0;
                     events.iter().filter(|event| is_contact(event) == of_contact).copied().collect()
                 };
-                let found = match_events(&kind(&own), &kind(&golden), scale);
+                let found = match_events(&kind(own), &kind(golden), scale.event_window);
                 sum.paired += found.paired;
                 sum.missed += found.missed;
                 sum.spurious += found.spurious;

@@ -20,7 +20,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use deltazero_study::run::{ModeChange};
+use deltazero_study::run::ModeChange;
 
 use crate::entry::{Entry, Handling, Label};
 use crate::measure::{Effort, judged};

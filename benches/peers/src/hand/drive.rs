@@ -1,7 +1,7 @@
 //! The loop over time: step, control, events, samples.
 
-use deltazero_study::run::{ModeChange};
 use deltazero_solvers::root::{Bracket, find_root, minimum};
+use deltazero_study::run::ModeChange;
 
 use super::joint::{Joint, Mode, Y};
 use crate::problem::Track;

@@ -13,8 +13,8 @@ use std::error::Error;
 use deltazero::model::contact::Touch;
 use deltazero::model::mode::N_GUARDS;
 use deltazero::model::{Block, Mode, State};
-use deltazero_study::run::{ModeChange};
 use deltazero_solvers::{ModeOfState, Next, System};
+use deltazero_study::run::ModeChange;
 use diffsol::{
     BdfState, NalgebraContext, NalgebraLU, NalgebraMat, NalgebraVec, NonLinearOp, OdeBuilder,
     OdeEquations, OdeSolverMethod, OdeSolverProblem, OdeSolverState, OdeSolverStopReason, RkState,

@@ -34,7 +34,8 @@ pub(super) fn entries(problem: &Problem) -> Vec<Entry<'_>> {
     let blind = blind.map(|method| (method, Events::Blind, Handling::Naive));
     let one_by_one = located.chain(blind).flat_map(|(method, events, handling)| {
         accuracies(method).into_iter().map(move |(number, accuracy)| {
-            let run = move || Ok(run(problem, &Setting { method, events, accuracy })?);
+            let setting = Setting { method, events, accuracy };
+            let run = move || Ok(run(problem, &setting)?);
             Entry::new(TOOL, (method.name, handling), number, run)
         })
     });
