@@ -211,7 +211,7 @@ fn located(
     let guards = |y: &[f64], p: &[f64], _t: f64, g: &mut [f64]| {
         g.copy_from_slice(&guards_of(block, p[0], &naive::state(y)))
     };
-    let mut built = equations!(block, rtol, n_rhs, mode).root(guards, 4).build()?;
+    let mut built = equations!(block, rtol, n_rhs, mode).root(guards, N_GUARDS).build()?;
     unlimited(&mut built);
     let t_end = problem.t_end;
     let mut samples = Samples::new(&problem.times);
