@@ -74,6 +74,16 @@ fn a_model_has_a_study_a_recommendation_and_a_map_over_two_of_its_parameters() {
     assert_eq!(scratch.files("map/figures"), ["winners.png", "winners.svg"]);
 }
 
+/// A step that begins within rounding of such an event ends where it begins.
+#[test]
+fn events_at_times_that_fixed_steps_hit_have_a_study() {
+    let (scratch, file) = with_model("integrate_and_fire");
+    let sets = ["--set", "study.methods=[\"rk4\"]", "--set", "study.repeats=1"];
+    scratch.succeed(&[&["study", "--model", &file, "--out", "out"][..], &sets].concat());
+    let steps = scratch.table("out/steps.csv").rows;
+    assert!(steps.len() > 100 && steps.iter().all(|step| number(step, "h_s") > 0.0));
+}
+
 #[test]
 fn a_parameter_is_set_as_a_key_is_and_the_printed_settings_read_back() {
     let (scratch, file) = with_model("mass_against_stop");

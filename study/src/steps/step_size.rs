@@ -219,6 +219,10 @@ struct StepsOf<'a, P> {
 impl<P: Problem> Record<P> for StepsOf<'_, P> {
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let (t0, t1) = (accepted.step.t0(), accepted.step.t1());
+        // A guard that falls by rounding at the start of a step is landed on there, and such a step has no size.
+        if t1 == t0 {
+            return ControlFlow::Continue(());
+        }
         let n_rejected = accepted.stats.n_rejected;
         let site = leading_site(self.problem, &accepted.mode);
         let kept = &mut self.kept;
