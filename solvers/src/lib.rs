@@ -102,6 +102,7 @@ pub mod record;
 pub mod root;
 pub mod rosenbrock;
 pub mod rules;
+mod sparsity;
 pub mod stats;
 pub mod step;
 pub mod system;

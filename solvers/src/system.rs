@@ -5,6 +5,7 @@ use std::fmt::Debug;
 use num_dual::Dual64;
 
 use crate::real::{Over, Real};
+use crate::sparsity;
 
 /// A vector of scalars of one length: `[S; N]` where it is small and known, `Vec<S>` otherwise.
 pub trait Vector<S>: Clone + Debug + AsRef<[S]> + AsMut<[S]> {
@@ -189,8 +190,10 @@ pub trait System {
     /// vanish in this mode alone should be given, as zeros. A mode that couples more states may give further entries;
     /// each new sparsity pattern costs a new symbolic analysis.
     ///
-    /// The default differentiates [`rhs`](Self::rhs) with dual numbers, one column per evaluation: exact to rounding,
-    /// at the cost of `dim` evaluations.
+    /// The default differentiates [`rhs`](Self::rhs) with dual numbers, exact to rounding. For a short state it
+    /// evaluates them once for each column. For others it first finds which states each slope depends on at this state,
+    /// by one evaluation for each 64 states. It then gives these entries alone, and evaluates columns without a common
+    /// row together.
     fn jacobian(
         &self,
         mode: Self::Mode,
@@ -202,6 +205,9 @@ pub trait System {
     {
         let n = self.dim();
         let y = y.as_ref();
+        if const { !<Self::State<f64> as Vector<f64>>::IS_SHORT } {
+            return sparsity::jacobian(self, &mode, t, y, entry);
+        }
         let mut dydt = Self::State::<Dual64>::from_fn(n, |_| Dual64::from_re(0.0));
         for j in 0..n {
             let seeded = Self::State::<Dual64>::from_fn(n, |i| {

@@ -4,7 +4,7 @@
 mod common;
 
 use common::at_most;
-use deltazero_solvers::{Control, Integration, Method, Next, Real, System, Tolerance};
+use deltazero_solvers::{Control, Integration, Method, Next, Real, Stats, System, Tolerance};
 
 /// Heat in a rod, `ẏ_i = (n + 1)² (y_(i−1) − 2 y_i + y_(i+1))` between ends at zero.
 struct Rod {
@@ -85,5 +85,124 @@ fn heat_in_a_rod_of_many_cells_is_followed_in_few_steps() {
             assert!(run.stats.n_accepted < 500, "{name}: {}", run.stats.n_accepted);
             at_most(name, common::distance(&run.point.y, &rod.solution(t_end)), bound);
         }
+    }
+}
+
+/// Carts in a row, joined by springs that stiffen and by dampers, the ends to walls: `[x_1 …, v_1 …]`.
+struct Carts {
+    n: usize,
+}
+
+impl Carts {
+    const DAMPING: f64 = 300.0;
+
+    /// Stretch and its rate of the joint before cart i.
+    fn joint<S: Real>(&self, y: &[S], i: usize) -> [S; 2] {
+        let at = |i: usize| {
+            let is_wall = i == 0 || i > self.n;
+            if is_wall { [S::cst(0.0); 2] } else { [y[i - 1], y[self.n + i - 1]] }
+        };
+        let ([x0, v0], [x1, v1]) = (at(i), at(i + 1));
+        [x1 - x0, v1 - v0]
+    }
+
+    /// Stiffness of a joint at a stretch.
+    fn stiffness(stretch: f64) -> f64 {
+        1e4 * (1.0 + 3.0 * stretch * stretch)
+    }
+}
+
+impl System for Carts {
+    type Mode = ();
+    type State<S: Real> = Vec<S>;
+    type Guards<S: Real> = [S; 0];
+
+    fn dim(&self) -> usize {
+        2 * self.n
+    }
+
+    fn initial_mode(&self, _t: f64, _y: &Vec<f64>) {}
+
+    fn rhs<S: Real>(&self, (): (), t: S, y: &Vec<S>, dydt: &mut Vec<S>) {
+        let force = |i: usize| {
+            let [u, u_dot] = self.joint(y, i);
+            (u + u * u * u) * 1e4 + u_dot * Self::DAMPING
+        };
+        for i in 0..self.n {
+            dydt[i] = y[self.n + i];
+            dydt[self.n + i] = force(i + 1) - force(i);
+        }
+        dydt[self.n] = dydt[self.n] + t.sin() * 50.0;
+    }
+
+    fn guards<S: Real>(&self, (): (), _t: S, _y: &Vec<S>, _g: &mut [S; 0]) {}
+
+    fn guard_bounds(&self, (): (), _t: f64, _y: &Vec<f64>, _bounds: &mut [f64; 0]) {}
+
+    fn transition<S: Real>(&self, (): (), _guard: usize, _t: S, _y: &mut Vec<S>) -> Next<()> {
+        Next::Stop
+    }
+
+    fn jacobian(&self, (): (), _t: f64, y: &Vec<f64>, mut entry: impl FnMut(usize, usize, f64)) {
+        let n = self.n;
+        for i in 0..n {
+            entry(i, n + i, 1.0);
+            let [before, after] = [i, i + 1].map(|joint| Self::stiffness(self.joint(y, joint)[0]));
+            entry(n + i, i, -before - after);
+            entry(n + i, n + i, -2.0 * Self::DAMPING);
+            for (j, k) in [(i.wrapping_sub(1), before), (i + 1, after)] {
+                if j < n {
+                    entry(n + i, j, k);
+                    entry(n + i, n + j, Self::DAMPING);
+                }
+            }
+        }
+    }
+}
+
+/// The carts with the default Jacobian.
+struct ByDefault(Carts);
+
+impl System for ByDefault {
+    type Mode = ();
+    type State<S: Real> = Vec<S>;
+    type Guards<S: Real> = [S; 0];
+
+    fn dim(&self) -> usize {
+        self.0.dim()
+    }
+
+    fn initial_mode(&self, _t: f64, _y: &Vec<f64>) {}
+
+    fn rhs<S: Real>(&self, (): (), t: S, y: &Vec<S>, dydt: &mut Vec<S>) {
+        self.0.rhs((), t, y, dydt);
+    }
+
+    fn guards<S: Real>(&self, (): (), _t: S, _y: &Vec<S>, _g: &mut [S; 0]) {}
+
+    fn guard_bounds(&self, (): (), _t: f64, _y: &Vec<f64>, _bounds: &mut [f64; 0]) {}
+
+    fn transition<S: Real>(&self, (): (), _guard: usize, _t: S, _y: &mut Vec<S>) -> Next<()> {
+        Next::Stop
+    }
+}
+
+/// Work and end of a run of 20 carts from rest to 2.
+fn run_of_carts<P: System<State<f64> = Vec<f64>>>(carts: &P, name: &str) -> (Stats, Vec<f64>) {
+    let tolerance = Tolerance { rtol: 1e-6, atol: vec![1e-6; 40] };
+    let method = Method::named(name).unwrap();
+    let mut solver = method.solver(carts, Control::Adaptive(tolerance)).unwrap();
+    let mut run = Integration::new(carts, 0.0, vec![0.0; 40]);
+    run.run(2.0, &mut *solver, &mut ()).unwrap();
+    (run.stats, run.point.y)
+}
+
+#[test]
+fn the_default_jacobian_of_carts_in_a_row_is_as_good_as_one_by_hand() {
+    for name in ["rodas5p", "radau5", "bdf", "auto"] {
+        let (work, y) = run_of_carts(&Carts { n: 20 }, name);
+        let (work_by_default, y_by_default) = run_of_carts(&ByDefault(Carts { n: 20 }), name);
+        assert_eq!(work, work_by_default, "{name}");
+        at_most(name, common::distance(&y, &y_by_default), 1e-9);
     }
 }

@@ -28,6 +28,9 @@ pub(crate) trait Algebra: Sized + 'static {
         entries: impl FnOnce() -> Vec<(usize, usize)>,
     ) -> Option<<Self::M as Matrix>::Sparsity>;
 
+    /// Makes all entries zero.
+    fn clear(matrix: &mut Self::M);
+
     /// Writes the entry in row `i` of column `j`.
     fn set(matrix: &mut Self::M, i: usize, j: usize, entry: f64);
 }
@@ -58,6 +61,10 @@ impl Algebra for Dense {
         None
     }
 
+    fn clear(matrix: &mut Self::M) {
+        matrix.inner_mut().fill(0.0);
+    }
+
     #[inline]
     fn set(matrix: &mut Self::M, i: usize, j: usize, entry: f64) {
         matrix.inner_mut()[(i, j)] = entry;
@@ -86,6 +93,10 @@ impl Algebra for Sparse {
         entries: impl FnOnce() -> Vec<(usize, usize)>,
     ) -> Option<<Self::M as Matrix>::Sparsity> {
         MatrixSparsity::<Self::M>::try_from_indices(n, n, entries()).ok()
+    }
+
+    fn clear(matrix: &mut Self::M) {
+        matrix.inner_mut()[0].val_mut().fill(0.0);
     }
 
     fn set(matrix: &mut Self::M, i: usize, j: usize, entry: f64) {

@@ -128,6 +128,7 @@ impl<P: System, A: Algebra> NonLinearOpJacobian for &Equations<'_, P, A> {
     fn jacobian_inplace(&self, x: &A::V, t: f64, jac: &mut A::M) {
         self.n_jac.set(self.n_jac.get() + 1);
         let x = state::<P, A>(self.problem, x);
+        A::clear(jac);
         self.problem.jacobian(self.mode.clone(), t, &x, |i, j, entry| {
             if !entry.is_finite() {
                 self.non_finite_row.set(Some(i));
