@@ -73,6 +73,7 @@
 //! - One smooth phase: [`phase`] defines the contract, [`one_step`] fulfils it for methods that hand on a step.
 //! - The run: [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in an outcome or an
 //!   [`error`]. Runs of systems of a kind are computed several at once by [`Method::run_batch`], in a [`batch`].
+//! - Derivatives by start values and parameters, through events: [`sensitivity`].
 //! - Results: a recorder ([`record`]) sees each event, and each step that it needs; [`trajectory`] keeps them.
 //!
 //! [`rules`] states case by case what is promised of events, and what is not.
@@ -102,6 +103,7 @@ pub mod record;
 pub mod root;
 pub mod rosenbrock;
 pub mod rules;
+pub mod sensitivity;
 mod sparsity;
 pub mod stats;
 pub mod step;
@@ -119,6 +121,7 @@ pub use methods::{METHODS, Method};
 pub use phase::{PhaseSolver, Point};
 pub use real::{Over, Real};
 pub use record::{Accepted, Event, Needs, Record};
+pub use sensitivity::Sensitive;
 pub use stats::{Stats, Work, WorkByKind};
 pub use step::Step;
 pub use system::{Alike, ModeOfState, Next, System, Vector};

@@ -1,0 +1,220 @@
+//! Derivatives across an event, and the events that have none.
+
+use super::tangent::Tangent;
+use super::{Lost, Sensitive, Traced, along};
+use crate::real::Real;
+use crate::system::{Next, System, Vector};
+
+/// Largest relative change of the rate of a guard by errors of the guard within the tolerance, with which a crossing
+/// is told from a touch.
+const TOUCH: f64 = 0.1;
+
+/// How the time of an event changes with the state.
+#[derive(Clone, Copy)]
+enum Timing {
+    /// With the time at which the guard crosses its surface.
+    Crossing,
+    /// With the time of the event before, whose transition left the guard below zero; not at all at the start.
+    Jump,
+}
+
+/// An event, before its transition.
+struct Instant<'p, P: System, S: Real> {
+    problem: &'p P,
+    mode: &'p P::Mode,
+    guard: usize,
+    t: S,
+    y: P::State<S>,
+    /// Slope f⁻ of the state.
+    slope: P::State<S>,
+    /// Rate ġ of the guard.
+    rate: S,
+}
+
+impl<'p, P: System, S: Real> Instant<'p, P, S> {
+    fn new(problem: &'p P, mode: &'p P::Mode, guard: usize, t: S, y: P::State<S>) -> Self {
+        let slope = slope(problem, mode, t, &y);
+        let mut event = Self { problem, mode, guard, t, y, slope, rate: S::cst(0.0) };
+        event.rate = event.guard_along(S::cst(1.0), event.slope.as_ref());
+        event
+    }
+
+    /// The derivative of the guard along `(dt, dy)`.
+    fn guard_along(&self, dt: S, dy: &[S]) -> S {
+        let y = along::<P, S>(self.y.as_ref(), dy);
+        guard(self.problem, self.mode, self.guard, Tangent::new(self.t, dt), &y).eps
+    }
+
+    /// The changes of the time and of the state of the event, `δt` and `δy⁻ + f⁻ δt`, by those before it.
+    fn moved(&self, timing: Timing, before: &[S]) -> (S, P::State<S>) {
+        let n = self.y.as_ref().len();
+        let dt = match timing {
+            Timing::Crossing => -self.guard_along(S::cst(0.0), &before[..n]) / self.rate,
+            Timing::Jump => before[n],
+        };
+        (dt, Vector::from_fn(n, |i| before[i] + self.slope.as_ref()[i] * dt))
+    }
+
+    /// The state after the transition, with its derivative along `(dt, dy)`.
+    fn after(&self, dt: S, dy: &P::State<S>) -> P::State<Tangent<S>> {
+        let mut y = along::<P, S>(self.y.as_ref(), dy.as_ref());
+        let t = Tangent::new(self.t, dt);
+        self.problem.transition(self.mode.clone(), self.guard, t, &mut y);
+        y
+    }
+}
+
+impl<P: System> Instant<'_, P, f64> {
+    /// The second derivative g̈ of the guard along the solution.
+    fn bend(&self) -> f64 {
+        let y = along::<P, f64>(self.y.as_ref(), self.slope.as_ref());
+        let slope = slope(self.problem, self.mode, Tangent::new(self.t, 1.0), &y);
+        let y = along::<P, Tangent<f64>>(y.as_ref(), slope.as_ref());
+        let t = Tangent::new(Tangent::new(self.t, 1.0), Tangent::constant(1.0));
+        guard(self.problem, self.mode, self.guard, t, &y).eps.eps
+    }
+
+    fn value(&self) -> f64 {
+        guard(self.problem, self.mode, self.guard, self.t, &self.y)
+    }
+
+    fn rounding_bound(&self) -> f64 {
+        let mut bounds = Vector::from_fn(self.problem.n_guards(), |_| 0.0);
+        self.problem.guard_bounds(self.mode.clone(), self.t, &self.y, &mut bounds);
+        bounds.as_ref()[self.guard]
+    }
+
+    /// What follows an event at another time and state.
+    fn next(&self, t: f64, mut y: P::State<f64>) -> Next<P::Mode> {
+        self.problem.transition(self.mode.clone(), self.guard, t, &mut y)
+    }
+}
+
+fn slope<P: System, S: Real>(problem: &P, mode: &P::Mode, t: S, y: &P::State<S>) -> P::State<S> {
+    let mut slope = y.clone();
+    problem.rhs(mode.clone(), t, y, &mut slope);
+    slope
+}
+
+/// The value of the guard with this index.
+fn guard<P: System, S: Real>(
+    problem: &P,
+    mode: &P::Mode,
+    index: usize,
+    t: S,
+    y: &P::State<S>,
+) -> S {
+    let mut g = Vector::from_fn(problem.n_guards(), |_| S::cst(0.0));
+    problem.guards(mode.clone(), t, y, &mut g);
+    g.as_ref()[index]
+}
+
+impl<P: System> Sensitive<'_, P> {
+    /// The transition of the model and of the derivatives.
+    pub(super) fn saltate<S: Real>(
+        &self,
+        traced: Traced<P::Mode>,
+        guard: usize,
+        t: S,
+        y: &mut [S],
+    ) -> Next<Traced<P::Mode>> {
+        let (problem, mode, since) = (self.problem, &traced.mode, t.value());
+        let before = self.model_state(y);
+        let mut after = before.clone();
+        let next = problem.transition(mode.clone(), guard, t, &mut after);
+        match self.timing(&traced, guard, since, &values(y), &next) {
+            Err(lost) => {
+                self.lose(&after, y);
+                let mode = if let Next::Mode(next) = next { next } else { traced.mode };
+                Next::Mode(Traced { mode, since, lost: Some(lost) })
+            }
+            Ok(timing) => {
+                let event = Instant::new(problem, mode, guard, t, before);
+                self.carry(&event, timing, &next, &after, y);
+                match next {
+                    Next::Mode(mode) => Next::Mode(Traced { mode, since, lost: None }),
+                    Next::Stop => Next::Stop,
+                }
+            }
+        }
+    }
+
+    /// Carries the derivatives across an event, to the state `after` its transition.
+    fn carry<S: Real>(
+        &self,
+        event: &Instant<'_, P, S>,
+        timing: Timing,
+        next: &Next<P::Mode>,
+        after: &P::State<S>,
+        y: &mut [S],
+    ) {
+        let (state, changes) = y.split_at_mut(self.problem.dim());
+        let slope_after = match next {
+            Next::Mode(mode) => slope(self.problem, mode, event.t, after),
+            Next::Stop => Vector::from_fn(state.len(), |_| S::cst(0.0)),
+        };
+        for change in changes.chunks_exact_mut(state.len() + 1) {
+            let (dt, dy) = event.moved(timing, change);
+            let moved = event.after(dt, &dy);
+            for (i, (moved, slope)) in moved.as_ref().iter().zip(slope_after.as_ref()).enumerate() {
+                change[i] = moved.eps - *slope * dt;
+            }
+            change[state.len()] = dt;
+        }
+        state.copy_from_slice(after.as_ref());
+    }
+
+    /// How the time of an event at `(t, y)` changes with the state, or why it has no derivative.
+    fn timing(
+        &self,
+        traced: &Traced<P::Mode>,
+        guard: usize,
+        t: f64,
+        y: &[f64],
+        next: &Next<P::Mode>,
+    ) -> Result<Timing, Lost> {
+        let event = Instant::new(self.problem, &traced.mode, guard, t, self.model_state(y));
+        let error = self.error_of_guard(&event);
+        let timing = if t == traced.since {
+            if event.value() >= -error {
+                return Err(Lost::Together { guard });
+            }
+            Timing::Jump
+        } else {
+            let rate = event.rate;
+            let is_crossing = event.bend().abs() * error < TOUCH * rate * rate;
+            if !is_crossing {
+                return Err(Lost::Touch { guard, rate });
+            }
+            if (t - traced.since).abs() * rate.abs() <= error {
+                return Err(Lost::Together { guard });
+            }
+            Timing::Crossing
+        };
+        let n = event.y.as_ref().len();
+        let is_same = |change: &[f64]| {
+            let (dt, dy) = event.moved(timing, change);
+            let scale = self.scale(event.y.as_ref(), dy.as_ref());
+            self.near(&event.y, &dy)
+                .into_iter()
+                .zip([-scale, scale])
+                .all(|(y, scale)| event.next(t + scale * dt, y) == *next)
+        };
+        if y[n..].chunks_exact(n + 1).all(is_same) { Ok(timing) } else { Err(Lost::Mode { guard }) }
+    }
+
+    /// The error of the guard that the tolerance of the states allows, and its rounding:
+    /// `bound + Σ_i |∂g/∂y_i| (atol_i + rtol |y_i|)`.
+    fn error_of_guard(&self, event: &Instant<'_, P, f64>) -> f64 {
+        let (n, span) = (event.y.as_ref().len(), self.problem.guard_span());
+        let of_states = |j| {
+            let error = |i| if i % span == j { self.allowed(event.y.as_ref(), i) } else { 0.0 };
+            event.guard_along(0.0, &(0..n).map(error).collect::<Vec<_>>()).abs()
+        };
+        event.rounding_bound() + (0..span.min(n)).map(of_states).sum::<f64>()
+    }
+}
+
+fn values<S: Real>(y: &[S]) -> Vec<f64> {
+    y.iter().map(|y| y.value()).collect()
+}
