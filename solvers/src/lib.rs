@@ -60,6 +60,16 @@
 //!
 //! A Butcher tableau that is not in this list is used as [`tableau`] shows.
 //!
+//! # Features
+//!
+//! | feature | default | adds |
+//! |---|---|---|
+//! | `diffsol` | yes | the methods `bdf`, `tr_bdf2`, `esdirk34` and `tsit45` of the library `diffsol`; includes `sparse` |
+//! | `sparse` | yes | sparse linear systems of implicit methods from 32 states on, by the library `faer` |
+//! | `extended` | yes | [runs with twice the digits](taylor::ExtendedIntegration) of an `f64` |
+//!
+//! A result does not depend on the features, except that dense and sparse linear systems round differently.
+//!
 //! # Modules, in the order in which data flow
 //!
 //! - The problem: [`system`], the scalar type that it is generic over ([`real`], [`lanes`] of several runs), [`problems`] with closed forms, and
@@ -83,7 +93,12 @@ pub mod batch;
 pub mod blind;
 pub mod control;
 pub mod dense;
+#[cfg(feature = "diffsol")]
 pub mod diffsol;
+#[cfg(not(feature = "diffsol"))]
+#[path = "never_diffsol.rs"]
+mod diffsol;
+#[cfg(feature = "extended")]
 pub mod double_double;
 pub mod erk;
 pub mod error;

@@ -44,7 +44,7 @@ impl LinearSolver<Matrix<Dense>> for DenseSolver {
     ) {
         if let Some((matrix, lu)) = &mut self.0 {
             op.matrix_inplace(matrix);
-            lu.factorise(matrix.inner(), 0.0, -1.0);
+            lu.factorise(matrix.inner().as_slice(), 0.0, -1.0);
         }
     }
 

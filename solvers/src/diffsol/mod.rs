@@ -47,6 +47,23 @@ pub enum DiffsolScheme {
 }
 
 impl DiffsolScheme {
+    /// Whether every step is implicit.
+    pub(crate) fn is_implicit(self) -> bool {
+        self != Self::Tsit45
+    }
+
+    /// The method applied to `problem` with `tolerance`.
+    pub(crate) fn solver<'p, P: System + 'p>(
+        self,
+        problem: &P,
+        tolerance: Tolerance,
+    ) -> Box<dyn PhaseSolver<P> + 'p>
+    where
+        P::Mode: 'p,
+    {
+        Box::new(DiffsolSolver::new(problem, self, tolerance))
+    }
+
     /// Order with which the method starts, from which its first step follows.
     fn starting_order(self) -> usize {
         match self {

@@ -1,11 +1,24 @@
-//! A dense LU factorisation in place.
+//! Square matrices by columns, and a dense LU factorisation in place.
 
-use nalgebra::{ComplexField, DMatrix};
+use super::Scalar;
+
+/// A square matrix, with its columns one after the other.
+pub(crate) struct SquareMatrix {
+    pub(super) n: usize,
+    pub(super) columns: Vec<f64>,
+}
+
+impl SquareMatrix {
+    /// The matrix of zeros with `n` rows.
+    pub(super) fn zeros(n: usize) -> Self {
+        Self { n, columns: vec![0.0; n * n] }
+    }
+}
 
 /// Gaussian elimination with partial pivoting, in place.
 pub(crate) struct DenseLu<T> {
     /// The upper triangle with inverted diagonal, and below it the multipliers.
-    lu: DMatrix<T>,
+    lu: Vec<T>,
     /// The row swapped up in each step of the elimination.
     pivots: Vec<usize>,
 }
@@ -24,8 +37,8 @@ macro_rules! unrolled {
 }
 
 /// `y ← y + J x`.
-pub(super) fn add_product(jacobian: &DMatrix<f64>, x: &[f64], y: &mut [f64]) {
-    unrolled!(multiply(jacobian.as_slice(), x, y; x.len()));
+pub(super) fn add_product(jacobian: &SquareMatrix, x: &[f64], y: &mut [f64]) {
+    unrolled!(multiply(&jacobian.columns, x, y; x.len()));
 }
 
 /// Adds the product of the `n` columns and `x` to `y`.
@@ -39,38 +52,35 @@ fn multiply(columns: &[f64], x: &[f64], y: &mut [f64], n: usize) {
     }
 }
 
-impl<T: ComplexField<RealField = f64> + Copy> DenseLu<T> {
+impl<T: Scalar> DenseLu<T> {
     pub(crate) fn new(n: usize) -> Self {
-        Self { lu: DMatrix::zeros(n, n), pivots: vec![0; n] }
+        Self { lu: vec![T::real(0.0); n * n], pivots: vec![0; n] }
     }
 
-    /// Factorises `shift I − h J`.
-    pub(crate) fn factorise(&mut self, jacobian: &DMatrix<f64>, shift: T, h: f64) {
-        for (lu, entry) in self.lu.as_mut_slice().iter_mut().zip(jacobian.as_slice()) {
-            *lu = T::from_real(-h * entry);
+    /// Factorises `shift I − h J`, where `jacobian` are the columns of J.
+    pub(crate) fn factorise(&mut self, jacobian: &[f64], shift: T, h: f64) {
+        let n = self.pivots.len();
+        for (lu, entry) in self.lu.iter_mut().zip(jacobian) {
+            *lu = T::real(-h * entry);
         }
-        for i in 0..self.pivots.len() {
-            self.lu[(i, i)] += shift;
+        for diagonal in self.lu.iter_mut().step_by(n + 1) {
+            *diagonal += shift;
         }
-        unrolled!(eliminate(self.lu.as_mut_slice(), &mut self.pivots; self.pivots.len()));
+        unrolled!(eliminate(&mut self.lu, &mut self.pivots; n));
     }
 
     /// Replaces `b` by the solution, which is not finite where the matrix is singular.
     pub(crate) fn solve(&self, b: &mut [T]) {
-        unrolled!(substitute(self.lu.as_slice(), &self.pivots, b; b.len()));
+        unrolled!(substitute(&self.lu, &self.pivots, b; b.len()));
     }
 }
 
 /// Eliminates in the `n` columns of `lu`, with swaps of whole rows.
 #[inline(always)]
-fn eliminate<T: ComplexField<RealField = f64> + Copy>(
-    lu: &mut [T],
-    pivots: &mut [usize],
-    n: usize,
-) {
+fn eliminate<T: Scalar>(lu: &mut [T], pivots: &mut [usize], n: usize) {
     for k in 0..n {
         let column = &lu[k * n..][..n];
-        let larger = |p: usize, i: usize| if column[i].norm1() > column[p].norm1() { i } else { p };
+        let larger = |p: usize, i: usize| if column[i].size() > column[p].size() { i } else { p };
         let pivot = (k + 1..n).fold(k, larger);
         pivots[k] = pivot;
         if pivot != k {
@@ -78,7 +88,7 @@ fn eliminate<T: ComplexField<RealField = f64> + Copy>(
         }
         let (done, rest) = lu.split_at_mut((k + 1) * n);
         let column = &mut done[k * n..];
-        let inverse = T::one() / column[k];
+        let inverse = T::real(1.0) / column[k];
         column[k] = inverse;
         for entry in &mut column[k + 1..] {
             *entry *= inverse;
@@ -94,12 +104,7 @@ fn eliminate<T: ComplexField<RealField = f64> + Copy>(
 
 /// Solves the system factorised in the `n` columns of `lu`: forward, then backward substitution.
 #[inline(always)]
-fn substitute<T: ComplexField<RealField = f64> + Copy>(
-    lu: &[T],
-    pivots: &[usize],
-    b: &mut [T],
-    n: usize,
-) {
+fn substitute<T: Scalar>(lu: &[T], pivots: &[usize], b: &mut [T], n: usize) {
     let (lu, b) = (&lu[..n * n], &mut b[..n]);
     // All swaps come first, so that the loops after them can keep `b` in registers.
     for (k, &pivot) in pivots[..n].iter().enumerate() {

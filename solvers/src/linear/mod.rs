@@ -1,26 +1,59 @@
 //! The linear systems of implicit methods, `(s I − h J) x = b` with a real or complex shift `s`: dense for few
-//! states, sparse for many.
+//! states, sparse for many where the feature `sparse` is on.
 
 mod dense;
+#[cfg(feature = "sparse")]
+mod sparse;
+#[cfg(not(feature = "sparse"))]
+#[path = "never_sparse.rs"]
 mod sparse;
 
-use nalgebra::{ComplexField, DMatrix};
+use std::ops::{AddAssign, Div, Mul, MulAssign, SubAssign};
+
+use num_complex::Complex;
 
 use crate::system::System;
 pub(crate) use dense::DenseLu;
+use dense::SquareMatrix;
 use sparse::SparseMatrix;
-pub(crate) use sparse::{SparseLu, position};
-
-/// Number of states from which on a sparse factorisation is tried.
-const MANY: usize = 32;
+#[cfg(feature = "diffsol")]
+pub(crate) use sparse::position;
+pub(crate) use sparse::{Factorised, SparseLu};
 
 /// A scalar of linear systems: real or complex.
 pub(crate) trait Scalar:
-    ComplexField<RealField = f64> + faer::traits::ComplexField + Copy
+    Copy + Factorised + AddAssign + SubAssign + MulAssign + Mul<Output = Self> + Div<Output = Self>
 {
+    /// The real number `x`.
+    fn real(x: f64) -> Self;
+
+    /// `|Re| + |Im|`.
+    fn size(self) -> f64;
 }
 
-impl<T: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy> Scalar for T {}
+impl Scalar for f64 {
+    #[inline(always)]
+    fn real(x: f64) -> Self {
+        x
+    }
+
+    #[inline(always)]
+    fn size(self) -> f64 {
+        self.abs()
+    }
+}
+
+impl Scalar for Complex<f64> {
+    #[inline(always)]
+    fn real(x: f64) -> Self {
+        Self::new(x, 0.0)
+    }
+
+    #[inline(always)]
+    fn size(self) -> f64 {
+        self.re.abs() + self.im.abs()
+    }
+}
 
 /// The entries of a square matrix.
 pub(crate) trait Entries {
@@ -51,17 +84,14 @@ impl<P: System> Entries for JacobianAt<'_, P> {
 
 /// A matrix `J` of [`Entries`], such as the Jacobian of a system in one mode at one state.
 pub(crate) enum Jacobian {
-    Dense(DMatrix<f64>),
+    Dense(SquareMatrix),
     Sparse(SparseMatrix),
 }
 
 impl Jacobian {
     /// Workspace for `n` states.
     pub(crate) fn new(n: usize) -> Self {
-        match n {
-            ..MANY => Self::Dense(DMatrix::zeros(n, n)),
-            _ => Self::Sparse(SparseMatrix::new(n)),
-        }
+        SparseMatrix::for_many(n).map_or_else(|| Self::Dense(SquareMatrix::zeros(n)), Self::Sparse)
     }
 
     /// Evaluates the Jacobian of `mode` at `(t, y)`. Returns the row of an entry that is not finite, if there is one.
@@ -82,10 +112,9 @@ impl Jacobian {
             if sparse.set(all) {
                 return sparse.non_finite_row();
             }
-            *self = Self::Dense(DMatrix::zeros(n, n));
+            *self = Self::Dense(SquareMatrix::zeros(n));
         }
-        if let Self::Dense(dense) = self {
-            let entries = dense.as_mut_slice();
+        if let Self::Dense(SquareMatrix { columns: entries, .. }) = self {
             entries.fill(0.0);
             all.for_each(|i, j, entry| entries[j * n + i] = entry);
             return entries.iter().position(|entry| !entry.is_finite()).map(|entry| entry % n);
@@ -111,20 +140,19 @@ pub(crate) enum Shifted<T> {
 impl<T: Scalar> Shifted<T> {
     /// Workspace for `n` states.
     pub(crate) fn new(n: usize) -> Self {
-        if n < MANY {
-            Self::Dense(DenseLu::new(n))
-        } else {
-            Self::Sparse(Box::new(SparseLu::new()))
-        }
+        SparseLu::for_many(n)
+            .map_or_else(|| Self::Dense(DenseLu::new(n)), |lu| Self::Sparse(Box::new(lu)))
     }
 
     /// Factorises `shift I − h J`. Where that matrix is singular, solutions are not finite.
     pub(crate) fn factorise(&mut self, jacobian: &Jacobian, shift: T, h: f64) {
         if let (Self::Sparse(_), Jacobian::Dense(jacobian)) = (&*self, jacobian) {
-            *self = Self::Dense(DenseLu::new(jacobian.nrows()));
+            *self = Self::Dense(DenseLu::new(jacobian.n));
         }
         match (self, jacobian) {
-            (Self::Dense(lu), Jacobian::Dense(jacobian)) => lu.factorise(jacobian, shift, h),
+            (Self::Dense(lu), Jacobian::Dense(jacobian)) => {
+                lu.factorise(&jacobian.columns, shift, h);
+            }
             (Self::Sparse(lu), Jacobian::Sparse(jacobian)) => lu.factorise(jacobian, shift, h),
             // A dense Jacobian never becomes sparse again.
             _ => {}
@@ -143,10 +171,28 @@ impl<T: Scalar> Shifted<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Complex;
-
     use crate::real::Real;
     use crate::system::Next;
+
+    /// Number of states from which on a matrix may be sparse.
+    const MANY: usize = 32;
+
+    /// Real and imaginary part.
+    trait Parts {
+        fn parts(self) -> [f64; 2];
+    }
+
+    impl Parts for f64 {
+        fn parts(self) -> [f64; 2] {
+            [self, 0.0]
+        }
+    }
+
+    impl Parts for Complex<f64> {
+        fn parts(self) -> [f64; 2] {
+            [self.re, self.im]
+        }
+    }
 
     /// `ẏ_i = y_(i−1) − 3 y_i² + y_(i+1)`; in the mode `true` the last state also acts on the first.
     struct Chain {
@@ -214,7 +260,7 @@ mod tests {
 
     /// Largest entry of `shift x − h J x − b` at the solution, where `J x` is checked against differences of the
     /// right-hand side.
-    fn residual<T: Scalar>(
+    fn residual<T: Scalar + Parts>(
         chain: &Chain,
         is_ring: bool,
         shift: T,
@@ -223,9 +269,7 @@ mod tests {
     ) -> f64 {
         let h = -0.3;
         let y: Vec<f64> = (0..chain.n).map(|i| 1.0 + 0.01 * i as f64).collect();
-        let b: Vec<T> = (0..chain.n)
-            .map(|i| shift * <T as ComplexField>::from_real((i as f64).sin()))
-            .collect();
+        let b: Vec<T> = (0..chain.n).map(|i| shift * T::real((i as f64).sin())).collect();
         let mut x = b.clone();
         jacobian.evaluate(chain, is_ring, 0.0, &y);
         shifted.factorise(jacobian, shift, h);
@@ -247,17 +291,19 @@ mod tests {
                 worst = worst.max((rest[i] - h * product[i]).abs());
             }
         };
-        let parts = |part: fn(T) -> f64| {
-            let rest = x.iter().zip(&b).map(|(x, b)| part(shift * *x - *b)).collect::<Vec<_>>();
-            (x.iter().map(|x| part(*x)).collect::<Vec<_>>(), rest)
-        };
-        for (x, rest) in [parts(ComplexField::real), parts(ComplexField::imaginary)] {
-            check(&x, &rest);
+        for part in 0..2 {
+            let rest = |(x, b): (&T, &T)| {
+                let mut rest = shift * *x;
+                rest -= *b;
+                rest.parts()[part]
+            };
+            let rest: Vec<f64> = x.iter().zip(&b).map(rest).collect();
+            check(&x.iter().map(|x| x.parts()[part]).collect::<Vec<_>>(), &rest);
         }
         worst
     }
 
-    fn expect_solutions<T: Scalar>(shift: T) {
+    fn expect_solutions<T: Scalar + Parts>(shift: T) {
         for n in [1, 2, 4, 6, MANY - 1, MANY, 200] {
             let chain = Chain { n, is_full: false };
             let (mut jacobian, mut shifted) = (Jacobian::new(n), Shifted::new(n));
@@ -266,7 +312,8 @@ mod tests {
                 let found = residual(&chain, is_ring, shift, &mut jacobian, &mut shifted);
                 assert!(found < 2e-13, "{n}: {found:e}");
             }
-            assert_eq!(matches!(jacobian, Jacobian::Sparse(_)), n >= MANY);
+            let is_sparse = n >= MANY && cfg!(feature = "sparse");
+            assert_eq!(matches!(jacobian, Jacobian::Sparse(_)), is_sparse);
         }
     }
 

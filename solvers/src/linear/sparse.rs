@@ -7,12 +7,19 @@ use faer::sparse::linalg::lu::{
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
 use faer::{Conj, Par};
-use nalgebra::ComplexField;
 
-use super::Entries;
+use super::{Entries, Scalar};
+
+/// Number of states from which on a sparse factorisation is tried.
+const MANY: usize = 32;
 
 /// Largest fraction of nonzero entries of a matrix that is held sparse.
 const DENSITY: f64 = 0.25;
+
+/// A scalar that can be factorised.
+pub(crate) trait Factorised: faer::traits::ComplexField {}
+
+impl<T: faer::traits::ComplexField> Factorised for T {}
 
 /// Index of the entry in row `i` of column `j`, if the pattern has it.
 pub(crate) fn position(
@@ -32,11 +39,10 @@ pub(crate) struct SparseMatrix {
 }
 
 impl SparseMatrix {
-    pub(super) fn new(n: usize) -> Self {
-        Self {
-            pattern: SymbolicSparseColMat::new_checked(n, n, vec![0; n + 1], None, Vec::new()),
-            entries: Vec::new(),
-        }
+    /// A matrix without entries, where there are many states.
+    pub(super) fn for_many(n: usize) -> Option<Self> {
+        let pattern = || SymbolicSparseColMat::new_checked(n, n, vec![0; n + 1], None, Vec::new());
+        (n >= MANY).then(|| Self { pattern: pattern(), entries: Vec::new() })
     }
 
     /// The row of an entry that is not finite, if there is one.
@@ -101,7 +107,12 @@ pub(crate) struct SparseLu<T> {
     memory: MemBuffer,
 }
 
-impl<T: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy> SparseLu<T> {
+impl<T: Scalar> SparseLu<T> {
+    /// Workspace where there are many states.
+    pub(super) fn for_many(n: usize) -> Option<Self> {
+        (n >= MANY).then(Self::new)
+    }
+
     pub(crate) fn new() -> Self {
         Self {
             shifted: Vec::new(),
@@ -128,12 +139,11 @@ impl<T: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy> Spars
     pub(super) fn factorise(&mut self, matrix: &SparseMatrix, shift: T, h: f64) {
         // A pattern never loses entries, so a pattern with the same number of entries is the one analysed last.
         if self.shifted.len() != matrix.entries.len() {
-            let zero = <T as ComplexField>::from_real(0.0);
-            self.shifted = vec![zero; matrix.entries.len()];
+            self.shifted = vec![T::real(0.0); matrix.entries.len()];
             self.symbolic = None;
         }
         for (shifted, entry) in self.shifted.iter_mut().zip(&matrix.entries) {
-            *shifted = <T as ComplexField>::from_real(-h * entry);
+            *shifted = T::real(-h * entry);
         }
         for i in 0..matrix.pattern.ncols() {
             if let Some(k) = position(matrix.pattern.as_ref(), i, i) {
@@ -167,7 +177,7 @@ impl<T: ComplexField<RealField = f64> + faer::traits::ComplexField + Copy> Spars
 
     pub(crate) fn solve(&mut self, b: &mut [T]) {
         let Some(symbolic) = self.symbolic.as_ref().filter(|_| !self.is_singular) else {
-            b.fill(<T as ComplexField>::from_real(f64::NAN));
+            b.fill(T::real(f64::NAN));
             return;
         };
         let n = b.len();

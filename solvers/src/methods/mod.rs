@@ -24,7 +24,7 @@ pub use verner_98::VERNER_98;
 use crate::auto::{self, AutoSolver};
 use crate::batch::{self, Entry};
 use crate::control::Control;
-use crate::diffsol::{DiffsolScheme, DiffsolSolver};
+use crate::diffsol::DiffsolScheme;
 use crate::erk::ExplicitRk;
 use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
@@ -60,6 +60,7 @@ enum Scheme {
     Taylor,
     Rosenbrock(&'static Rosenbrock<8>),
     Radau(&'static Radau),
+    #[cfg_attr(not(feature = "diffsol"), expect(dead_code, reason = "its methods are left out"))]
     Diffsol(DiffsolScheme),
     Auto,
 }
@@ -96,7 +97,7 @@ const fn explicit(name: &'static str, about: &'static str, tableau: Explicit) ->
     Method { name, order, about, scheme: Scheme::Explicit(tableau) }
 }
 
-/// All methods.
+/// All methods; those of `diffsol` where the feature of that name is on.
 pub static METHODS: &[Method] = &[
     explicit(
         "rk4",
@@ -146,24 +147,28 @@ pub static METHODS: &[Method] = &[
         about: "Radau IIA 5, implicit, L-stable, adaptive: strong damping, moderate to tight tolerances",
         scheme: Scheme::Radau(&RADAU_IIA_5),
     },
+    #[cfg(feature = "diffsol")]
     Method {
         name: "bdf",
         order: 5,
         about: "diffsol's BDF, implicit, adaptive, orders 1 to 5: strong damping, few events",
         scheme: Scheme::Diffsol(DiffsolScheme::Bdf),
     },
+    #[cfg(feature = "diffsol")]
     Method {
         name: "tr_bdf2",
         order: 2,
         about: "diffsol's TR-BDF2, implicit, L-stable, adaptive: strong damping, loose tolerances",
         scheme: Scheme::Diffsol(DiffsolScheme::TrBdf2),
     },
+    #[cfg(feature = "diffsol")]
     Method {
         name: "esdirk34",
         order: 3,
         about: "diffsol's ESDIRK 3(4), implicit, L-stable, adaptive: strong damping, many events",
         scheme: Scheme::Diffsol(DiffsolScheme::Esdirk34),
     },
+    #[cfg(feature = "diffsol")]
     Method {
         name: "tsit45",
         order: 5,
@@ -198,7 +203,7 @@ impl Method {
     pub fn is_implicit(&self) -> bool {
         match self.scheme {
             Scheme::Rosenbrock(_) | Scheme::Radau(_) => true,
-            Scheme::Diffsol(scheme) => scheme != DiffsolScheme::Tsit45,
+            Scheme::Diffsol(scheme) => scheme.is_implicit(),
             _ => false,
         }
     }
@@ -268,9 +273,7 @@ impl Method {
                 let method = RadauMethod::new(tableau, n, &control);
                 Box::new(OneStepSolver::new(problem, method, control))
             }
-            Scheme::Diffsol(scheme) => {
-                Box::new(DiffsolSolver::new(problem, scheme, self.tolerance(control)?))
-            }
+            Scheme::Diffsol(scheme) => scheme.solver(problem, self.tolerance(control)?),
             Scheme::Auto => auto_solver(problem, self.tolerance(control)?),
         })
     }

@@ -1,6 +1,6 @@
 //! The stages of a Radau step, computed by Newton iteration.
 
-use nalgebra::Complex;
+use num_complex::Complex;
 
 use super::convergence::{Convergence, Iteration};
 use super::full::FullMatrix;

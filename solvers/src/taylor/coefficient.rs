@@ -6,7 +6,6 @@ use wide::{f64x2, f64x4, f64x8};
 
 use super::recurrence::SHORT;
 use super::rows::{MAX_ORDER, Row, Tail};
-use crate::double_double::DoubleDouble;
 use crate::lanes::{FUSED, Lanes, Simd};
 use crate::real::{Ordered, Real};
 
@@ -177,22 +176,6 @@ impl Four<Lanes<f64x2>> for f64x8 {
         let [a, a_2, b, b_2] =
             (f64x4::new([a, a_2, b, b_2]) + f64x4::new([c, c_2, d, d_2])).to_array();
         Lanes::from_fn(|run| [a, a_2][run]) + Lanes::from_fn(|run| [b, b_2][run])
-    }
-}
-
-impl Coefficient for DoubleDouble {
-    // An operation takes about twenty instructions, so a loop costs little in comparison.
-    const HIGHEST_UNROLLED: usize = 0;
-
-    type Rounded = f64;
-
-    fn rounded(self) -> f64 {
-        self.value()
-    }
-
-    #[inline]
-    fn fma(a: Self, b: Self, c: Self) -> Self {
-        a * b + c
     }
 }
 

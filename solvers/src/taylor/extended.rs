@@ -6,6 +6,7 @@
 
 use std::ops::ControlFlow;
 
+use super::coefficient::Coefficient;
 use super::expand::Expansion;
 use super::guards::{GuardSeries, Look};
 use super::method::{TaylorStep, sum_with_slope};
@@ -30,6 +31,22 @@ const MOST_ITERATIONS: usize = 40;
 const CONTRACTION: f64 = 0.9;
 /// Precision of the time of an event, as a fraction of the time.
 const PRECISION: f64 = 1e-30;
+
+impl Coefficient for DoubleDouble {
+    // An operation takes about twenty instructions, so a loop costs little in comparison.
+    const HIGHEST_UNROLLED: usize = 0;
+
+    type Rounded = f64;
+
+    fn rounded(self) -> f64 {
+        self.value()
+    }
+
+    #[inline]
+    fn fma(a: Self, b: Self, c: Self) -> Self {
+        a * b + c
+    }
+}
 
 /// An integration with double-double numbers: its present point and the work done so far.
 pub struct ExtendedIntegration<'a, P: System> {

@@ -336,6 +336,7 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
     }
 
     /// The rate of guard `i` at the time `s` after the start of the step, from its polynomial of `degree`.
+    #[cfg(feature = "extended")]
     pub(super) fn rate(&self, i: usize, s: f64, degree: usize) -> f64 {
         let terms = self.g[1..=degree].iter().enumerate().rev();
         terms.fold(0.0, |sum, (k, g)| sum * s + (k + 1) as f64 * g.as_ref()[i])

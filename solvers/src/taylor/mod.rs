@@ -22,6 +22,7 @@
 pub mod coefficient;
 mod constants;
 pub mod expand;
+#[cfg(feature = "extended")]
 pub mod extended;
 pub mod guards;
 pub mod method;
@@ -32,6 +33,7 @@ pub mod rows;
 pub mod series;
 mod unrolled;
 
+#[cfg(feature = "extended")]
 pub use extended::ExtendedIntegration;
 pub use method::{TaylorMethod, TaylorStep};
 pub use order::{FIXED_STEP_ORDER, order_for};
