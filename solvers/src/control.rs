@@ -26,6 +26,38 @@ pub enum Control {
     Adaptive(Tolerance),
 }
 
+/// How steps are chosen, with limits. The limits have defaults where a [`Control`] is given in its place:
+///
+/// ```
+/// # use deltazero_solvers::problems::BouncingBall;
+/// use deltazero_solvers::{Control, Integration, Method, Steps, Tolerance};
+///
+/// # let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let method = Method::named("rk45").ok_or("no such method")?;
+/// let control = Control::Adaptive(Tolerance { rtol: 1e-6, atol: vec![1e-6; 2] });
+/// let mut solver = method.solver(&ball, Steps { longest: 0.01, ..control.into() })?;
+/// let mut run = Integration::new(&ball, 0.0, ball.start());
+/// run.run(1.0, &mut *solver, &mut ())?;
+/// assert!(run.stats.n_accepted > 100);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Steps {
+    /// How the step size is chosen.
+    pub control: Control,
+    /// Size of the first step of the run [unit of time], `None` to choose it by the tolerance. A Taylor series, which
+    /// knows its range, takes a shorter first step where it allows no longer one.
+    pub first: Option<f64>,
+    /// Longest step [unit of time], infinite by default. The last step before the end of a run may be longer by 1 %.
+    pub longest: f64,
+}
+
+impl From<Control> for Steps {
+    fn from(control: Control) -> Self {
+        Self { control, first: None, longest: f64::INFINITY }
+    }
+}
+
 /// A step size controller: accepts or rejects a step by its error and proposes the next size.
 #[derive(Clone, Debug)]
 pub struct StepController {

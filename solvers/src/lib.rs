@@ -129,7 +129,7 @@ pub mod tolerance;
 pub mod trajectory;
 
 pub use blind::{Blind, Unblind};
-pub use control::Control;
+pub use control::{Control, Steps};
 pub use error::{Error, Outcome};
 pub use integrate::Integration;
 pub use methods::{METHODS, Method};

@@ -16,6 +16,7 @@ impl DiffsolScheme {
         self,
         _problem: &P,
         _tolerance: Tolerance,
+        _first: Option<f64>,
     ) -> Box<dyn PhaseSolver<P> + 'p>
     where
         P::Mode: 'p,

@@ -2,9 +2,10 @@
 //! guard.
 
 mod land;
+mod paced;
 mod state;
 
-use crate::control::{Control, StepController, Verdict};
+use crate::control::{Control, StepController, Steps, Verdict};
 use crate::error::Error;
 use crate::event::{GuardCrossing, GuardWatch};
 use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
@@ -13,6 +14,7 @@ use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
+pub(crate) use paced::Paced;
 use state::underflow;
 pub(crate) use state::{Due, PhaseContext, PhaseState};
 
@@ -125,40 +127,29 @@ pub struct OneStepSolver<P: System, M> {
     error_order: usize,
     /// Step size that the controller proposed last, with which the next phase begins.
     h: Option<f64>,
-    /// Longest step.
+    /// Size that the first step of the run does not exceed; infinite after it.
+    first: f64,
+    /// Longest step at present.
     longest: f64,
+    /// Longest step of the run.
+    limit: f64,
     /// Whether the method proposed the size of the step from the present start; the controller then only accepts or
     /// rejects it.
     pub(crate) is_proposed: bool,
 }
 
-/// A solver whose step sizes can be set or limited from outside between phases.
-pub(crate) trait Paced<P: System>: PhaseSolver<P> {
-    /// Begins the next phase with a step of size `h`, unless the method proposes a size.
-    fn begin_with(&mut self, h: f64);
-
-    /// Takes no step longer than `longest` from the next phase on.
-    fn keep_below(&mut self, longest: f64);
-}
-
-impl<P: System, M: OneStep<P>> Paced<P> for OneStepSolver<P, M> {
-    fn begin_with(&mut self, h: f64) {
-        self.h = Some(h);
-    }
-
-    fn keep_below(&mut self, longest: f64) {
-        self.longest = longest;
-    }
-}
-
 impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
-    /// A solver that applies `method` to `problem`, with steps chosen by `control`. The caller checks the tolerance.
-    pub fn new(problem: &P, method: M, control: Control) -> Self {
+    /// A solver that applies `method` to `problem`, with steps chosen as `steps` says. The caller checks the tolerance
+    /// and the limits.
+    pub fn new(problem: &P, method: M, steps: impl Into<Steps>) -> Self {
+        let Steps { control, first, longest } = steps.into();
         let embedded_order = method.embedded_order().unwrap_or(0);
         Self {
             method,
-            h: None,
-            longest: f64::INFINITY,
+            h: first,
+            first: first.unwrap_or(f64::INFINITY),
+            longest,
+            limit: longest,
             is_proposed: false,
             controller: StepController::new(control, embedded_order),
             watch: GuardWatch::new(problem),
@@ -291,7 +282,9 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         // An infinite proposal stands for the whole span.
         let proposed = proposed.map(|h| h.min(span.abs()));
         match due {
-            Due::Next => phase.h = proposed.unwrap_or(phase.h).copysign(span),
+            Due::Next => {
+                phase.h = proposed.unwrap_or(phase.h).abs().min(self.longest).copysign(span);
+            }
             Due::First { least } => {
                 let h = match (proposed.or(self.h), self.controller.control()) {
                     (Some(h), _) | (None, &Control::Fixed(h)) => h,
@@ -299,7 +292,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
                         self.first_step(tolerance, problem, point, phase.t_end, stats)
                     }
                 };
-                phase.h = h.abs().min(self.longest).max(least).copysign(span);
+                let first = std::mem::replace(&mut self.first, f64::INFINITY);
+                phase.h = h.abs().min(first).min(self.longest).max(least).copysign(span);
                 stats.restart += stats.work - before;
             }
         }

@@ -52,16 +52,17 @@ impl DiffsolScheme {
         self != Self::Tsit45
     }
 
-    /// The method applied to `problem` with `tolerance`.
+    /// The method applied to `problem` with `tolerance`, and a first step where one is given.
     pub(crate) fn solver<'p, P: System + 'p>(
         self,
         problem: &P,
         tolerance: Tolerance,
+        first: Option<f64>,
     ) -> Box<dyn PhaseSolver<P> + 'p>
     where
         P::Mode: 'p,
     {
-        Box::new(DiffsolSolver::new(problem, self, tolerance))
+        Box::new(DiffsolSolver { first, ..DiffsolSolver::new(problem, self, tolerance) })
     }
 
     /// Order with which the method starts, from which its first step follows.
@@ -79,13 +80,15 @@ impl DiffsolScheme {
 pub struct DiffsolSolver<P: System> {
     scheme: DiffsolScheme,
     tolerance: Tolerance,
+    /// Size of the first step of the run, until it is taken.
+    first: Option<f64>,
     watch: GuardWatch<P>,
 }
 
 impl<P: System> DiffsolSolver<P> {
     /// A solver that applies `scheme` to `problem` with `tolerance`.
     pub fn new(problem: &P, scheme: DiffsolScheme, tolerance: Tolerance) -> Self {
-        Self { scheme, tolerance, watch: GuardWatch::new(problem) }
+        Self { scheme, tolerance, first: None, watch: GuardWatch::new(problem) }
     }
 
     /// Crosses a span below the resolution of `diffsol` with one Euler step, which is exact to rounding over such a
@@ -244,7 +247,7 @@ impl<P: System> DiffsolSolver<P> {
             .map_err(|error| failure(point, &error))?;
         built.ode_options.max_nonlinear_solver_failures = usize::MAX;
         built.ode_options.min_timestep = LEAST_STEP * span.abs();
-        let order = self.scheme.starting_order();
+        let first = (self.scheme.starting_order(), self.first.take());
         macro_rules! advance {
             ($solver:expr) => {{
                 let mut solver = $solver.map_err(|error| failure(point, &error))?;
@@ -253,16 +256,16 @@ impl<P: System> DiffsolSolver<P> {
         }
         match self.scheme {
             DiffsolScheme::Bdf => {
-                advance!(built.bdf_solver::<A::Solver>(started(&built, point, span, order)?))
+                advance!(built.bdf_solver::<A::Solver>(started(&built, point, span, first)?))
             }
             DiffsolScheme::TrBdf2 => {
-                advance!(built.tr_bdf2_solver::<A::Solver>(started(&built, point, span, order)?))
+                advance!(built.tr_bdf2_solver::<A::Solver>(started(&built, point, span, first)?))
             }
             DiffsolScheme::Esdirk34 => {
-                advance!(built.esdirk34_solver::<A::Solver>(started(&built, point, span, order)?))
+                advance!(built.esdirk34_solver::<A::Solver>(started(&built, point, span, first)?))
             }
             DiffsolScheme::Tsit45 => {
-                advance!(built.tsit45_solver(started(&built, point, span, order)?))
+                advance!(built.tsit45_solver(started(&built, point, span, first)?))
             }
         }
     }
@@ -293,20 +296,20 @@ impl<P: System> PhaseSolver<P> for DiffsolSolver<P> {
     }
 }
 
-/// A solver state of `diffsol` at the start of `built`, with a first step towards the end of `span` for a method of
-/// `order`.
+/// A solver state of `diffsol` at the start of `built`, with a first step towards the end of `span`: the given one, or
+/// one chosen for a method of `order`.
 fn started<P: System, A: Algebra, S: OdeSolverState<A::V>>(
     built: &OdeSolverProblem<Equations<'_, P, A>>,
     point: &Point<P>,
     span: f64,
-    order: usize,
+    (order, first): (usize, Option<f64>),
 ) -> Result<S, Error> {
     let mut start = S::new_without_initialise(built).map_err(|error| failure(point, &error))?;
     check_finite(point, &state::<P, A>(built.eqn.problem, start.as_ref().dy))?;
     let sign = 1_f64.copysign(span);
     start.as_mut().set_step_size(sign, &built.atol, built.rtol, &built.eqn, order);
     let h = start.as_mut().h;
-    *h = h.abs().min(span.abs()).copysign(span);
+    *h = first.unwrap_or(h.abs()).min(span.abs()).copysign(span);
     Ok(start)
 }
 

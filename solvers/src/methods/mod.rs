@@ -23,7 +23,7 @@ pub use verner_98::VERNER_98;
 
 use crate::auto::{self, AutoSolver};
 use crate::batch::{self, Entry};
-use crate::control::Control;
+use crate::control::{Control, Steps};
 use crate::diffsol::DiffsolScheme;
 use crate::erk::ExplicitRk;
 use crate::error::{Error, Outcome};
@@ -238,43 +238,62 @@ impl Method {
         }
     }
 
-    /// A solver that applies the method to `problem`, with steps chosen by `control`.
+    /// A solver that applies the method to `problem`, with steps chosen by a [`Control`], or by [`Steps`] with more
+    /// limits.
     ///
     /// # Errors
-    /// [`Error::BadControl`] for a tolerance given to a fixed-step method, or a fixed step given to a method that
-    /// needs a tolerance; [`Error::BadArgument`] for a step that is not finite and above zero;
-    /// [`Error::BadTolerance`] for a tolerance that is not valid.
+    /// [`Error::BadControl`] for a tolerance given to a fixed-step method, a fixed step given to a method that needs a
+    /// tolerance, and limits given with a fixed step or the longest step to a method of `diffsol`;
+    /// [`Error::BadArgument`] for a step that is not finite and above zero; [`Error::BadTolerance`] for a tolerance that
+    /// is not valid.
     pub fn solver<'p, P: System + 'p>(
         &self,
         problem: &P,
-        control: Control,
+        steps: impl Into<Steps>,
+    ) -> Result<Box<dyn PhaseSolver<P> + 'p>, Error>
+    where
+        P::Mode: 'p,
+    {
+        self.solver_by(problem, steps.into())
+    }
+
+    fn solver_by<'p, P: System + 'p>(
+        &self,
+        problem: &P,
+        steps: Steps,
     ) -> Result<Box<dyn PhaseSolver<P> + 'p>, Error>
     where
         P::Mode: 'p,
     {
         let n = problem.dim();
-        self.check(n, &control)?;
+        self.check(n, &steps.control)?;
+        self.check_limits(&steps)?;
         Ok(match self.scheme {
             Scheme::Explicit(explicit) => for_any_stages!(explicit, tableau => {
-                Box::new(OneStepSolver::new(problem, ExplicitRk::new(tableau, n), control))
+                Box::new(OneStepSolver::new(problem, ExplicitRk::new(tableau, n), steps))
             }),
             Scheme::Taylor => {
-                let order = match &control {
+                let order = match &steps.control {
                     Control::Fixed(_) => taylor::FIXED_STEP_ORDER,
                     Control::Adaptive(tolerance) => taylor::order_for(tolerance.rtol),
                 };
                 let method = TaylorMethod::new(n, problem.n_guards(), order);
-                Box::new(OneStepSolver::new(problem, method, control))
+                Box::new(OneStepSolver::new(problem, method, steps))
             }
             Scheme::Rosenbrock(tableau) => {
-                Box::new(OneStepSolver::new(problem, RosenbrockMethod::new(tableau, n), control))
+                Box::new(OneStepSolver::new(problem, RosenbrockMethod::new(tableau, n), steps))
             }
             Scheme::Radau(tableau) => {
-                let method = RadauMethod::new(tableau, n, &control);
-                Box::new(OneStepSolver::new(problem, method, control))
+                let method = RadauMethod::new(tableau, n, &steps.control);
+                Box::new(OneStepSolver::new(problem, method, steps))
             }
-            Scheme::Diffsol(scheme) => scheme.solver(problem, self.tolerance(control)?),
-            Scheme::Auto => auto_solver(problem, self.tolerance(control)?),
+            Scheme::Diffsol(scheme) => {
+                scheme.solver(problem, self.tolerance(steps.control)?, steps.first)
+            }
+            Scheme::Auto => {
+                let Steps { control, first, longest } = steps;
+                auto_solver(problem, self.tolerance(control)?, first, longest)
+            }
         })
     }
 
@@ -353,22 +372,51 @@ impl Method {
                 Err(Error::BadArgument { name: "rtol", value: tolerance.rtol, allowed })
             }
             Control::Adaptive(tolerance) => tolerance.check(n),
-            Control::Fixed(h) if !(h.is_finite() && *h > 0.0) => {
-                let allowed = "a step must be finite and above zero";
-                Err(Error::BadArgument { name: "step", value: *h, allowed })
+            Control::Fixed(h) => {
+                check_step("step", *h)?;
+                match self.scheme {
+                    Scheme::Diffsol(_) | Scheme::Auto => {
+                        self.tolerance(control.clone()).map(|_| ())
+                    }
+                    _ => Ok(()),
+                }
             }
-            Control::Fixed(_) => match self.scheme {
-                Scheme::Diffsol(_) | Scheme::Auto => self.tolerance(control.clone()).map(|_| ()),
-                _ => Ok(()),
-            },
         }
     }
+
+    /// Checks the first and the longest step.
+    fn check_limits(&self, Steps { control, first, longest }: &Steps) -> Result<(), Error> {
+        let is_unlimited = *longest == f64::INFINITY;
+        let refused = |needs| Err(Error::BadControl { method: self.name, needs });
+        match (control, &self.scheme) {
+            (Control::Fixed(_), _) if first.is_some() || !is_unlimited => {
+                refused("a tolerance where the first or the longest step is given")
+            }
+            (_, Scheme::Diffsol(_)) if !is_unlimited => {
+                refused("an infinite longest step, because diffsol has no such limit")
+            }
+            _ => {
+                first.map_or(Ok(()), |first| check_step("first step", first))?;
+                if is_unlimited { Ok(()) } else { check_step("longest step", *longest) }
+            }
+        }
+    }
+}
+
+/// Checks that a step is one.
+fn check_step(name: &'static str, h: f64) -> Result<(), Error> {
+    if h.is_finite() && h > 0.0 {
+        return Ok(());
+    }
+    Err(Error::BadArgument { name, value: h, allowed: "a step must be finite and above zero" })
 }
 
 /// The solver of the method `auto` on `problem`.
 fn auto_solver<'p, P: System + 'p>(
     problem: &P,
     tolerance: Tolerance,
+    first: Option<f64>,
+    longest: f64,
 ) -> Box<dyn PhaseSolver<P> + 'p>
 where
     P::Mode: 'p,
@@ -376,15 +424,15 @@ where
     let n = problem.dim();
     let held = auto::held(&tolerance);
     let radau = RadauMethod::new(&RADAU_IIA_5, n, &held).on_slow_solutions();
-    let implicit = Box::new(OneStepSolver::new(problem, radau, held));
+    let implicit = Box::new(OneStepSolver::new(problem, radau, Steps { longest, ..held.into() }));
     let is_loose = tolerance.rtol >= auto::LOOSE;
-    let control = Control::Adaptive(tolerance);
+    let steps = Steps { control: Control::Adaptive(tolerance), first, longest };
     let explicit: Box<dyn Paced<P> + 'p> = if is_loose {
         let pair = ExplicitRk::new(&KUTTA_43, n);
-        Box::new(OneStepSolver::new(problem, pair, control))
+        Box::new(OneStepSolver::new(problem, pair, steps))
     } else {
         let pair = ExplicitRk::new(&DORMAND_PRINCE_853, n);
-        Box::new(OneStepSolver::new(problem, pair, control))
+        Box::new(OneStepSolver::new(problem, pair, steps))
     };
     Box::new(AutoSolver::new(problem, explicit, implicit))
 }
