@@ -4,6 +4,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 use crate::error::Error;
+use crate::phase::Point;
 use crate::real::Real;
 use crate::record::{Accepted, Event, Needs, Record};
 use crate::stats::Stats;
@@ -99,8 +100,9 @@ impl<'a, P: ModeOfState, R: Record<P>> Unblind<'a, P, R> {
 }
 
 impl<'a, P: ModeOfState, R: Record<P>> Record<Blind<'a, P>> for Unblind<'a, P, R> {
-    fn begin(&mut self, t0: f64, t_end: f64) -> Result<(), Error> {
-        self.record.begin(t0, t_end)
+    fn begin(&mut self, start: &Point<Blind<'a, P>>, t_end: f64) -> Result<(), Error> {
+        let mode = self.mode.clone();
+        self.record.begin(&Point { t: start.t, y: start.y.clone(), mode }, t_end)
     }
 
     fn step(&mut self, accepted: &Accepted<'_, Blind<'a, P>>) -> ControlFlow<()> {
@@ -113,12 +115,14 @@ impl<'a, P: ModeOfState, R: Record<P>> Record<Blind<'a, P>> for Unblind<'a, P, R
         }
         self.mode = after.clone();
         let (t, y) = (step.t1(), step.y1());
-        self.record.event(&Event { t, guard: 0, before, after: Next::Mode(after), y })
+        let after = Next::Mode(after);
+        self.record.event(&Event { t, guard: 0, before, after, y_before: y, y })
     }
 
     fn event(&mut self, event: &Event<'_, Blind<'a, P>>) -> ControlFlow<()> {
-        let (t, guard, y) = (event.t, event.guard, event.y);
-        self.record.event(&Event { t, guard, before: self.mode.clone(), after: Next::Stop, y })
+        let Event { t, guard, y_before, y, .. } = *event;
+        let before = self.mode.clone();
+        self.record.event(&Event { t, guard, before, after: Next::Stop, y_before, y })
     }
 
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {

@@ -40,12 +40,13 @@ impl<'a, P: System> Integration<'a, P> {
     /// An integration that starts at `(t, y)` in the mode that the system gives it.
     pub fn new(problem: &'a P, t: f64, y: P::State<f64>) -> Self {
         let mode = problem.initial_mode(t, &y);
-        Self {
-            problem,
-            point: Point { t, y, mode },
-            stats: Stats::default(),
-            transitions: Transitions::new(problem, t),
-        }
+        Self::at(problem, Point { t, y, mode })
+    }
+
+    /// An integration that starts at `point`, in the mode of that point.
+    pub fn at(problem: &'a P, point: Point<P>) -> Self {
+        let transitions = Transitions::new(problem, point.t);
+        Self { problem, point, stats: Stats::default(), transitions }
     }
 
     /// Integrates to `t_end` with `solver`, backward where `t_end` is before the present time, and shows `record` the
@@ -91,7 +92,7 @@ impl<'a, P: System> Integration<'a, P> {
         t_end: f64,
         record: &mut dyn Record<P>,
     ) -> Result<Option<Outcome>, Error> {
-        record.begin(self.point.t, t_end)?;
+        record.begin(&self.point, t_end)?;
         match self.transitions.begin(self.problem, &self.point, t_end)? {
             Some(guard) => self.pass(PhaseEnd::Guard(guard), record),
             None => Ok(None),
@@ -191,18 +192,20 @@ impl<P: System> Transitions<P> {
         for _ in 0..most {
             last = (at.mode.clone(), guard);
             repeats &= last == first;
+            let before = at.point();
             let after = problem.transition(at.mode.clone(), guard, at.t, at.y);
-            let mut outcome = enter(&mut at, guard, after, stats, record)?;
+            let mut outcome = enter(&mut at, (guard, before), after, stats, record)?;
             if outcome.is_none()
                 && let Some(span) = self.storm(at.t.value())
             {
-                let Point { t, mut y, mode } = at.point();
+                let before = at.point();
+                let (t, mut y, mode) = (before.t, before.y.clone(), before.mode.clone());
                 let Some(limit) = problem.accumulation(mode.clone(), guard, t, &mut y) else {
                     let mode = format!("{mode:?}");
                     return Err(Error::EventStorm { t, n: self.n_storm, span, mode });
                 };
                 *at.y = Vector::from_fn(y.as_ref().len(), |i| B::cst(y.as_ref()[i]));
-                outcome = enter(&mut at, guard, Next::Mode(limit), stats, record)?;
+                outcome = enter(&mut at, (guard, before), Next::Mode(limit), stats, record)?;
             }
             if outcome.is_some() {
                 return Ok(outcome);
@@ -235,23 +238,22 @@ impl<P: System> Transitions<P> {
     }
 }
 
-/// Enters the mode after an event of `guard` and shows the event to the recorder; the state is already the one after
-/// the transition. Returns the outcome where the run ends here.
+/// Enters the mode after an event of a guard at the point before, and shows the event to the recorder; the state is
+/// already the one after the transition. Returns the outcome where the run ends here.
 fn enter<P: System, B: Real>(
     at: &mut Instant<'_, P, B>,
-    guard: usize,
+    (guard, Point { y: y_before, mode: before, .. }): (usize, Point<P>),
     after: Next<P::Mode>,
     stats: &mut Stats,
     record: &mut dyn Record<P>,
 ) -> Result<Option<Outcome>, Error> {
-    let before = at.mode.clone();
     if let Next::Mode(next) = &after {
         at.mode.clone_from(next);
     }
     stats.n_events += 1;
     let point = at.point();
-    let go_on =
-        record.event(&Event { t: point.t, guard, before, after: after.clone(), y: &point.y });
+    let (t, y_before, y) = (point.t, &y_before, &point.y);
+    let go_on = record.event(&Event { t, guard, before, after: after.clone(), y_before, y });
     check_finite(&point, &point.y)?;
     Ok(match after {
         Next::Stop => Some(Outcome::Stopped),

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::error::Error;
+use crate::phase::Point;
 use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{Next, System};
@@ -29,6 +30,8 @@ pub struct Event<'a, P: System> {
     pub before: P::Mode,
     /// What followed.
     pub after: Next<P::Mode>,
+    /// The state before the transition.
+    pub y_before: &'a P::State<f64>,
     /// The state after the transition.
     pub y: &'a P::State<f64>,
 }
@@ -66,11 +69,11 @@ pub const REJECTIONS_A_LOOK: u64 = 64;
 /// of every accepted step that it does not see; and is called now and then while attempts are
 /// [rejected](Record::rejected). [`ControlFlow::Break`] ends the run as [`Interrupted`](crate::Outcome::Interrupted).
 pub trait Record<P: System> {
-    /// A run from `t0` towards `t_end` begins.
+    /// A run from `start` towards `t_end` begins.
     ///
     /// # Errors
     /// The recorder's own, where it cannot record this run.
-    fn begin(&mut self, _t0: f64, _t_end: f64) -> Result<(), Error> {
+    fn begin(&mut self, _start: &Point<P>, _t_end: f64) -> Result<(), Error> {
         Ok(())
     }
 
@@ -120,11 +123,73 @@ impl<P: System> Record<P> for () {
     }
 }
 
+/// A recorder that keeps nothing. It calls a function with the time and the work so far at each accepted step, and
+/// after every [`REJECTIONS_A_LOOK`] rejected attempts: to show progress, or to end a run by a limit of work or time.
+///
+/// ```
+/// # use deltazero_solvers::problems::BouncingBall;
+/// use std::ops::ControlFlow;
+///
+/// use deltazero_solvers::{Control, Integration, Method, Outcome, Tolerance, Watch};
+///
+/// # let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let method = Method::named("rk45").ok_or("no such method")?;
+/// let control = Control::Adaptive(Tolerance { rtol: 1e-6, atol: vec![1e-6; 2] });
+/// let mut solver = method.solver(&ball, control)?;
+/// let mut limit = Watch::new(|_t, stats| {
+///     if stats.n_accepted < 10 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+/// });
+/// let mut run = Integration::new(&ball, 0.0, ball.start());
+/// assert_eq!(run.run(2.0, &mut *solver, &mut limit)?, Outcome::Interrupted);
+/// assert_eq!(run.stats.n_accepted, 10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Watch<F> {
+    look: F,
+    t: f64,
+}
+
+impl<F: FnMut(f64, &Stats) -> ControlFlow<()>> Watch<F> {
+    /// A recorder that calls `look`, which may end the run.
+    pub fn new(look: F) -> Self {
+        Self { look, t: f64::NAN }
+    }
+}
+
+impl<P: System, F: FnMut(f64, &Stats) -> ControlFlow<()>> Record<P> for Watch<F> {
+    fn begin(&mut self, start: &Point<P>, _t_end: f64) -> Result<(), Error> {
+        self.t = start.t;
+        Ok(())
+    }
+
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
+        Record::<P>::passed(self, accepted.step.t1(), accepted.stats)
+    }
+
+    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn passed(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {
+        self.t = t;
+        (self.look)(t, stats)
+    }
+
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        (self.look)(self.t, stats)
+    }
+
+    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+        Needs::Nothing
+    }
+}
+
 /// Two recorders of the same run; either may end it.
 impl<P: System, A: Record<P>, B: Record<P>> Record<P> for (A, B) {
-    fn begin(&mut self, t0: f64, t_end: f64) -> Result<(), Error> {
-        self.0.begin(t0, t_end)?;
-        self.1.begin(t0, t_end)
+    fn begin(&mut self, start: &Point<P>, t_end: f64) -> Result<(), Error> {
+        self.0.begin(start, t_end)?;
+        self.1.begin(start, t_end)
     }
 
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
@@ -158,8 +223,8 @@ impl<P: System, A: Record<P>, B: Record<P>> Record<P> for (A, B) {
 
 /// A recorder, or none.
 impl<P: System, R: Record<P>> Record<P> for Option<R> {
-    fn begin(&mut self, t0: f64, t_end: f64) -> Result<(), Error> {
-        self.as_mut().map_or(Ok(()), |record| record.begin(t0, t_end))
+    fn begin(&mut self, start: &Point<P>, t_end: f64) -> Result<(), Error> {
+        self.as_mut().map_or(Ok(()), |record| record.begin(start, t_end))
     }
 
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
@@ -184,8 +249,8 @@ impl<P: System, R: Record<P>> Record<P> for Option<R> {
 }
 
 impl<P: System, R: Record<P> + ?Sized> Record<P> for &mut R {
-    fn begin(&mut self, t0: f64, t_end: f64) -> Result<(), Error> {
-        (**self).begin(t0, t_end)
+    fn begin(&mut self, start: &Point<P>, t_end: f64) -> Result<(), Error> {
+        (**self).begin(start, t_end)
     }
 
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {

@@ -1,8 +1,13 @@
 //! The usual recorder, which keeps a run as plain values.
 
+mod piece;
+
 use std::ops::ControlFlow;
 
+use piece::Piece;
+
 use crate::error::Error;
+use crate::phase::Point;
 use crate::record::{Accepted, Event, Needs, Record};
 use crate::system::{Next, System, Vector};
 
@@ -54,12 +59,18 @@ pub struct Switch<M> {
 /// Samples and events of a run.
 #[derive(Clone, Debug)]
 pub struct Trajectory<Y, M> {
+    /// The start of the first run; `None` before it.
+    pub start: Option<Sample<Y, M>>,
     /// Samples, in the order of the run.
     pub samples: Vec<Sample<Y, M>>,
     /// Events, in the order of the run.
     pub events: Vec<Switch<M>>,
+    /// States before and after the transition of each event.
+    pub sides: Vec<[Y; 2]>,
     grid: Grid,
     next: usize,
+    /// The solution on each step, where it is kept.
+    pieces: Option<Vec<Piece<Y, M>>>,
 }
 
 impl<Y, M> Trajectory<Y, M> {
@@ -69,19 +80,74 @@ impl<Y, M> Trajectory<Y, M> {
             Grid::Steps => 0,
             Grid::Times(times) => times.len(),
         };
-        Self { samples: Vec::with_capacity(capacity), events: Vec::new(), grid, next: 0 }
+        Self {
+            start: None,
+            samples: Vec::with_capacity(capacity),
+            events: Vec::new(),
+            sides: Vec::new(),
+            grid,
+            next: 0,
+            pieces: None,
+        }
+    }
+
+    /// An empty trajectory that keeps events and no samples.
+    pub fn of_events() -> Self {
+        Self::on(Grid::Times(Vec::new()))
+    }
+
+    /// An empty trajectory that keeps the samples at the ends of the steps and the solution between them, which can be
+    /// asked [at](Self::at) any time.
+    pub fn dense() -> Self {
+        Self { pieces: Some(Vec::new()), ..Self::on(Grid::Steps) }
+    }
+}
+
+impl<Y: Vector<f64>, M: Clone> Trajectory<Y, M> {
+    /// The solution at `t` by the dense output of the method, to rounding; at an event, mode and state after it. `None`
+    /// outside the run, and where the trajectory is not [dense](Self::dense).
+    ///
+    /// ```
+    /// # use deltazero_solvers::problems::BouncingBall;
+    /// use deltazero_solvers::{Control, Integration, Method, Tolerance, Trajectory};
+    ///
+    /// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+    /// let method = Method::named("dop853").ok_or("no such method")?;
+    /// let control = Control::Adaptive(Tolerance { rtol: 1e-9, atol: vec![1e-9; 2] });
+    /// let mut solver = method.solver(&ball, control)?;
+    /// let mut trajectory = Trajectory::dense();
+    /// Integration::new(&ball, 0.0, ball.start()).run(1.3, &mut *solver, &mut trajectory)?;
+    /// let height = trajectory.at(0.7).ok_or("outside the run")?.y[0];
+    /// assert!((height - ball.state(0.7)[0]).abs() < 1e-8);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn at(&self, t: f64) -> Option<Sample<Y, M>> {
+        let pieces = self.pieces.as_ref()?;
+        let (first, last) = (pieces.first()?, pieces.last()?);
+        let ahead = (last.t1 - first.t0).signum();
+        if t == last.t1 {
+            return self.samples.last().cloned();
+        }
+        if (t - last.t1) * ahead > 0.0 {
+            return None;
+        }
+        let n_begun = pieces.partition_point(|piece| (piece.t0 - t) * ahead <= 0.0);
+        let piece = pieces.get(n_begun.checked_sub(1)?)?;
+        Some(Sample { t, mode: piece.mode.clone(), y: piece.at(t) })
     }
 }
 
 impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
     /// # Errors
     /// [`Error::BadArgument`] for a sample time that is not a number, before the start, or not after the one before it.
-    fn begin(&mut self, t0: f64, t_end: f64) -> Result<(), Error> {
+    fn begin(&mut self, start: &Point<P>, t_end: f64) -> Result<(), Error> {
+        let Point { t: t0, y, mode } = start;
+        self.start.get_or_insert_with(|| Sample { t: *t0, mode: mode.clone(), y: y.clone() });
         let Grid::Times(times) = &self.grid else { return Ok(()) };
         let ahead = (t_end - t0).signum();
-        let mut before = t0;
+        let mut before = *t0;
         for (i, &t) in times[self.next..].iter().enumerate() {
-            let is_in_order = (t - before) * ahead > 0.0 || i == 0 && t == t0;
+            let is_in_order = (t - before) * ahead > 0.0 || i == 0 && t == *t0;
             if !is_in_order {
                 let allowed = "sample times must be finite, not before the start, each after the one before it";
                 return Err(Error::BadArgument { name: "sample time", value: t, allowed });
@@ -93,6 +159,9 @@ impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
 
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let (step, mode) = (accepted.step, accepted.mode.clone());
+        if let Some(pieces) = &mut self.pieces {
+            pieces.push(Piece::of(step, mode.clone()));
+        }
         match &self.grid {
             Grid::Steps => self.samples.push(Sample { t: step.t1(), mode, y: step.y1().clone() }),
             Grid::Times(times) => {
@@ -112,7 +181,8 @@ impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
     }
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
-        let Event { t, guard, y, .. } = *event;
+        let Event { t, guard, y_before, y, .. } = *event;
+        self.sides.push([y_before.clone(), y.clone()]);
         let (before, after) = (event.before.clone(), event.after.clone());
         self.events.push(Switch { t, guard, before, after: after.clone() });
         if let Some(last) = self.samples.last_mut()
@@ -128,6 +198,7 @@ impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
 
     fn needs(&self, t0: f64, t1: f64) -> Needs {
         match &self.grid {
+            Grid::Steps if self.pieces.is_some() => Needs::DenseOutput,
             Grid::Steps => Needs::Ends,
             Grid::Times(times) => match times.get(self.next) {
                 Some(&t) => Needs::to_sample(t, t0, t1),

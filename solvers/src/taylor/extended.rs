@@ -112,6 +112,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     /// As [`Integration::run`](crate::Integration::run).
     pub fn run(&mut self, t_end: f64, record: &mut dyn Record<P>) -> Result<Outcome, Error> {
         self.tolerance.check(self.problem.dim())?;
+        record.begin(&self.point(), t_end)?;
         let mut guard = self.transitions.begin(self.problem, &self.point(), t_end)?;
         loop {
             if let Some(guard) = guard {
