@@ -19,6 +19,7 @@ const LOG_ERROR_FLOOR: f64 = -13.287_712_379_549_449;
 
 /// How the step size is chosen.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Control {
     /// Every step has this size [unit of time], whatever its error.
     Fixed(f64),
@@ -42,6 +43,7 @@ pub enum Control {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Steps {
     /// How the step size is chosen.
     pub control: Control,

@@ -2,6 +2,7 @@
 
 /// How an integration without an error ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Outcome {
     /// It reached the end of the requested span.
     Finished,

@@ -67,6 +67,7 @@
 //! | `diffsol` | yes | the methods `bdf`, `tr_bdf2`, `esdirk34` and `tsit45` of the library `diffsol`; includes `sparse` |
 //! | `sparse` | yes | sparse linear systems of implicit methods from 32 states on, by the library `faer` |
 //! | `extended` | yes | [runs with twice the digits](taylor::ExtendedIntegration) of an `f64` |
+//! | `serde` | no | results and settings that `serde` writes and reads |
 //!
 //! A result does not depend on the features, except that dense and sparse linear systems round differently.
 //!

@@ -7,6 +7,7 @@ use crate::system::System;
 
 /// Counts of evaluations and of linear algebra.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Work {
     /// Evaluations of the right-hand side, except those for Jacobians, samples and audits.
     pub n_rhs: u64,
@@ -20,6 +21,7 @@ pub struct Work {
 
 /// Counts of all work of an integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stats {
     /// All work, including that of rejected and retaken steps.
     pub work: Work,

@@ -67,6 +67,7 @@ impl<S: Clone + Debug> Vector<S> for Vec<S> {
 
 /// What follows an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Next<M> {
     /// The system continues in this mode, which may be the same one after a reset of the state.
     Mode(M),

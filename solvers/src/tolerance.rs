@@ -5,6 +5,7 @@ use crate::real::{Ordered, Over, Real};
 
 /// The accuracy required of each step.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tolerance {
     /// Relative tolerance.
     pub rtol: f64,

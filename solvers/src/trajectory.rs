@@ -13,6 +13,7 @@ use crate::system::{Next, System, Vector};
 
 /// The times at which a trajectory keeps samples.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Grid {
     /// At the end of every accepted step.
     Steps,
@@ -34,6 +35,7 @@ impl Grid {
 
 /// A state that was kept.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sample<Y, M> {
     /// Time.
     pub t: f64,
@@ -45,6 +47,7 @@ pub struct Sample<Y, M> {
 
 /// An event that was kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Switch<M> {
     /// Time.
     pub t: f64,
@@ -58,6 +61,7 @@ pub struct Switch<M> {
 
 /// Samples and events of a run.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Trajectory<Y, M> {
     /// The start of the first run; `None` before it.
     pub start: Option<Sample<Y, M>>,

@@ -28,6 +28,7 @@ const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 /// A step of a run: its mode, and the solution on it.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Piece<Y, M> {
     pub(super) t0: f64,
     pub(super) t1: f64,
