@@ -17,10 +17,13 @@ JOINTS = {
     2: (4 * MASS, 2 * MASS, 3 * LENGTH / 4, LENGTH / 2, 2 * INERTIA, 0.25 * MASS * LENGTH**2, 0.3),
 }
 START = (0.0, -CLEARANCE, 0.0, 0.0, 0.0, 0.0)
+# Of the contact: K, D, clearance, coefficient of friction.
+CONTACT = (STIFFNESS, DAMPING, CLEARANCE, MU)
 
 
-def slope(joint, sigma, y, sin, cos, sqrt):
+def slope(joint, sigma, y, sin, cos, sqrt, contact=CONTACT):
     """The slope in a mode, sigma 0 free or the sign of v_T, over any scalar with these functions."""
+    stiffness, damping, clearance, mu = contact
     m_x, m_y, p, q, j_0, j_c, torque = joint
     x, y_, theta, v_x, v_y, omega = y
     s, c = sin(theta), cos(theta)
@@ -29,9 +32,9 @@ def slope(joint, sigma, y, sin, cos, sqrt):
     q_x = q_y = 0.0
     if sigma != 0:
         rho = sqrt(x * x + y_ * y_)
-        normal = STIFFNESS * (rho - CLEARANCE) + DAMPING * (x * v_x + y_ * v_y) / rho
+        normal = stiffness * (rho - clearance) + damping * (x * v_x + y_ * v_y) / rho
         q_x, q_y = -normal * x / rho, -normal * y_ / rho
-        moment = moment - sigma * MU * PIN * normal
+        moment = moment - sigma * mu * PIN * normal
     alpha = (moment - p * c * q_x + q * s * q_y) / (j_0 + j_c * c * c)
     return (
         v_x,
@@ -43,9 +46,9 @@ def slope(joint, sigma, y, sin, cos, sqrt):
     )
 
 
-def delta(y, sqrt=math.sqrt):
+def delta(y, sqrt=math.sqrt, clearance=CLEARANCE):
     """Penetration [m]."""
-    return sqrt(y[0] * y[0] + y[1] * y[1]) - CLEARANCE
+    return sqrt(y[0] * y[0] + y[1] * y[1]) - clearance
 
 
 def v_t(y, sqrt=math.sqrt):
@@ -64,8 +67,8 @@ def first_mode(joint):
     return -1 if -d[3] + d[5] * PIN < 0.0 else 1
 
 
-def scale(joint):
+def scale(joint, clearance=CLEARANCE):
     """Natural scale of each state, from which absolute tolerances follow."""
     m_x, _, p, _, j_0, j_c, torque = joint
-    v = math.sqrt(2.0 * torque * p / (j_0 + j_c + m_x * p * p) * CLEARANCE)
-    return (CLEARANCE, CLEARANCE, CLEARANCE / LENGTH, v, v, v / LENGTH)
+    v = math.sqrt(2.0 * torque * p / (j_0 + j_c + m_x * p * p) * clearance)
+    return (clearance, clearance, clearance / LENGTH, v, v, v / LENGTH)
