@@ -73,7 +73,9 @@ impl Class {
             Self::One => vec![0],
             Self::Each => (0..n.min(MOST_SHAPES + 1)).collect(),
             Self::Zero => {
-                let first = |class| (0..n).find(|i| self.at(axis, *i) == class);
+                // Of two that follow each other at equal distances one is not zero, or none is.
+                let some = if matches!(axis.values, Values::List(_)) { n } else { n.min(2) };
+                let first = |class| (0..some).find(|i| self.at(axis, *i) == class);
                 let zero = match axis.values {
                     Values::List(_) => first(1),
                     Values::Log { .. } => None,

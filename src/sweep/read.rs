@@ -15,6 +15,8 @@ const MOST_RUNS: u64 = 1_000_000_000_000;
 /// Largest number of points of an axis, of draws at a point, and of runs in a chunk.
 const MOST_POINTS: u64 = 1_000_000_000;
 const MOST_IN_CHUNK: u64 = 1_000_000;
+/// Largest number of points of an axis of whole numbers, each of which is looked at.
+const MOST_WHOLE: u64 = 1_000_000;
 /// Runs of a chunk where the plan does not say how many: so many of a large plan, of a small one such a part.
 const CHUNK: u64 = 1000;
 const CHUNKS_OF_A_SMALL_PLAN: u64 = 64;
@@ -130,7 +132,9 @@ fn axis(variants: &Variants, i: usize, table: &Table<'_>) -> Result<Axis, SweepE
         let values = listed(variants, i, key, given)?;
         return Ok(Axis { key: key.clone(), values });
     }
-    let Some(points) = table.whole("points", 2, MOST_POINTS)? else {
+    let whole = matches!(kind, Kind::Integer(..));
+    let most = if whole { MOST_WHOLE } else { MOST_POINTS };
+    let Some(points) = table.whole("points", 2, most)? else {
         return Err(
             table.incomplete("has no \"points\"; give the number of values, both ends included")
         );
@@ -142,18 +146,17 @@ fn axis(variants: &Variants, i: usize, table: &Table<'_>) -> Result<Axis, SweepE
     for entry in entries {
         variants.checked(i, entry)?;
     }
-    let whole = matches!(kind, Kind::Integer(..));
     let values = match form {
         "linear" => Values::Linear { ends, points, whole },
         _ => Values::Log { ends, points, whole },
     };
-    if !matches!(kind, Kind::Number(_)) {
+    if whole {
         check_each(variants, i, &values, given)?;
     }
     Ok(Axis { key: key.clone(), values })
 }
 
-/// Whether a key takes each of these numbers; between its ends a key that takes numbers of a range does.
+/// Whether a key of whole numbers takes each of these; one that takes numbers of a range takes all between two that it takes.
 fn check_each(
     variants: &Variants,
     i: usize,

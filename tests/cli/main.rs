@@ -8,6 +8,8 @@
 mod audit;
 mod bad_input;
 mod failure;
+#[cfg(target_os = "linux")]
+mod full_disk;
 #[cfg(unix)]
 mod interrupt;
 mod listings;

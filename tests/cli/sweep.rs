@@ -32,7 +32,7 @@ uniform = [0.05, 0.2]
 
 impl Scratch {
     /// With [`PLAN`] in it, its runs `t_end` seconds long.
-    fn with_plan(t_end: f64) -> Self {
+    pub(crate) fn with_plan(t_end: f64) -> Self {
         let scratch = Self::new();
         fs::write(scratch.path("plan.toml"), PLAN).unwrap();
         let base = format!("run.t_end = {t_end}\nsolver.rtol = 1e-6\n");
@@ -313,6 +313,30 @@ fn bad_usage_of_a_sweep_is_refused() {
         ran.stderr
     );
     assert!(!scratch.path("out").exists());
+}
+
+/// A look at each point would take minutes.
+#[test]
+fn an_axis_of_a_billion_points_is_read_or_refused_at_once() {
+    let scratch = Scratch::new();
+    let read = |key: &str, ends: &str| {
+        let plan = format!("[[axis]]\nkey = \"{key}\"\nlinear = {ends}\npoints = 1_000_000_000\n");
+        fs::write(scratch.path("plan.toml"), plan).unwrap();
+        let out = ["sweep", "plan.toml", "--out", key, "--shard", "1000000/1000000"];
+        let run = Running::start(&scratch, &[&out[..], &["--set", "run.t_end=1e-6"]].concat());
+        run.ended()
+    };
+    for (key, ends) in [("solver.atol", "[1e-12, 1e-9]"), ("joint.clearance", "[0, 0]")] {
+        let ended = read(key, ends);
+        assert_eq!(ended.status.code(), Some(0), "{key}: {ended:?}");
+    }
+    let ended = read("study.max_rhs", "[5, 5]");
+    let stderr = String::from_utf8(ended.stderr).unwrap();
+    assert_eq!(ended.status.code(), Some(2), "{stderr}");
+    assert!(
+        stderr.contains("points = 1_000_000_000: a whole number from 2 to 1000000"),
+        "{stderr}"
+    );
 }
 
 #[test]
