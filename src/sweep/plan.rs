@@ -135,7 +135,7 @@ impl Random {
     /// Runs at each point of the grid.
     pub fn n_runs(&self) -> u64 {
         match self.sampling {
-            Sampling::Saltelli => self.samples * saltelli::runs(self.keys.len()),
+            Sampling::Saltelli => self.samples.saturating_mul(saltelli::runs(self.keys.len())),
             _ => self.samples,
         }
     }

@@ -63,6 +63,7 @@ impl Results {
         let of_record = || {
             let value: Value = serde_json::from_slice(&text).ok()?;
             let plan: Plan = serde_json::from_value(value["plan"].clone()).ok()?;
+            plan.n_runs().filter(|n| *n > 0)?;
             Some((value["finished"] == true, plan, value))
         };
         let Some((is_finished, plan, record)) = of_record() else {
@@ -268,5 +269,20 @@ mod tests {
         fs::write(dir.path().join("sweep.json"), RECORD.replace("true", "false")).unwrap();
         let error = Results::open(dir.path()).err().unwrap().to_string();
         assert!(error.contains("is not finished"), "{error}");
+    }
+
+    #[test]
+    fn a_record_whose_plan_has_no_runs_is_refused() {
+        let dir = tempfile::tempdir().unwrap();
+        results(dir.path(), "0,1,ok,free,1\n");
+        for values in
+            [r#"{"list": []}"#, r#"{"log": {"ends": [1, 2], "points": 0, "whole": false}}"#]
+        {
+            let axes = format!(r#""axes": [{{"key": "a.b", "values": {values}}}]"#);
+            let record = RECORD.replace(r#""axes": []"#, &axes);
+            fs::write(dir.path().join("sweep.json"), record).unwrap();
+            let error = Results::open(dir.path()).err();
+            assert!(matches!(error, Some(ResultsError::Record { .. })), "{values}");
+        }
     }
 }
