@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use super::explicit::Pace;
 use super::spectrum::Spectrum;
 use crate::phase::Point;
 use crate::record::{Accepted, Event, Needs, Record};
@@ -14,11 +15,11 @@ const IMPLICIT_COST: f64 = 40.0;
 /// A trial begins with this fraction of the step that pays. The first implicit step has a poor starting guess for its
 /// iteration, and a size that fails is reached again only slowly.
 const TRIAL: f64 = 0.4;
-/// `hρ` of the mean step above which steps may be limited by stability. It lies below the stability bound because
-/// steps after an event and up to an event are shorter.
-const STABILITY: f64 = 1.5;
-/// `hρ` of the mean step above which the bound `REACH/ρ` may have kept steps short.
-const HELD_BACK: f64 = 1.0;
+/// `hρ` of the mean step, as a fraction of the reach, above which steps may be limited by stability. It lies below the
+/// stability bound because steps after an event and up to an event are shorter.
+const STABILITY: f64 = 0.6;
+/// `hρ` of the mean step, as a fraction of the reach, above which the bound on steps may have kept them short.
+const HELD_BACK: f64 = 0.4;
 /// Right-hand sides in explicit steps between two evaluations of the Jacobian, and between two trials: at first, at
 /// most after failed trials, and after implicit steps that paid.
 const WAIT: u64 = 2_048;
@@ -82,6 +83,7 @@ struct Stiff {
 /// State of the switching rule between turns.
 pub(super) struct Pilot {
     spectrum: Spectrum,
+    pace: Pace,
     /// ρ as last evaluated.
     radius: f64,
     /// Right-hand sides between two trials, and those counted so far.
@@ -95,12 +97,25 @@ impl Pilot {
     /// The rule for a system of `n` states.
     pub(super) fn new(n: usize) -> Self {
         let spectrum = Spectrum::new(n);
-        Self { spectrum, radius: 0.0, wait: WAIT, waited: 0, since: None, stiff: None }
+        Self {
+            spectrum,
+            pace: Pace::default(),
+            radius: 0.0,
+            wait: WAIT,
+            waited: 0,
+            since: None,
+            stiff: None,
+        }
     }
 
-    /// The spectral radius as last evaluated.
-    pub(super) fn radius(&self) -> f64 {
-        self.radius
+    /// Judges an explicit method of this `pace` from here on.
+    pub(super) fn keep_to(&mut self, pace: Pace) {
+        self.pace = pace;
+    }
+
+    /// The longest explicit step.
+    pub(super) fn longest(&self) -> f64 {
+        self.pace.reach / self.radius
     }
 
     /// The method that begins a phase at `point`. It is the implicit one where that was tried or paid last and the
@@ -136,7 +151,7 @@ impl Pilot {
         // Counts that are smaller than before belong to another run.
         let since = self.since.filter(|since| since.n_rhs <= now.n_rhs).unwrap_or(now);
         self.since = Some(since);
-        let work = now.n_rhs - since.n_rhs;
+        let work = self.pace.cost * (now.n_rhs - since.n_rhs);
         if work < self.wait.min(WAIT) {
             return None;
         }
@@ -149,10 +164,10 @@ impl Pilot {
         let h = forward / (now.n_accepted - since.n_accepted).max(1) as f64;
         let radius = radius(&mut self.spectrum);
         let held = std::mem::replace(&mut self.radius, radius);
-        if h * radius <= STABILITY {
+        if h * radius <= STABILITY * self.pace.reach {
             self.wait = self.wait.max(WAIT);
             // Steps may grow where the stiffness that kept them short is gone.
-            let is_held_back = radius < AS_STIFF * held && h * held > HELD_BACK;
+            let is_held_back = radius < AS_STIFF * held && h * held > HELD_BACK * self.pace.reach;
             return is_held_back.then_some(Turn::Explicit { h: None });
         }
         let rate = forward / work as f64;

@@ -21,14 +21,14 @@ pub use radau_iia_5::RADAU_IIA_5;
 pub use rodas_5p::RODAS_5P;
 pub use verner_98::VERNER_98;
 
-use crate::auto::{self, AutoSolver};
+use crate::auto::AutoSolver;
 use crate::batch::{self, Entry};
 use crate::control::{Control, Steps};
 use crate::diffsol::DiffsolScheme;
 use crate::erk::ExplicitRk;
 use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
-use crate::one_step::{OneStepSolver, Paced};
+use crate::one_step::OneStepSolver;
 use crate::phase::PhaseSolver;
 use crate::radau::{Radau, RadauMethod};
 use crate::record::Record;
@@ -292,7 +292,7 @@ impl Method {
             }
             Scheme::Auto => {
                 let Steps { control, first, longest } = steps;
-                auto_solver(problem, self.tolerance(control)?, first, longest)
+                Box::new(AutoSolver::new(problem, self.tolerance(control)?, (first, longest)))
             }
         })
     }
@@ -409,30 +409,4 @@ fn check_step(name: &'static str, h: f64) -> Result<(), Error> {
         return Ok(());
     }
     Err(Error::BadArgument { name, value: h, allowed: "a step must be finite and above zero" })
-}
-
-/// The solver of the method `auto` on `problem`.
-fn auto_solver<'p, P: System + 'p>(
-    problem: &P,
-    tolerance: Tolerance,
-    first: Option<f64>,
-    longest: f64,
-) -> Box<dyn PhaseSolver<P> + 'p>
-where
-    P::Mode: 'p,
-{
-    let n = problem.dim();
-    let held = auto::held(&tolerance);
-    let radau = RadauMethod::new(&RADAU_IIA_5, n, &held).on_slow_solutions();
-    let implicit = Box::new(OneStepSolver::new(problem, radau, Steps { longest, ..held.into() }));
-    let is_loose = tolerance.rtol >= auto::LOOSE;
-    let steps = Steps { control: Control::Adaptive(tolerance), first, longest };
-    let explicit: Box<dyn Paced<P> + 'p> = if is_loose {
-        let pair = ExplicitRk::new(&KUTTA_43, n);
-        Box::new(OneStepSolver::new(problem, pair, steps))
-    } else {
-        let pair = ExplicitRk::new(&DORMAND_PRINCE_853, n);
-        Box::new(OneStepSolver::new(problem, pair, steps))
-    };
-    Box::new(AutoSolver::new(problem, explicit, implicit))
 }

@@ -145,6 +145,20 @@ impl<B: Coefficient> Expansion<B> {
     }
 }
 
+/// Number of operations of a right-hand side and its guards at `(t, y)` in `mode` that have rows in the table of
+/// coefficients: all but sums and multiples.
+pub(crate) fn n_operations<P: System>(
+    problem: &P,
+    mode: &P::Mode,
+    t: f64,
+    y: &P::State<f64>,
+) -> usize {
+    let mut expansion = Expansion::<f64>::default();
+    let mut guards = P::Guards::<f64>::from_fn(problem.n_guards(), |_| 0.0);
+    expansion.begin::<P>(&InMode { problem, mode }, t, y, &mut y.clone(), &mut guards);
+    expansion.n_rows
+}
+
 /// Whether [`System::rhs_with_guards`] keeps its contract at `(t, y)` in `mode`: it writes what `rhs` and `guards`
 /// write, to the bit, by operations that begin with those of `rhs`. It is meant for the tests of a model with an
 /// implementation of its own.
