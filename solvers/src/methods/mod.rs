@@ -178,7 +178,7 @@ pub static METHODS: &[Method] = &[
     Method {
         name: "auto",
         order: DORMAND_PRINCE_853.order,
-        about: "rk43, dop853 or taylor by tolerance and size, radau5 where stability binds their step: any damping",
+        about: "rk43, taylor or dop853 by tolerance and size, radau5 where stability binds: any damping",
         scheme: Scheme::Auto,
     },
 ];
