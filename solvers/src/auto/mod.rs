@@ -1,7 +1,7 @@
 //! A method that switches by itself between an explicit method, where accuracy limits the step, and an implicit one,
 //! where stability does.
 //!
-//! An explicit method and [`RADAU_IIA_5`](crate::methods::RADAU_IIA_5) take turns. Either hands over at the end of an
+//! An explicit method and [`RADAU_IIA_5`] take turns. Either hands over at the end of an
 //! accepted step, and the other begins there as at the start of a phase. An event is located by the method in whose
 //! step it lies. The explicit method is chosen by the tolerance and the size of the system, as measured on the
 //! mechanisms of `deltazero`: [`KUTTA_43`](crate::methods::KUTTA_43) for `rtol ≥ 1e-4`; below,
