@@ -56,7 +56,7 @@
 //! | `tr_bdf2` | TR-BDF2 of `diffsol` | 2 | adaptive |
 //! | `esdirk34` | ESDIRK 3(4) of `diffsol` | 3 | adaptive |
 //! | `tsit45` | Tsitouras 5(4) of `diffsol` | 5 | adaptive |
-//! | `auto` | [switches](auto) between an explicit and an implicit method | 4 or 8, implicit 5 | adaptive |
+//! | `auto` | [switches](auto) between an explicit and an implicit method | 4, 8 or by the tolerance, implicit 5 | adaptive |
 //!
 //! A Butcher tableau that is not in this list is used as [`tableau`] shows.
 //!
@@ -78,7 +78,7 @@
 //! - The methods: their list ([`methods`]); [`tableau`]s and their stage loop ([`erk`]); implicit methods without
 //!   iteration ([`rosenbrock`]) and with it ([`radau`]). The coefficients of all of these are checked by
 //!   [`order_conditions`]. Methods without a tableau are [`taylor`] series; the library [`diffsol`](mod@diffsol); and
-//!   the method that chooses between two others ([`auto`]).
+//!   the method that chooses between others ([`auto`]).
 //! - One step: [`step`] with its [`dense`] output, accepted or rejected by [`control`] to a [`tolerance`].
 //! - Events: [`event`] finds guards that fall within a step, [`root`] computes their roots.
 //! - One smooth phase: [`phase`] defines the contract, [`one_step`] fulfils it for methods that hand on a step.

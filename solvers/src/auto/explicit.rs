@@ -30,17 +30,15 @@ pub(super) struct Pace {
     pub(super) cost: u64,
 }
 
-/// Of both pairs. They are stable there for decay, and the fourth-order pair for oscillation too. On contacts, 2 to 2.6
-/// (fourth order, e ≤ 1e-3) and 1 to 3 (eighth order, e ≤ 1e-6) gave about the least work; 2.5 leaves room for the
-/// error of ρ.
-impl Default for Pace {
-    fn default() -> Self {
-        Self { reach: 2.5, cost: 1 }
-    }
-}
-
 impl Pace {
-    /// Of series of `order`.
+    /// That of both pairs.
+    ///
+    /// They are stable at this reach for decay, and the fourth-order pair for oscillation too. On contacts, 2 to 2.6
+    /// (fourth order, e ≤ 1e-3) and 1 to 3 (eighth order, e ≤ 1e-6) gave about the least work; 2.5 leaves room for the
+    /// error of ρ.
+    pub(super) const OF_PAIRS: Self = Self { reach: 2.5, cost: 1 };
+
+    /// That of series of `order`.
     ///
     /// The reach lies inside the stability region `|Σ zᵏ/k!| ≤ 1` of every order from 8 to 25 for decay and for
     /// oscillation with a damping ratio of 0.02 and more, by a sixth at least. The cost was measured on Table 1: 390 ns a
@@ -54,7 +52,7 @@ impl<'p, P: System + 'p> Explicit<'p, P>
 where
     P::Mode: 'p,
 {
-    /// The one for `problem` at `tolerance`, chosen at the start of a run.
+    /// The one for `problem` at `tolerance`, by the operations of the mode at `point`.
     pub(super) fn new(
         problem: &P,
         point: &Point<P>,
@@ -63,19 +61,20 @@ where
     ) -> Self {
         let n = problem.dim();
         let steps = Steps { control: Control::Adaptive(tolerance.clone()), first, longest };
+        if tolerance.rtol >= LOOSE {
+            let pair = ExplicitRk::new(&KUTTA_43, n);
+            let solver = Box::new(OneStepSolver::new(problem, pair, steps));
+            return Self { solver, pace: Pace::OF_PAIRS };
+        }
         let is_small = n <= MOST_STATES
             && n_operations(problem, &point.mode, point.t, &point.y) <= MOST_OPERATIONS;
-        let (solver, pace): (Box<dyn Paced<P> + 'p>, Pace) = if tolerance.rtol >= LOOSE {
-            let pair = ExplicitRk::new(&KUTTA_43, n);
-            (Box::new(OneStepSolver::new(problem, pair, steps)), Pace::default())
-        } else if is_small {
+        if is_small {
             let order = order_for(tolerance.rtol);
             let series = TaylorMethod::new(n, problem.n_guards(), order);
-            (Box::new(OneStepSolver::new(problem, series, steps)), Pace::of_series(order))
-        } else {
-            let pair = ExplicitRk::new(&DORMAND_PRINCE_853, n);
-            (Box::new(OneStepSolver::new(problem, pair, steps)), Pace::default())
-        };
-        Self { solver, pace }
+            let solver = Box::new(OneStepSolver::new(problem, series, steps));
+            return Self { solver, pace: Pace::of_series(order) };
+        }
+        let pair = ExplicitRk::new(&DORMAND_PRINCE_853, n);
+        Self { solver: Box::new(OneStepSolver::new(problem, pair, steps)), pace: Pace::OF_PAIRS }
     }
 }

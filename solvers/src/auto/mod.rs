@@ -6,7 +6,8 @@
 //! step it lies. The explicit method is chosen by the tolerance and the size of the system, as measured on the
 //! mechanisms of `deltazero`: [`KUTTA_43`](crate::methods::KUTTA_43) for `rtol ≥ 1e-4`; below,
 //! [`taylor`](crate::taylor) where states and operations are few,
-//! [`DORMAND_PRINCE_853`](crate::methods::DORMAND_PRINCE_853) elsewhere. The implicit method works to 0.1 of the
+//! [`DORMAND_PRINCE_853`](crate::methods::DORMAND_PRINCE_853) elsewhere. It is chosen once, by the operations of the
+//! mode in which the first run of a solver begins. The implicit method works to 0.1 of the
 //! tolerance, where its error is about that of the explicit one (measured: at 0.01 to 0.1). So a few implicit steps
 //! do not spoil a run.
 //!
@@ -65,7 +66,7 @@ pub(crate) struct AutoSolver<'p, P: System> {
     tolerance: Tolerance,
     /// Size of the first step, where it is given, and the longest step.
     limits: (Option<f64>, f64),
-    /// Chosen at the start of a run.
+    /// Chosen where the first run begins.
     explicit: Option<Explicit<'p, P>>,
     implicit: Box<dyn Paced<P> + 'p>,
     pilot: Pilot,

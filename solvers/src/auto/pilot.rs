@@ -99,7 +99,7 @@ impl Pilot {
         let spectrum = Spectrum::new(n);
         Self {
             spectrum,
-            pace: Pace::default(),
+            pace: Pace::OF_PAIRS,
             radius: 0.0,
             wait: WAIT,
             waited: 0,
