@@ -103,8 +103,7 @@ def by_heyoka():
 
     def prepare(model, tol):
         compiled = {}
-        names = hy.make_vars(*[f"y{i}" for i in range(len(model.start))])
-        names = list(names) if len(model.start) > 1 else [names] if not isinstance(names, list) else names
+        names = [hy.expression(f"y{i}") for i in range(len(model.start))]
 
         def of(mode):
             if mode not in compiled:
