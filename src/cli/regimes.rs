@@ -90,13 +90,23 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
             "what was finished is on disk, the same command goes on from there",
         ));
     }
-    let drawings = figures::regimes::drawings(&cells);
+    write(&output, &config, &cells, args)
+}
+
+/// Writes the files of a finished map, and prints it.
+fn write(
+    output: &Output,
+    config: &Config,
+    cells: &[Cell],
+    args: &RegimesArgs,
+) -> Result<(), Failure> {
+    let drawings = figures::regimes::drawings(cells);
     let pictures = output.draw(&drawings)?;
-    let page = regimes_page(&config, &cells, pictures);
+    let page = regimes_page(config, cells, pictures);
     output.write("regimes.html", page.html().as_bytes())?;
-    let text = markdown(&config, &cells, &drawings);
+    let text = markdown(config, cells, &drawings);
     output.write("regimes.md", text.as_bytes())?;
-    write_json(&output, &config, &cells)?;
+    write_json(output, config, cells)?;
     print(&if args.run.to.json { format!("{:#}\n", json!(cells)) } else { text })?;
     if !args.run.to.quiet {
         say(&format!(

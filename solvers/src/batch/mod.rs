@@ -137,14 +137,9 @@ fn run<P: Alike, R: Record<P>, V: Simd, S: Steps<P, V>>(
                         members[lane].load(lane, &mut field, &mut steps);
                         continue;
                     }
-                    let last = members.len() - 1;
-                    members[last].refresh(last, &steps);
-                    members.swap_remove(lane);
-                    let Some(first) = members.first_mut() else { return };
-                    first.refresh(0, &steps);
-                    for lane in [lane, last] {
-                        let member = members.get(lane).unwrap_or(&members[0]);
-                        member.load(lane, &mut field, &mut steps);
+                    close_up(lane, &mut members, &mut field, &mut steps);
+                    if members.is_empty() {
+                        return;
                     }
                 }
             }
@@ -154,5 +149,22 @@ fn run<P: Alike, R: Record<P>, V: Simd, S: Steps<P, V>>(
         member.refresh(lane, &steps);
         let index = member.index;
         ends[index] = member.finish();
+    }
+}
+
+/// Takes the run in `lane` out, and puts the last one there.
+fn close_up<P: Alike, R: Record<P>, V: Simd, S: Steps<P, V>>(
+    lane: usize,
+    members: &mut Vec<Member<'_, '_, P, R, S::Method>>,
+    field: &mut ByParameters<P, V>,
+    steps: &mut S,
+) {
+    let last = members.len() - 1;
+    members[last].refresh(last, steps);
+    members.swap_remove(lane);
+    let Some(first) = members.first_mut() else { return };
+    first.refresh(0, steps);
+    for lane in [lane, last] {
+        members.get(lane).unwrap_or(&members[0]).load(lane, field, steps);
     }
 }

@@ -18,16 +18,13 @@ const BESIDE: f64 = 0.5;
 /// A class: its values at each level of x, as x, 5 %, median, 95 %.
 type Curve = Vec<(f64, [f64; 3])>;
 
-/// The lines, one for each of `classes`.
-pub(super) fn drawing(
-    data: &Data,
-    y: &Field,
-    classes: Option<Levels>,
-) -> Result<Drawing, PlotError> {
-    let numbers = y.numbers()?;
-    let levels = data.x.levels();
-    let has_classes = classes.is_some();
-    let classes = classes.unwrap_or_else(|| Levels::one(data.n));
+/// The curve of each class, those over words beside each other, and the most runs at a point.
+fn curves(
+    numbers: &[f64],
+    levels: &Levels,
+    classes: &Levels,
+    are_words: bool,
+) -> (Vec<Curve>, usize) {
     let n_levels = levels.names.len();
     let mut values: Vec<Vec<f64>> = vec![Vec::new(); classes.names.len() * n_levels];
     for (row, value) in numbers.iter().enumerate().filter(|(_, value)| value.is_finite()) {
@@ -37,7 +34,7 @@ pub(super) fn drawing(
     }
     let most_runs = values.iter().map(Vec::len).max().unwrap_or(0);
     let n_classes = classes.names.len() as f64;
-    let beside = |class: usize| match data.x.has_words() {
+    let beside = |class: usize| match are_words {
         true => BESIDE * ((class as f64 + 0.5) / n_classes - 0.5),
         false => 0.0,
     };
@@ -48,7 +45,20 @@ pub(super) fn drawing(
         };
         own.iter_mut().zip(&levels.places).filter_map(point).collect()
     };
-    let curves: Vec<Curve> = values.chunks_mut(n_levels.max(1)).enumerate().map(curve).collect();
+    (values.chunks_mut(n_levels.max(1)).enumerate().map(curve).collect(), most_runs)
+}
+
+/// The lines, one for each of `classes`.
+pub(super) fn drawing(
+    data: &Data,
+    y: &Field,
+    classes: Option<Levels>,
+) -> Result<Drawing, PlotError> {
+    let numbers = y.numbers()?;
+    let levels = data.x.levels();
+    let has_classes = classes.is_some();
+    let classes = classes.unwrap_or_else(|| Levels::one(data.n));
+    let (curves, most_runs) = curves(numbers, &levels, &classes, data.x.has_words());
     let label = |class: usize| match (&data.color, has_classes) {
         (Some(color), true) => format!("{} = {}", color.name, classes.names[class]),
         _ => String::new(),

@@ -1,0 +1,55 @@
+//! The cheapest run at an accuracy.
+
+use super::Row;
+
+/// Errors at which a study names the cheapest run.
+pub const ACCURACIES: [f64; 3] = [1e-3, 1e-6, 1e-9];
+
+/// The runs whose error is at most `e`, with their times.
+fn reaching(rows: &[Row], e: f64) -> impl Iterator<Item = (&Row, f64)> {
+    let is_trusted = |row: &&Row| row.warnings.is_empty();
+    let reaching = rows.iter().filter(move |row| row.e.is_some_and(|own| own <= e));
+    reaching.filter(is_trusted).filter_map(|row| row.time_s().map(|time| (row, time)))
+}
+
+/// The cheapest run, by shortest [time](Row::time_s), among those whose error is at most `e`.
+pub fn cheapest(rows: &[Row], e: f64) -> Option<&Row> {
+    reaching(rows, e).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
+}
+
+/// The same among those that have every event of the reference, and no other.
+pub fn cheapest_right(rows: &[Row], e: f64) -> Option<&Row> {
+    let right = reaching(rows, e).filter(|(row, _)| row.events_are_right());
+    right.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
+}
+
+/// The runs that the [noise](Row::noise) of their times, or of the cheapest's, does not tell from it: of each other
+/// method and treatment of events the fastest whose error is at most `e`.
+pub fn within_noise(rows: &[Row], e: f64) -> Vec<&Row> {
+    let Some(best) = cheapest(rows, e) else { return Vec::new() };
+    let same = |a: &Row, b: &Row| (&a.method, a.events) == (&b.method, b.events);
+    let is_near = |row: &Row, time: f64| {
+        best.time_s().is_some_and(|least| time <= least * row.noise().max(best.noise()))
+    };
+    let mut near: Vec<(&Row, f64)> =
+        reaching(rows, e).filter(|(row, time)| !same(row, best) && is_near(row, *time)).collect();
+    near.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut fastest: Vec<&Row> = Vec::new();
+    for (row, _) in near {
+        if !fastest.iter().any(|known| same(known, row)) {
+            fastest.push(row);
+        }
+    }
+    fastest
+}
+
+/// Who else may be the cheapest at an accuracy, where the times do not tell: ` (within the noise: also taylor located)`.
+pub fn doubt(rows: &[Row], e: f64) -> String {
+    let near = within_noise(rows, e);
+    if near.is_empty() {
+        return String::new();
+    }
+    let names: Vec<String> =
+        near.iter().map(|row| format!("{} {}", row.method, row.events)).collect();
+    format!(" (within the noise: also {})", names.join(", "))
+}
