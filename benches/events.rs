@@ -76,7 +76,7 @@ fn run<const N: usize>(criterion: &mut Criterion, block: &Block, method: &str, n
 /// Pairs: the same steps with guards that hold, and without guards.
 fn guards_without_crossings(criterion: &mut Criterion) {
     let Ok(config) = Config::table1() else { return };
-    let block = &Joints::new(&config).blocks()[0].clone();
+    let block = &Joints::from(&config).blocks()[0].clone();
     for method in ["rk45", "dop853"] {
         run::<N_GUARDS>(criterion, block, method, "guarded");
         run::<0>(criterion, block, method, "unguarded");

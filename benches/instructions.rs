@@ -24,7 +24,7 @@ const RTOL: f64 = 1e-6;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let config = Config::table1()?;
-    let mechanism = Joints::new(&config);
+    let mechanism = Joints::from(&config);
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     let [case, times] = &arguments[..] else {
         cases().iter().for_each(|case| println!("{case}"));

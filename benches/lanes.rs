@@ -26,7 +26,7 @@ const ROUNDS: usize = 7;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let config = Config::table1()?;
-    let mechanism = Joints::new(&config);
+    let mechanism = Joints::from(&config);
     let blocks = mechanism.blocks();
     println!("method   setting runs  one by one [runs/s]  at once [runs/s]  ratio (of each round)");
     let settings = [

@@ -12,7 +12,7 @@ use deltazero_solvers::System;
 
 fn rhs(criterion: &mut Criterion) {
     let Ok(config) = Config::table1() else { return };
-    let block = &Joints::new(&config).blocks()[0].clone();
+    let block = &Joints::from(&config).blocks()[0].clone();
     let y = [-9.0e-5, -4.4e-5, 0.01, -1e-3, 2e-3, 0.02];
     for mode in [Mode::Apart, Mode::SlipPlus(Touch::PLAIN), Mode::Stick(Touch::PLAIN)] {
         let mut dydt = [0.0; 6];

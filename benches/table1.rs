@@ -16,7 +16,7 @@ use deltazero_study::setting::Events;
 
 fn table1(criterion: &mut Criterion) {
     let Ok(config) = Config::table1() else { return };
-    let mechanism = Joints::new(&config);
+    let mechanism = Joints::from(&config);
     let grid = Grid::uniform(config.run.sample, config.run.t_end);
     let stop = AtomicBool::new(false);
     let limits = Limits::none(&stop);

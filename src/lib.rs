@@ -28,7 +28,7 @@
 //! let setting = setting(&config).ok_or("no such method")?;
 //! let limits = Limits { max_rhs: 1_000_000, max_seconds: 10.0, stop: &false.into() };
 //! let grid = Grid::uniform(0.01, config.run.t_end);
-//! let run = Run::new(&Joints::new(&config), &setting, config.run.t_end, &grid, limits);
+//! let run = Run::new(&Joints::from(&config), &setting, config.run.t_end, &grid, limits);
 //! assert_eq!(run.trajectories[0].samples.len(), 20);
 //! assert_eq!(run.error(), None);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -38,9 +38,10 @@
 //!
 //! | module | what it is |
 //! |---|---|
-//! | [`config`] | parameters with units and sources, the paper's Table 1 as the default |
+//! | [`keys`] | parameters with units and sources, the paper's Table 1 as the default |
 //! | [`model`] | pins in bushes as hybrid systems, each a block, or a chain where there are several bays or bristles, with their laws; no time, no loop |
 //! | [`mechanisms`] | the mechanisms, one a file: keys, problem, words |
+//! | [`config`] | the configuration: keys and mechanism, read and checked |
 //! | [`run`] | one run of a mechanism, joint by joint |
 //! | [`study`] | what a configuration asks of the study, and the experiments on the paper's mechanism |
 //! | [`sweep`] | the runs of a plan, in parallel, kept on disk |
@@ -49,7 +50,9 @@
 //! | [`studied`] | a study of any subject, with all its files |
 
 pub mod config;
+mod csv;
 pub mod figures;
+pub mod keys;
 pub mod mechanisms;
 pub mod model;
 pub mod report;

@@ -11,7 +11,7 @@ mod runs;
 pub mod simulation;
 pub mod steps;
 
-pub use about::{About, Provenance};
+pub use about::About;
 pub use files::{File, study_files};
 pub use runs::study_csv;
 
@@ -23,11 +23,6 @@ use deltazero_study::work_precision::{
 
 use crate::figures::Drawing;
 
-/// A number as it reads back to the same bits; empty for none.
-pub(crate) fn exact(x: Option<f64>) -> String {
-    x.map_or_else(String::new, |x| format!("{x:e}"))
-}
-
 fn count(n: Option<usize>) -> String {
     n.map_or_else(String::new, |n| n.to_string())
 }
@@ -35,15 +30,6 @@ fn count(n: Option<usize>) -> String {
 /// A number to `digits` significant digits; a dash for none.
 fn rounded(x: Option<f64>, digits: usize) -> String {
     x.map_or_else(|| "–".to_owned(), |x| format!("{x:.0$e}", digits - 1))
-}
-
-/// Text as a field of a CSV file.
-pub(crate) fn field(text: &str) -> String {
-    if text.contains([',', '"', '\n']) {
-        format!("\"{}\"", text.replace('"', "\"\""))
-    } else {
-        text.to_owned()
-    }
 }
 
 /// Columns of the answer.

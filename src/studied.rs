@@ -18,8 +18,9 @@ use deltazero_study::{Plan, Subject, work_precision};
 use crate::figures::map::in_short;
 use crate::figures::{self, Drawing, Picture};
 use crate::report::simulation::motion_csv;
-use crate::report::{self, About, Provenance};
+use crate::report::{self, About};
 use crate::study::machine::Machine;
+use crate::study::record::Provenance;
 
 /// A study that is done.
 #[derive(Clone, Debug)]

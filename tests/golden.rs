@@ -74,7 +74,7 @@ fn the_reference_reproduces_both_and_states_its_true_error() {
     for reading in ["pin", "full"] {
         let golden = Golden::read(&format!("{reading}_table1"));
         let config = config(&[&format!("reading={reading}")]);
-        let mechanism = Joints::new(&config);
+        let mechanism = Joints::from(&config);
         let reference = reference(&config, &AtomicBool::new(false)).unwrap();
         let (mut e, mut late) = (0.0_f64, 0.0_f64);
         for (i, own) in reference.parts.iter().enumerate() {
@@ -227,7 +227,7 @@ fn work_on_table_1_is_pinned() {
 fn work_does_not_depend_on_what_is_recorded() {
     let work = |sample: &str| {
         let config = config(&[&format!("run.sample={sample}")]);
-        let mechanism = Joints::new(&config);
+        let mechanism = Joints::from(&config);
         let limits =
             Limits { max_rhs: u64::MAX, max_seconds: f64::INFINITY, stop: &AtomicBool::new(false) };
         let grid = Grid::uniform(config.run.sample, config.run.t_end);
@@ -272,7 +272,7 @@ fn many_runs_at_once_have_the_bits_of_runs_alone() {
         &["reading=cosine", "contact.exponent=1.5", "friction.law=threlfall"],
     ];
     for keys in cases {
-        let mechanism = Joints::new(&config(keys));
+        let mechanism = Joints::from(&config(keys));
         let start = |i: usize| {
             let block = mechanism.blocks()[i % 2];
             let mut y = block.initial_state();
@@ -304,7 +304,7 @@ fn both_joints_at_once_have_the_bits_of_one_after_the_other() {
         &["reading=full"],
     ];
     for keys in cases {
-        let mechanism = Joints::new(&config(keys));
+        let mechanism = Joints::from(&config(keys));
         let blocks = mechanism.blocks();
         let runs: Vec<_> = blocks.iter().map(|block| (*block, block.initial_state())).collect();
         for method in
@@ -326,7 +326,7 @@ fn both_joints_at_once_have_the_bits_of_one_after_the_other() {
 
 #[test]
 fn a_run_unlike_the_others_leaves_them_at_once() {
-    let mechanism = Joints::new(&config(&["joint2.contact.law=hunt_crossley"]));
+    let mechanism = Joints::from(&config(&["joint2.contact.law=hunt_crossley"]));
     let blocks = mechanism.blocks();
     let runs: Vec<_> = [0, 1, 0].map(|i| (blocks[i], blocks[i].initial_state())).to_vec();
     let setting = located("rk45", 1e-6);

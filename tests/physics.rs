@@ -6,7 +6,8 @@ mod common;
 use std::path::Path;
 
 use common::{audited, balance, config, located, run, run_chain, setting};
-use deltazero::config::{Config, ContactLaw, ReadingName};
+use deltazero::config::Config;
+use deltazero::keys::{ContactLaw, ReadingName};
 use deltazero::mechanisms::strut::chain_of;
 use deltazero::model::chain::Modes;
 use deltazero::model::{AnyLinkage, Body, Chain, Jointed, Joints, Mode};
@@ -77,7 +78,7 @@ fn a_contact_that_begins_slowly_under_hysteresis_is_told_to_be_stiff() {
     let warning = stiffness(&slow, "vern98", 0.02).unwrap();
     assert!(warning.code == Code::Stiff && warning.message.contains("radau5"), "{warning:?}");
     // The stiff springs of Table 1 are followed, not held.
-    let block = Joints::new(&config(&[])).blocks()[0].clone();
+    let block = Joints::from(&config(&[])).blocks()[0].clone();
     for method in ["rk45", "taylor", "vern98"] {
         assert_eq!(stiffness(&block, method, 2.0), None, "{method}");
     }
@@ -93,7 +94,7 @@ fn a_penetration_beyond_the_clearance_is_told() {
 #[test]
 fn a_contact_that_has_lost_its_mode_gives_energy_and_says_so() {
     // What p1-97 did: damping with a force of the wrong sign.
-    let blocks = Joints::new(&config(&["contact.law=flores", "contact.adhesion=false"]));
+    let blocks = Joints::from(&config(&["contact.law=flores", "contact.adhesion=false"]));
     let block = blocks.blocks()[0].clone();
     let touch = block.normal.touch(1e-3);
     let y = [0.0, -0.5 * block.clearance, 0.0, 0.0, -1e-2, 0.0];

@@ -1,6 +1,7 @@
 //! A configuration drawn at random: what a user may set, and how it is written.
 
-use deltazero::config::{Config, ConfigError, ContactLaw, Curvature, FrictionLaw, ReadingName};
+use deltazero::config::{Config, ConfigError};
+use deltazero::keys::{ContactLaw, Curvature, FrictionLaw, ReadingName};
 
 use super::random::Random;
 

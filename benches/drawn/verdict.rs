@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use deltazero::config::{Config, ReadingName};
+use deltazero::config::Config;
+use deltazero::keys::ReadingName;
 use deltazero::model::{Block, Jointed, Joints, Part};
 use deltazero_solvers::Method;
 use deltazero_study::Problem as _;
@@ -135,7 +136,7 @@ impl Verdict {
     /// Judges a configuration by runs that cost no more than `budget` each.
     pub(crate) fn of(config: &Config, budget: Budget) -> Self {
         let mut verdict = Self::new();
-        for part in &Joints::new(config).parts {
+        for part in &Joints::from(config).parts {
             match part {
                 Part::Block(block) => verdict.judge(block, config, budget),
                 Part::Chain(chain) => verdict.judge(chain, config, budget),

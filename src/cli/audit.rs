@@ -3,7 +3,9 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
-use deltazero::config::{Config, FrictionLaw, Study};
+use deltazero::config::Config;
+use deltazero::keys::Shared;
+use deltazero::keys::{FrictionLaw, Study};
 use deltazero::study::audit::{Audit, audit};
 use deltazero::{figures, report};
 use serde_json::{Value, json};
@@ -69,10 +71,13 @@ fn one_bay(config: Config) -> Result<Config, Failure> {
 
 /// The configuration as results are named by: without what an audit does not use.
 fn used(config: &Config) -> Result<Value, Failure> {
-    let Config { reading, bays, run, solver, study, contest, regimes, .. } = Config::table1()?;
+    let Shared { reading, bays, run, solver, study, contest, regimes, .. } =
+        Config::table1()?.shared;
     let Study { max_rhs, max_seconds, .. } = config.study;
     let study = Study { max_rhs, max_seconds, ..study };
-    let used = Config { reading, bays, run, solver, study, contest, regimes, ..config.clone() };
+    let shared =
+        Shared { reading, bays, run, solver, study, contest, regimes, ..config.shared.clone() };
+    let used = Config { shared, ..config.clone() };
     Ok(used.to_json())
 }
 

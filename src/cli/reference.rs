@@ -2,7 +2,8 @@
 
 use std::sync::atomic::AtomicBool;
 
-use deltazero::config::{Config, Study};
+use deltazero::config::Config;
+use deltazero::keys::Study;
 use deltazero::study::plan;
 use deltazero_study::reference::{RECIPE, Reference};
 use serde::{Deserialize, Serialize};

@@ -92,7 +92,7 @@ mod tests {
     #[test]
     fn a_run_with_too_many_steps_to_keep_is_broken_off_and_says_so() {
         let config = Config::load(None, &["run.sample=0".to_owned()]).unwrap();
-        let (setting, joints) = (deltazero::run::setting(&config).unwrap(), Joints::new(&config));
+        let (setting, joints) = (deltazero::run::setting(&config).unwrap(), Joints::from(&config));
         let mut rows = Rows::new(&config, &setting).unwrap();
         assert_eq!(rows.most_steps, 0.5 * MOST_ROWS);
         rows.most_steps = 10.0;

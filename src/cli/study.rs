@@ -130,7 +130,7 @@ fn now() -> Option<String> {
 /// The configuration as results are named by: threads change nothing but the time, the axes of a figure
 /// no run.
 fn json_of_runs(config: &Config) -> Result<Value, Failure> {
-    let (mut config, default) = (config.clone(), Config::table1()?.study);
+    let (mut config, default) = (config.clone(), Config::table1()?.shared.study);
     (config.study.threads, config.study.x, config.study.y) = (1, default.x, default.y);
     Ok(config.to_json())
 }
@@ -174,7 +174,7 @@ pub(super) fn write_report(
     if let Some(motion) = &motion {
         output.write("motion.csv", motion_csv(motion).as_bytes())?;
     }
-    let joints = Joints::new(config);
+    let joints = Joints::from(config);
     let clearances: Vec<f64> = joints.blocks().iter().map(|block| block.clearance).collect();
     let mut drawings =
         figures::of_mechanism(&clearances, table, &steps, stability.as_ref(), motion.as_ref());

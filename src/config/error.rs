@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use super::settings::ROW_BYTES;
+use super::together::ROW_BYTES;
 
 /// Where a value was given.
 #[derive(Clone, Debug, PartialEq, Eq)]

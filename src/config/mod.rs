@@ -17,7 +17,7 @@
 //! ```
 //!
 //! One table, [`keys`], is the home of every key: its default, range, unit and documentation. What
-//! a user gives passes through it key by key (`toml_source` → `settings` → [`Config`]), and the
+//! a user gives passes through it key by key (`toml_source` → `values` → [`Config`]), and the
 //! default file ([`default_toml`]) and the JSON Schema ([`json_schema`]) are printed from it.
 //!
 //! Each [mechanism](crate::mechanisms) has keys of its own, and may have other defaults for those that all share.
@@ -26,83 +26,77 @@
 //! (`contact.stiffness`), wherever each was given; of the same key the last one counts: first the
 //! file, then every `--set` in order.
 
+mod all_keys;
+mod check;
 mod error;
 mod given;
-mod keys;
-mod kind;
 mod model;
 mod nearest;
-mod parts;
 mod print;
-mod range;
 mod schema;
-mod settings;
+mod together;
 mod toml_source;
+mod values;
 mod variants;
-mod words;
 
 #[cfg(test)]
 mod tests;
 
+use std::ops::{Deref, DerefMut};
 use std::path::Path;
 
 use deltazero_study::setting::Events;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+pub use all_keys::{find, keys};
 pub use error::{ConfigError, Place};
-pub use keys::{
-    DefaultValue, FINITE, JOINT_TABLES, JOINTS, Key, NOT_NEGATIVE, POSITIVE, find, keys,
-};
-pub use kind::Kind;
-pub use parts::{
-    Atol, Contact, Contest, Drive, Friction, Inertia, Joint, JointConfig, Regimes, Run, Solver,
-    Strut, Study,
-};
+pub use model::Model;
 pub use print::default_toml;
-pub use range::{End, Range};
 pub use schema::json_schema;
+pub use together::{MOST_ROWS, ROW_BYTES};
 pub use variants::{Variants, Varied};
-pub use words::{AXES, ContactLaw, Curvature, FrictionLaw, METHODS, ReadingName};
-
-use crate::mechanisms::Chosen;
-pub use model::{Model, TABLES as MODEL_TABLES};
-use settings::Settings;
-pub use settings::{MOST_ROWS, ROW_BYTES};
 
 pub(crate) use given::{Datum, Given};
-pub(crate) use keys::one_joint;
 pub(crate) use nearest::nearest_word;
 pub(crate) use toml_source::{document, read};
 
+use crate::keys::{JOINT_TABLES, JOINTS, Shared};
+use crate::mechanisms::Chosen;
+use crate::model::Joints;
+use values::Values;
+
 /// A complete configuration, checked.
 ///
-/// Serialised it is [`Config::to_json`], and it is read back through [`Config::from_json`].
+/// What it shares with others stands for itself: `config.run.t_end`. Serialised it is [`Config::to_json`], and it is read
+/// back through [`Config::from_json`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Value", into = "Value")]
 pub struct Config {
     /// What is integrated.
     pub mechanism: Chosen,
-    /// Reading of the paper.
-    pub reading: ReadingName,
-    /// Side frames in the chain.
-    pub bays: u32,
-    /// The struts.
-    pub strut: Strut,
-    /// The driving torques.
-    pub drive: Drive,
-    /// Root joints 1 (AB) and 2 (AF), what is common to both already entered in each.
-    pub joints: [JointConfig; 2],
-    /// Extent and output of a run.
-    pub run: Run,
-    /// Method and accuracy of a run.
-    pub solver: Solver,
-    /// What a study runs.
-    pub study: Study,
-    /// Who takes part in a contest.
-    pub contest: Contest,
-    /// The grid of `regimes`.
-    pub regimes: Regimes,
+    /// What it shares with other mechanisms.
+    pub shared: Shared,
+}
+
+impl Deref for Config {
+    type Target = Shared;
+
+    fn deref(&self) -> &Shared {
+        &self.shared
+    }
+}
+
+impl DerefMut for Config {
+    fn deref_mut(&mut self) -> &mut Shared {
+        &mut self.shared
+    }
+}
+
+impl From<&Config> for Joints {
+    fn from(config: &Config) -> Self {
+        config.mechanism.joints(config)
+    }
 }
 
 impl Config {
@@ -111,7 +105,7 @@ impl Config {
     /// # Errors
     /// A mistake in the table of keys; a test excludes it.
     pub fn table1() -> Result<Self, ConfigError> {
-        Settings::defaults()?.config()
+        Values::defaults()?.config()
     }
 
     /// The defaults, then the TOML file, then every `key=value` of `sets` in order.
@@ -134,7 +128,7 @@ impl Config {
         sets: &[String],
     ) -> Result<Self, ConfigError> {
         let model = model.map(Model::read).transpose()?;
-        Settings::load(model, file, sets)?.config()
+        Values::load(model, file, sets)?.config()
     }
 
     /// All of it, in the structure of the TOML file, keys in alphabetical order.
@@ -198,9 +192,9 @@ impl Config {
     /// # Errors
     /// As [`load`](Self::load).
     pub fn from_json(value: &Value) -> Result<Self, ConfigError> {
-        let mut settings = Settings::defaults()?;
-        settings.apply_all(&Given::from_json(value))?;
-        settings.config()
+        let mut values = Values::defaults()?;
+        values.apply_all(&Given::from_json(value))?;
+        values.config()
     }
 }
 

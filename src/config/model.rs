@@ -8,13 +8,10 @@ use serde_json::Value;
 
 use super::error::ConfigError;
 use super::given::{Datum, Given};
-use super::kind::Kind;
-use super::range::{End, Range};
+use crate::keys::{End, Kind, Range};
+
 use super::toml_source;
 use crate::mechanisms::Chosen;
-
-/// The tables of a configuration that hold a model and the values of its parameters.
-pub const TABLES: [&str; 2] = ["model", "parameters"];
 
 /// A model file, read and checked.
 #[derive(Clone)]

@@ -4,7 +4,8 @@ use strsim::normalized_damerau_levenshtein as similarity;
 
 use crate::mechanisms::MECHANISMS;
 
-use super::keys::{JOINT_TABLES, JOINTS, Key, keys, one_joint, tables};
+use super::all_keys::{keys, tables};
+use crate::keys::{JOINT_TABLES, JOINTS, Key, one_joint};
 
 /// Similarity below which a suggestion would only confuse.
 const SIMILAR: f64 = 0.5;

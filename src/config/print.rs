@@ -2,10 +2,12 @@
 
 use serde_json::{Map, Value};
 
+use super::all_keys::keys;
 use super::error::Place;
 use super::given::is_bare_key;
-use super::keys::{DefaultValue, JOINT_TABLES, JOINTS, Key, keys};
-use super::{Config, model, toml_source};
+use super::{Config, toml_source};
+use crate::keys::{DefaultValue, JOINT_TABLES, JOINTS, Key};
+use crate::mechanisms::text::TABLES;
 use crate::mechanisms::{Entry, MECHANISMS};
 
 const HEAD: &str = "\
@@ -117,7 +119,7 @@ impl Config {
     pub fn commented_toml(&self) -> String {
         let Entry { name, about, .. } = self.mechanism.entry;
         let tables = &self.mechanism.tables;
-        let [model, parameters] = model::TABLES.map(|name| tables.get(name));
+        let [model, parameters] = TABLES.map(|name| tables.get(name));
         let head = match model {
             Some(model) => {
                 let file = model["name"].as_str().unwrap_or_default();
@@ -129,7 +131,7 @@ impl Config {
         };
         let mut text = commented(&head, self.mechanism.entry, Some(self));
         if let Some(Value::Object(own)) = parameters {
-            write_table(&mut text, model::TABLES[1], own);
+            write_table(&mut text, TABLES[1], own);
         }
         text
     }

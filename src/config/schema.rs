@@ -2,11 +2,10 @@
 
 use serde_json::{Map, Value, json};
 
+use super::all_keys::{keys, tables};
 use super::error::Place;
-use super::keys::{DefaultValue, JOINT_TABLES, JOINTS, Key, keys, tables};
-use super::kind::Kind;
-use super::range::End;
 use super::toml_source;
+use crate::keys::{DefaultValue, End, JOINT_TABLES, JOINTS, Key, Kind};
 
 /// The JSON Schema of the configuration: what an editor needs to complete and check a file.
 ///

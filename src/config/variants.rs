@@ -5,13 +5,14 @@ use std::path::Path;
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::Config;
 use super::error::{ConfigError, Place};
 use super::given::{Datum, Given, excerpt};
-use super::keys::{JOINT_TABLES, JOINTS, Key, one_joint};
-use super::model::{Model, TABLES, kind_of};
-use super::settings::{Settings, Target, table, typed};
-use super::{Config, Kind};
+use super::model::{Model, kind_of};
+use super::values::{Target, Values, table, typed};
+use crate::keys::{JOINT_TABLES, JOINTS, Key, Kind, one_joint};
 use crate::mechanisms::Chosen;
+use crate::mechanisms::text::TABLES;
 
 /// The part that holds the tables of the mechanism.
 const OWN: &str = "tables of the mechanism";
@@ -35,7 +36,7 @@ const OWN: &str = "tables of the mechanism";
 #[derive(Clone)]
 pub struct Variants {
     /// All values but the varied ones.
-    settings: Settings,
+    settings: Values,
     config: Config,
     keys: Vec<Varied>,
     /// Name and content of each part in which a key varies.
@@ -82,7 +83,7 @@ impl Variants {
         sets: &[String],
         paths: &[(&str, Place)],
     ) -> Result<Self, ConfigError> {
-        let mut settings = Settings::load(model, file, sets)?;
+        let mut settings = Values::load(model, file, sets)?;
         let config = settings.config()?;
         let varied = |(path, place): &(&str, Place)| varied(&settings, path, place);
         let keys: Vec<Varied> = paths.iter().map(varied).collect::<Result<_, _>>()?;
@@ -219,7 +220,7 @@ impl Variants {
 }
 
 /// What is to vary at `path`, which is named at `place`.
-fn varied(settings: &Settings, path: &str, place: &Place) -> Result<Varied, ConfigError> {
+fn varied(settings: &Values, path: &str, place: &Place) -> Result<Varied, ConfigError> {
     let varied = match settings.named(path, place)? {
         Target::Key(key) if key.path != "mechanism" => Varied {
             path: path.to_owned(),
@@ -301,7 +302,8 @@ fn own(config: &Config, tables: &Value, model: Option<&Model>) -> Result<Chosen,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::{DefaultValue, keys};
+    use crate::config::keys;
+    use crate::keys::DefaultValue;
     use crate::mechanisms::MECHANISMS;
 
     fn variants(sets: &[String], paths: &[&str]) -> Variants {

@@ -9,7 +9,7 @@ use deltazero_plots::{
 };
 
 use super::Drawing;
-use crate::config::ReadingName;
+use crate::keys::ReadingName;
 use crate::study::audit::{Audit, Course};
 use crate::study::course::{Bin, Quantity, Range, coarser};
 use crate::study::ideal::RIGHT_ANGLE;

@@ -6,7 +6,7 @@ use deltazero_plots::{
 
 use super::Drawing;
 use super::map::{winner_colors, winner_word};
-use crate::config::ReadingName;
+use crate::keys::ReadingName;
 use crate::study::regimes::{Cell, maps, of_map};
 
 /// The figures of a map.

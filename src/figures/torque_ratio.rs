@@ -5,7 +5,7 @@ use deltazero_plots::{
 };
 
 use super::Drawing;
-use crate::config::{Inertia, ReadingName};
+use crate::keys::{Inertia, ReadingName};
 use crate::study::torque_ratio::{RatioCurve, TorqueRatio};
 
 /// The colour of the joint without clearance: black.

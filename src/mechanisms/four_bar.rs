@@ -5,8 +5,8 @@ use serde::Deserialize;
 
 use super::in_words::{fact, joint, joint_warnings, no_blind_joints};
 use super::{Entry, Mechanism, Misfit, read_table};
-use crate::config::{Config, FINITE, Key, POSITIVE, ReadingName};
-use crate::model::{self, AnyLinkage, Body, Part, block};
+use crate::keys::{FINITE, Key, POSITIVE, ReadingName, Shared};
+use crate::model::{self, AnyLinkage, Body, Joints, Part, block};
 
 /// Where lengths and masses are from; the same numbers are in the examples of the program Siconos.
 const SOURCE: &str = "four-bar with joint clearances of Akhadkar, Acary and Brogliato, Multibody Syst. Dyn. 38 (2016)";
@@ -118,7 +118,7 @@ struct FourBar {
 }
 
 impl Mechanism for FourBar {
-    fn joints(&self, config: &Config) -> Vec<Part> {
+    fn joints(&self, shared: &Shared) -> Joints {
         let body = model::FourBar {
             crank: self.crank_length,
             coupler: self.coupler_length,
@@ -130,11 +130,11 @@ impl Mechanism for FourBar {
             rocker_inertia: self.rocker_inertia,
             speed: self.crank_speed,
             start: self.start_angle,
-            pin_radius: config.joints[0].joint.pin_radius,
+            pin_radius: shared.joints[0].joint.pin_radius,
         };
         let body = Body::Linkage(AnyLinkage::FourBar(body));
         let of_rocker = (self.rocker_length, ReadingName::Full);
-        vec![Part::of(block(config, 1, body, of_rocker), 1)]
+        Joints { parts: vec![Part::of(block(shared, 1, body, of_rocker), 1)] }
     }
 
     fn n_tolerances(&self) -> usize {
@@ -142,8 +142,8 @@ impl Mechanism for FourBar {
     }
 
     /// The crank must turn around, and the rocker swing, whatever the pin does in its bush.
-    fn check(&self, config: &Config) -> Result<(), Misfit> {
-        let c = 2.0 * config.joints[0].joint.clearance;
+    fn check(&self, shared: &Shared) -> Result<(), Misfit> {
+        let c = 2.0 * shared.joints[0].joint.clearance;
         let [r, l, b, g] =
             [self.crank_length, self.coupler_length, self.rocker_length, self.ground_length];
         let refused = |key, found: f64, reason| {
@@ -162,7 +162,7 @@ impl Mechanism for FourBar {
         Ok(())
     }
 
-    fn title(&self, _config: &Config) -> String {
+    fn title(&self, _shared: &Shared) -> String {
         "Mechanism `four-bar`".to_owned()
     }
 
@@ -171,7 +171,7 @@ impl Mechanism for FourBar {
          friction; each change is an event, the zero crossing of the penetration δ."
     }
 
-    fn facts(&self, config: &Config) -> Vec<(String, String)> {
+    fn facts(&self, shared: &Shared) -> Vec<(String, String)> {
         let mechanism = format!(
             "four-bar: crank {} m at {} rad/s, coupler {} m, {} kg, {} kg m², rocker {} m, {} kg, {} kg m², pivots {} m apart",
             self.crank_length,
@@ -186,16 +186,16 @@ impl Mechanism for FourBar {
         );
         vec![
             fact("Mechanism", mechanism),
-            fact("Time", format!("0 to {} s", config.run.t_end)),
-            fact("Joint of coupler and rocker", joint(&config.joints[0])),
+            fact("Time", format!("0 to {} s", shared.run.t_end)),
+            fact("Joint of coupler and rocker", joint(&shared.joints[0])),
         ]
     }
 
-    fn warnings(&self, config: &Config) -> Vec<Warning> {
-        joint_warnings("the joint", &config.joints[0])
+    fn warnings(&self, shared: &Shared) -> Vec<Warning> {
+        joint_warnings("the joint", &shared.joints[0])
     }
 
-    fn no_blind_runs(&self, config: &Config) -> Option<String> {
-        no_blind_joints(&config.joints[..1], || None)
+    fn no_blind_runs(&self, shared: &Shared) -> Option<String> {
+        no_blind_joints(&shared.joints[..1], || None)
     }
 }

@@ -2,7 +2,7 @@
 
 use deltazero_study::warning::{Code, Warning};
 
-use crate::config::{Contact, ContactLaw, Curvature, Friction, FrictionLaw, Joint, JointConfig};
+use crate::keys::{Contact, ContactLaw, Curvature, Friction, FrictionLaw, Joint, JointConfig};
 use crate::model::restitution::{delivered, hysteresis_factor};
 
 /// A restitution that is further off than this from the one asked for is warned of.

@@ -24,8 +24,8 @@ use deltazero_study::{Problem, Subject};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use crate::config::{Config, Key};
-use crate::model::Part;
+use crate::keys::{Key, Shared};
+use crate::model::{Joints, Part};
 
 /// All mechanisms; the first is the default.
 pub const MECHANISMS: &[&Entry] = &[
@@ -121,26 +121,26 @@ pub trait Mechanism: Send + Sync {
     ///
     /// # Errors
     /// The first that does not.
-    fn check(&self, _config: &Config) -> Result<(), Misfit> {
+    fn check(&self, _shared: &Shared) -> Result<(), Misfit> {
         Ok(())
     }
 
     /// What a study integrates.
-    fn subject(&self, config: &Config) -> Subject {
+    fn subject(&self, shared: &Shared) -> Subject {
         let part = |part: Part| match part {
             Part::Block(block) => deltazero_study::Part::new(block),
             Part::Chain(chain) => deltazero_study::Part::new(chain),
         };
-        Subject { parts: self.joints(config).into_iter().map(part).collect() }
+        Subject { parts: self.joints(shared).parts.into_iter().map(part).collect() }
     }
 
     /// Its joints with what hangs on them; empty of a mechanism that is not made of joints.
-    fn joints(&self, _config: &Config) -> Vec<Part> {
-        Vec::new()
+    fn joints(&self, _shared: &Shared) -> Joints {
+        Joints::default()
     }
 
     /// Number of its sites, all parts together.
-    fn n_sites(&self, _config: &Config) -> usize {
+    fn n_sites(&self, _shared: &Shared) -> usize {
         1
     }
 
@@ -148,13 +148,13 @@ pub trait Mechanism: Send + Sync {
     fn n_tolerances(&self) -> usize;
 
     /// What is studied, in some words.
-    fn title(&self, config: &Config) -> String;
+    fn title(&self, shared: &Shared) -> String;
 
     /// What moves, in a sentence or two, for the head of a report.
     fn lead(&self) -> &str;
 
     /// Names and what they are, for a report.
-    fn facts(&self, config: &Config) -> Vec<(String, String)>;
+    fn facts(&self, shared: &Shared) -> Vec<(String, String)>;
 
     /// The unit of a parameter of its own that is no key of the configuration, if it has one.
     fn unit_of(&self, _parameter: &str) -> Option<&str> {
@@ -162,17 +162,17 @@ pub trait Mechanism: Send + Sync {
     }
 
     /// Columns of `study.csv` before all others, the same in every row: name, meaning and value.
-    fn leading(&self, _config: &Config) -> Vec<(&'static str, &'static str, String)> {
+    fn leading(&self, _shared: &Shared) -> Vec<(&'static str, &'static str, String)> {
         Vec::new()
     }
 
     /// What to know before anything is run.
-    fn warnings(&self, _config: &Config) -> Vec<Warning> {
+    fn warnings(&self, _shared: &Shared) -> Vec<Warning> {
         Vec::new()
     }
 
     /// Why it has no blind runs, where it has none.
-    fn no_blind_runs(&self, _config: &Config) -> Option<String> {
+    fn no_blind_runs(&self, _shared: &Shared) -> Option<String> {
         Some("the blind baseline is built for pins in bushes".to_owned())
     }
 }

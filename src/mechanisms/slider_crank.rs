@@ -5,8 +5,8 @@ use serde::Deserialize;
 
 use super::in_words::{fact, joint, joint_warnings, no_blind_joints};
 use super::{Entry, Mechanism, Misfit, read_table};
-use crate::config::{Config, FINITE, Key, POSITIVE, ReadingName};
-use crate::model::{self, AnyLinkage, Body, Part, block};
+use crate::keys::{FINITE, Key, POSITIVE, ReadingName, Shared};
+use crate::model::{self, AnyLinkage, Body, Joints, Part, block};
 
 /// Where it is from.
 const SOURCE: &str = "slider-crank benchmark of Flores, Ambrósio, Claro and Lankarani";
@@ -109,7 +109,7 @@ struct SliderCrank {
 }
 
 impl Mechanism for SliderCrank {
-    fn joints(&self, config: &Config) -> Vec<Part> {
+    fn joints(&self, shared: &Shared) -> Joints {
         let body = model::SliderCrank {
             crank: self.crank_length,
             rod: self.rod_length,
@@ -120,22 +120,27 @@ impl Mechanism for SliderCrank {
             start: self.start_angle,
         };
         let of_rod = (self.rod_length, ReadingName::Full);
-        vec![Part::of(block(config, 1, Body::Linkage(AnyLinkage::SliderCrank(body)), of_rod), 1)]
+        Joints {
+            parts: vec![Part::of(
+                block(shared, 1, Body::Linkage(AnyLinkage::SliderCrank(body)), of_rod),
+                1,
+            )],
+        }
     }
 
     fn n_tolerances(&self) -> usize {
         6
     }
 
-    fn check(&self, config: &Config) -> Result<(), Misfit> {
-        if config.reading != ReadingName::Full {
+    fn check(&self, shared: &Shared) -> Result<(), Misfit> {
+        if shared.reading != ReadingName::Full {
             let reason = "readings are of the struts' paper, here force and torque of friction both act; use reading = \
                           \"full\", and for a file with all of its keys `deltazero config --set \
                           mechanism=slider-crank`";
-            let (key, found) = ("reading", config.reading.to_string());
+            let (key, found) = ("reading", shared.reading.to_string());
             return Err(Misfit { key, found, against: "mechanism", reason });
         }
-        if self.rod_length <= self.crank_length + config.joints[0].joint.clearance {
+        if self.rod_length <= self.crank_length + shared.joints[0].joint.clearance {
             let reason =
                 "the rod must be longer than crank_length + joint.clearance to turn around";
             let (key, found) = ("slider_crank.rod_length", self.rod_length.to_string());
@@ -144,7 +149,7 @@ impl Mechanism for SliderCrank {
         Ok(())
     }
 
-    fn title(&self, _config: &Config) -> String {
+    fn title(&self, _shared: &Shared) -> String {
         "Mechanism `slider-crank`".to_owned()
     }
 
@@ -153,7 +158,7 @@ impl Mechanism for SliderCrank {
          friction; each change is an event, the zero crossing of the penetration δ."
     }
 
-    fn facts(&self, config: &Config) -> Vec<(String, String)> {
+    fn facts(&self, shared: &Shared) -> Vec<(String, String)> {
         let mechanism = format!(
             "slider-crank: crank {} m at {} rad/s, rod {} m, {} kg, {} kg m², slider {} kg",
             self.crank_length,
@@ -165,20 +170,20 @@ impl Mechanism for SliderCrank {
         );
         vec![
             fact("Mechanism", mechanism),
-            fact("Time", format!("0 to {} s", config.run.t_end)),
-            fact("Joint of rod and slider", joint(&config.joints[0])),
+            fact("Time", format!("0 to {} s", shared.run.t_end)),
+            fact("Joint of rod and slider", joint(&shared.joints[0])),
         ]
     }
 
-    fn leading(&self, config: &Config) -> Vec<(&'static str, &'static str, String)> {
-        vec![("reading", "reading of the paper", config.reading.to_string())]
+    fn leading(&self, shared: &Shared) -> Vec<(&'static str, &'static str, String)> {
+        vec![("reading", "reading of the paper", shared.reading.to_string())]
     }
 
-    fn warnings(&self, config: &Config) -> Vec<Warning> {
-        joint_warnings("the joint", &config.joints[0])
+    fn warnings(&self, shared: &Shared) -> Vec<Warning> {
+        joint_warnings("the joint", &shared.joints[0])
     }
 
-    fn no_blind_runs(&self, config: &Config) -> Option<String> {
-        no_blind_joints(&config.joints[..1], || None)
+    fn no_blind_runs(&self, shared: &Shared) -> Option<String> {
+        no_blind_joints(&shared.joints[..1], || None)
     }
 }

@@ -7,9 +7,9 @@ use deltazero_study::warning::Warning;
 
 use super::in_words::{fact, joint, joint_warnings, no_blind_joints};
 use super::{Entry, Mechanism, Misfit};
-use crate::config::{Config, DefaultValue, FINITE, Key, Kind, POSITIVE, ReadingName};
+use crate::keys::{DefaultValue, FINITE, Key, Kind, POSITIVE, ReadingName, Shared};
 use crate::model::inertia::BlockInertia;
-use crate::model::{Block, Body, Chain, Part, block};
+use crate::model::{Block, Body, Chain, Joints, Part, block};
 
 use DefaultValue::Toml;
 
@@ -97,27 +97,27 @@ const KEYS: &[Key] = &[
 struct Struts;
 
 impl Mechanism for Struts {
-    fn joints(&self, config: &Config) -> Vec<Part> {
-        let [one, two] = struts(config);
-        vec![Part::of(one, config.bays as usize), Part::of(two, 1)]
+    fn joints(&self, shared: &Shared) -> Joints {
+        let [one, two] = struts(shared);
+        Joints { parts: vec![Part::of(one, shared.bays as usize), Part::of(two, 1)] }
     }
 
-    fn n_sites(&self, config: &Config) -> usize {
-        config.bays as usize + 1
+    fn n_sites(&self, shared: &Shared) -> usize {
+        shared.bays as usize + 1
     }
 
     fn n_tolerances(&self) -> usize {
         6
     }
 
-    fn check(&self, config: &Config) -> Result<(), Misfit> {
-        check_chain(config)
+    fn check(&self, shared: &Shared) -> Result<(), Misfit> {
+        check_chain(shared)
     }
 
-    fn title(&self, config: &Config) -> String {
-        match config.bays {
-            1 => format!("Reading `{}`", config.reading),
-            bays => format!("Reading `{}`, {bays} bays", config.reading),
+    fn title(&self, shared: &Shared) -> String {
+        match shared.bays {
+            1 => format!("Reading `{}`", shared.reading),
+            bays => format!("Reading `{}`, {bays} bays", shared.reading),
         }
     }
 
@@ -126,15 +126,15 @@ impl Mechanism for Struts {
          change is an event, the zero crossing of the penetration δ."
     }
 
-    fn facts(&self, config: &Config) -> Vec<(String, String)> {
-        let [one, two] = &config.joints;
-        let mut facts = vec![fact("Reading", config.reading.name())];
-        if config.bays > 1 {
-            facts.push(fact("Bays", config.bays.to_string()));
+    fn facts(&self, shared: &Shared) -> Vec<(String, String)> {
+        let [one, two] = &shared.joints;
+        let mut facts = vec![fact("Reading", shared.reading.name())];
+        if shared.bays > 1 {
+            facts.push(fact("Bays", shared.bays.to_string()));
         }
         facts.extend([
-            fact("Time", format!("0 to {} s", config.run.t_end)),
-            fact("Torques", format!("M1 = {} N m, M4 = {} N m", config.drive.m1, config.drive.m4)),
+            fact("Time", format!("0 to {} s", shared.run.t_end)),
+            fact("Torques", format!("M1 = {} N m, M4 = {} N m", shared.drive.m1, shared.drive.m4)),
         ]);
         if one == two {
             facts.push(fact("Both joints", joint(one)));
@@ -144,12 +144,12 @@ impl Mechanism for Struts {
         facts
     }
 
-    fn leading(&self, config: &Config) -> Vec<(&'static str, &'static str, String)> {
-        vec![("reading", "reading of the paper", config.reading.to_string())]
+    fn leading(&self, shared: &Shared) -> Vec<(&'static str, &'static str, String)> {
+        vec![("reading", "reading of the paper", shared.reading.to_string())]
     }
 
-    fn warnings(&self, config: &Config) -> Vec<Warning> {
-        let [one, two] = &config.joints;
+    fn warnings(&self, shared: &Shared) -> Vec<Warning> {
+        let [one, two] = &shared.joints;
         if one == two {
             return joint_warnings("both joints", one);
         }
@@ -158,54 +158,54 @@ impl Mechanism for Struts {
         warnings
     }
 
-    fn no_blind_runs(&self, config: &Config) -> Option<String> {
-        let chain = || (config.bays > 1).then(|| "the blind baseline is built for one bay".into());
-        no_blind_joints(&config.joints, chain)
+    fn no_blind_runs(&self, shared: &Shared) -> Option<String> {
+        let chain = || (shared.bays > 1).then(|| "the blind baseline is built for one bay".into());
+        no_blind_joints(&shared.joints, chain)
     }
 }
 
 /// Joint 1 in each of the bays of a configuration, as one system.
-pub fn chain_of(config: &Config) -> Chain {
-    let [bay, _] = struts(config);
-    Chain::of(bay, config.bays as usize)
+pub fn chain_of(shared: &Shared) -> Chain {
+    let [bay, _] = struts(shared);
+    Chain::of(bay, shared.bays as usize)
 }
 
 /// The two joints of one bay.
-pub(crate) fn struts(config: &Config) -> [Block; 2] {
-    let (strut, drive) = (&config.strut, &config.drive);
+pub(crate) fn struts(shared: &Shared) -> [Block; 2] {
+    let (strut, drive) = (&shared.strut, &shared.drive);
     let of = |joint, inertia, torque| {
         let body = Body::Struts(inertia);
-        let mut own = block(config, joint, body, (strut.length, config.reading));
-        (own.torque, own.stop_at_90) = (torque, config.run.stop_at_90);
+        let mut own = block(shared, joint, body, (strut.length, shared.reading));
+        (own.torque, own.stop_at_90) = (torque, shared.run.stop_at_90);
         own
     };
     [of(1, BlockInertia::joint_1(strut), drive.m1), of(2, BlockInertia::joint_2(strut), drive.m4)]
 }
 
 /// What a chain of several bays cannot have.
-fn check_chain(config: &Config) -> Result<(), Misfit> {
+fn check_chain(shared: &Shared) -> Result<(), Misfit> {
     let refused = |key, found: String, reason| Err(Misfit { key, found, against: "bays", reason });
-    if config.bays == 1 {
+    if shared.bays == 1 {
         return Ok(());
     }
-    if config.reading != ReadingName::Pin {
+    if shared.reading != ReadingName::Pin {
         let reason = "friction as a force couples the sticks of neighbours, and a force at the centroid has no \
                       reaction at the bush; use reading = \"pin\"";
-        return refused("reading", config.reading.to_string(), reason);
+        return refused("reading", shared.reading.to_string(), reason);
     }
     let others = |readings: &&Vec<ReadingName>| readings.iter().any(|r| *r != ReadingName::Pin);
-    if config.regimes.readings.as_ref().filter(others).is_some() {
+    if shared.regimes.readings.as_ref().filter(others).is_some() {
         let reason = "a chain is one of reading \"pin\"; use regimes.readings = [\"pin\"]";
         return refused("regimes.readings", "others than pin".to_owned(), reason);
     }
-    if config.joints[0].joint.clearance == 0.0 {
+    if shared.joints[0].joint.clearance == 0.0 {
         let reason =
             "pins that are held couple the accelerations of all bays; use a clearance above zero";
         return refused("joint.clearance", "0".to_owned(), reason);
     }
-    if config.study.reference == Digits::Extended {
+    if shared.study.reference == Digits::Extended {
         let reason = "extended precision is built for one bay; use study.reference = \"double\"";
-        return refused("study.reference", config.study.reference.to_string(), reason);
+        return refused("study.reference", shared.study.reference.to_string(), reason);
     }
     Ok(())
 }

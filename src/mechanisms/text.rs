@@ -9,7 +9,10 @@ use serde_json::{Map, Value, json};
 
 use super::in_words::fact;
 use super::{Chosen, Entry, Mechanism};
-use crate::config::{Config, MODEL_TABLES};
+use crate::keys::Shared;
+
+/// The tables of a configuration that hold a model and the values of its parameters.
+pub(crate) const TABLES: [&str; 2] = ["model", "parameters"];
 
 /// Models from files stand in no list: a file chooses its own.
 static TEXT: Entry = Entry {
@@ -52,18 +55,18 @@ impl Chosen {
             values.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
         let model = json!({ "name": file.file_name(), "text": text });
         let tables = [model, parameters.into()];
-        let tables = MODEL_TABLES.map(str::to_owned).into_iter().zip(tables).collect();
+        let tables = TABLES.map(str::to_owned).into_iter().zip(tables).collect();
         let value = Text { file: Arc::clone(file), subject, values };
         Ok(Self { entry: &TEXT, tables, value: Arc::new(value) })
     }
 }
 
 impl Mechanism for Text {
-    fn subject(&self, _config: &Config) -> Subject {
+    fn subject(&self, _shared: &Shared) -> Subject {
         self.subject.clone()
     }
 
-    fn n_sites(&self, _config: &Config) -> usize {
+    fn n_sites(&self, _shared: &Shared) -> usize {
         self.subject.parts.iter().map(|part| part.sites.len()).sum()
     }
 
@@ -71,7 +74,7 @@ impl Mechanism for Text {
         self.subject.parts.first().map_or(0, |part| part.states.len())
     }
 
-    fn title(&self, _config: &Config) -> String {
+    fn title(&self, _shared: &Shared) -> String {
         let name = self.file.name();
         let mut letters = name.chars();
         letters
@@ -83,7 +86,7 @@ impl Mechanism for Text {
         self.file.about()
     }
 
-    fn facts(&self, config: &Config) -> Vec<(String, String)> {
+    fn facts(&self, shared: &Shared) -> Vec<(String, String)> {
         let mut facts = vec![fact("Model", self.file.file_name())];
         let unit = |parameter: &Parameter| match parameter.unit.as_str() {
             "" => String::new(),
@@ -100,7 +103,7 @@ impl Mechanism for Text {
         if !self.file.source().is_empty() {
             facts.push(fact("Source", self.file.source()));
         }
-        facts.push(fact("Time", format!("0 to {} s", config.run.t_end)));
+        facts.push(fact("Time", format!("0 to {} s", shared.run.t_end)));
         facts
     }
 
@@ -109,7 +112,7 @@ impl Mechanism for Text {
         Some(&own.unit)
     }
 
-    fn warnings(&self, _config: &Config) -> Vec<Warning> {
+    fn warnings(&self, _shared: &Shared) -> Vec<Warning> {
         let warning = |report: deltazero_text::Report| {
             let text = report.to_string();
             let text = text.trim_end();
@@ -119,7 +122,7 @@ impl Mechanism for Text {
         self.file.warnings().into_iter().map(warning).collect()
     }
 
-    fn no_blind_runs(&self, _config: &Config) -> Option<String> {
+    fn no_blind_runs(&self, _shared: &Shared) -> Option<String> {
         Some("the mode of a model from a file is not read off its state".to_owned())
     }
 }

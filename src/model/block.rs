@@ -3,9 +3,10 @@
 use deltazero_solvers::real::Functions;
 use deltazero_solvers::{Error, ModeOfState, Next, Outcome, Real, System};
 
+use super::body::{Body, Held, Posture};
 use super::contact::{NormalLaw, PinPose};
 use super::inertia::{Arrow, BlockInertia};
-use super::linkage::{AnyAt, AnyLinkage, Linkage as _};
+use super::linkage::{AnyLinkage, Linkage as _};
 use super::mode::{END_BOUND, Mode, N_GUARDS, delta_bound, distance};
 use super::plain_slip::PlainSlip;
 use super::reading::Reading;
@@ -14,59 +15,6 @@ use super::sliding::Shape;
 /// State of a block: X, Y [m], θ [rad] and their rates. Of struts X is the pin displacement whose arm goes
 /// with sin θ (x01, z02), Y the one with cos θ (y01, y02); of a linkage θ is the angle of the crank.
 pub type State<S> = [S; 6];
-
-/// What hangs on a joint.
-#[derive(Clone, Debug)]
-pub enum Body {
-    /// Struts that turn with the pin, by θ.
-    Struts(BlockInertia),
-    /// A linkage, θ the angle of the crank that drives it.
-    Linkage(AnyLinkage),
-}
-
-/// A body in the hands of a right-hand side: what it is stays known to the compiler.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Held<'a> {
-    Struts(&'a BlockInertia),
-    Linkage(&'a AnyLinkage),
-}
-
-/// A body at one state: what of its accelerations does not wait for forces.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Posture<'a, S: Real> {
-    Struts(&'a BlockInertia, Arrow<S>),
-    Linkage(&'a AnyLinkage, AnyAt<S>),
-}
-
-impl Body {
-    #[inline(always)]
-    pub(super) fn held(&self) -> Held<'_> {
-        match self {
-            Self::Struts(inertia) => Held::Struts(inertia),
-            Self::Linkage(linkage) => Held::Linkage(linkage),
-        }
-    }
-}
-
-impl<'a> Held<'a> {
-    /// The body at `y`.
-    #[inline(always)]
-    pub(super) fn at<S: Real>(self, y: &State<S>) -> Posture<'a, S> {
-        match self {
-            Self::Struts(inertia) => Posture::Struts(inertia, inertia.at(y[2])),
-            Self::Linkage(linkage) => Posture::Linkage(linkage, linkage.at(y)),
-        }
-    }
-
-    /// How fast the pin turns [rad/s].
-    #[inline(always)]
-    pub(super) fn spin<S: Real>(self, y: &State<S>) -> S {
-        match self {
-            Self::Struts(_) => y[5],
-            Self::Linkage(linkage) => linkage.spin(&linkage.at(y)),
-        }
-    }
-}
 
 /// A joint and what hangs on it.
 ///
@@ -507,7 +455,7 @@ mod tests {
                     joint.contact.damping = 0.0;
                 }
                 config.drive.m1 = 0.0;
-                for block in Joints::new(&config).blocks() {
+                for block in Joints::from(&config).blocks() {
                     use Mode::{Apart, Relaxing, SlipMinus, SlipPlus, Stick};
                     let in_contact = [Relaxing, SlipPlus, SlipMinus, Stick];
                     let in_contact = in_contact.map(|mode| mode(Touch::PLAIN));

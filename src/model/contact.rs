@@ -6,7 +6,7 @@ use deltazero_solvers::real::{Length, Over};
 use super::elastic::{Conformal, Elastic, Logarithmic};
 use super::mode::delta_bound;
 use super::restitution::hysteresis_factor;
-use crate::config::{Contact, ContactLaw, Curvature, Joint};
+use crate::keys::{Contact, ContactLaw, Curvature, Joint};
 
 /// Normal force law: an elastic relation F(δ) and what it loses, by viscous damping or by hysteresis.
 ///

@@ -2,7 +2,8 @@
 
 use deltazero_study::problem::{Energy, Power};
 
-use super::block::{Block, Body, ContactForces, State};
+use super::block::{Block, ContactForces, State};
+use super::body::Body;
 use super::linkage::Linkage as _;
 use super::mode::Mode;
 

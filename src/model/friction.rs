@@ -2,7 +2,8 @@
 
 use deltazero_solvers::Real;
 
-use super::block::{Block, Body, ContactForces, Held, Posture, State};
+use super::block::{Block, ContactForces, State};
+use super::body::{Body, Held, Posture};
 use super::contact::{PinPose, Touch};
 use super::linkage::Linkage as _;
 use super::mode::Mode;

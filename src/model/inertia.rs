@@ -3,7 +3,7 @@
 use deltazero_solvers::Real;
 use deltazero_solvers::real::{Divisor, Over, Turning};
 
-use crate::config::{Inertia, Strut};
+use crate::keys::{Inertia, Strut};
 
 /// Mass of a strut, `m = ρ π r'² l` [kg].
 pub fn strut_mass(strut: &Strut) -> f64 {
@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn sums_of_equal_struts_are_those_of_the_paper() {
-        let strut = Config::table1().unwrap().strut;
+        let strut = Config::table1().unwrap().shared.strut;
         let (m, l, j) = (strut_mass(&strut), strut.length, strut_inertia(&strut));
         assert!((m - 1.5315264186).abs() < 1e-10 && (j - 1.91440802e-5).abs() < 1e-13);
         let one = BlockInertia::joint_1(&strut);
@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn accelerations_solve_the_equations_of_motion() {
-        let strut = Config::table1().unwrap().strut;
+        let strut = Config::table1().unwrap().shared.strut;
         for inertia in [BlockInertia::joint_1(&strut), BlockInertia::joint_2(&strut)] {
             for theta in [0.0, 0.4, 1.2] {
                 let (omega, q): (f64, _) = (0.7, [0.3, -0.8, 0.5]);

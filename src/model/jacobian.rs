@@ -2,7 +2,8 @@
 
 use num_dual::Dual64;
 
-use super::block::{Block, Body, ContactForces, Posture, State};
+use super::block::{Block, ContactForces, State};
+use super::body::{Body, Posture};
 use super::contact::{PinPose, Touch};
 use super::inertia::BlockInertia;
 use super::linkage::AnyLinkage;
@@ -257,7 +258,8 @@ mod tests {
     use num_dual::Dual64;
 
     use super::*;
-    use crate::config::{Config, ContactLaw, FrictionLaw, ReadingName};
+    use crate::config::Config;
+    use crate::keys::{ContactLaw, FrictionLaw, ReadingName};
     use crate::model::Joints;
 
     fn modes(touch: Touch) -> [Mode; 5] {
@@ -281,7 +283,7 @@ mod tests {
             [6e-5, 8.1e-5, 1.5, 1e-3, -2e-3, -0.4],
         ];
         let (reading, law) = (config.reading, config.joints[0].contact.law);
-        for block in Joints::new(config).blocks() {
+        for block in Joints::from(config).blocks() {
             let touch = block.normal.touch(2e-3);
             let pieces = (0..2).map(|piece| Touch { piece, ..touch });
             let modes: Vec<Mode> = pieces.flat_map(modes).collect();

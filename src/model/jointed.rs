@@ -7,7 +7,8 @@ use deltazero_study::problem::{
 };
 use deltazero_study::run::{Begun, OwnRun, Setting, at_once, blind, extended};
 
-use super::block::{Block, Body, ContactForces, State};
+use super::block::{Block, ContactForces, State};
+use super::body::Body;
 use super::chain::{Chain, Modes};
 use super::contact;
 use super::linkage::{Linkage as _, Outputs};
@@ -166,7 +167,7 @@ impl Problem for Block {
     fn check(&self) -> Result<(), Error> {
         if self.sliding.bristles().is_some() {
             let reason = "the bristles of lugre are a state that a block does not have; integrate the part \
-                          that `Joints::new` makes of it";
+                          that `Joints::from` makes of it";
             let mode = Mode::Apart.to_string();
             return Err(Error::OutsideModel { t: 0.0, mode, reason: reason.to_owned() });
         }

@@ -1,6 +1,6 @@
 //! The normal laws, told: equation, source, range.
 
-use crate::config::ContactLaw;
+use crate::keys::ContactLaw;
 
 /// What is to be said of a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,6 +10,7 @@
 //! A [linkage] is one joint, the same, with another [`Body`] on it.
 
 pub mod block;
+mod body;
 pub mod chain;
 pub mod contact;
 pub mod elastic;
@@ -29,7 +30,8 @@ mod scale;
 pub mod slider_crank;
 pub mod sliding;
 
-pub use block::{Block, Body, State};
+pub use block::{Block, State};
+pub use body::Body;
 pub use chain::Chain;
 pub use four_bar::FourBar;
 pub use jointed::Jointed;
@@ -43,10 +45,10 @@ use deltazero_study::Problem as _;
 use elastic::Elastic;
 use sliding::Shape;
 
-use crate::config::{Config, ReadingName};
+use crate::keys::{ReadingName, Shared};
 
-/// The joints of a mechanism.
-#[derive(Clone, Debug)]
+/// The joints of a mechanism; none of one that is not made of joints.
+#[derive(Clone, Debug, Default)]
 pub struct Joints {
     /// The parts in the order of the joints: joint 1 (AB) and joint 2 (AF) of the struts, or the one joint of
     /// another mechanism.
@@ -89,11 +91,6 @@ impl Part {
 }
 
 impl Joints {
-    /// The joints of the mechanism of a configuration; none of one that is not made of joints.
-    pub fn new(config: &Config) -> Self {
-        Self { parts: config.mechanism.joints(config) }
-    }
-
     /// The joint of each part with what hangs on it, alone.
     pub fn blocks(&self) -> Vec<&Block> {
         self.parts.iter().map(Part::block).collect()
@@ -106,14 +103,14 @@ impl Joints {
     }
 }
 
-/// A joint of `config` with a body on it, without a drive torque or an end; `length` is that of the part that turns.
+/// A joint of `shared` with a body on it, without a drive torque or an end; `length` is that of the part that turns.
 pub(crate) fn block(
-    config: &Config,
+    shared: &Shared,
     joint: usize,
     body: Body,
     (length, reading): (f64, ReadingName),
 ) -> Block {
-    let own = &config.joints[joint - 1];
+    let own = &shared.joints[joint - 1];
     let normal = NormalLaw::new(&own.contact, &own.joint);
     let sliding = Shape::new(&own.friction);
     let reading = Reading::of(reading, joint - 1);

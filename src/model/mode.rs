@@ -6,7 +6,8 @@ use std::fmt;
 use deltazero_solvers::real::{Length, Over};
 use deltazero_solvers::{Next, Real};
 
-use super::block::{Block, Body, Held, State};
+use super::block::{Block, State};
+use super::body::{Body, Held};
 use super::contact::Touch;
 use super::friction::Extra;
 use super::linkage::Linkage as _;

@@ -6,7 +6,8 @@ use std::fmt::Debug;
 use deltazero_solvers::Alike;
 use deltazero_solvers::real::{Length, Over};
 
-use super::block::{Block, Body, Held, State};
+use super::block::{Block, State};
+use super::body::{Body, Held};
 use super::inertia::BlockInertia;
 use super::mode::{GUARD_CONTACT, GUARD_END, GUARD_UPPER, Mode, N_GUARDS, distance, rho_v_t};
 
@@ -231,7 +232,7 @@ mod tests {
     #[test]
     fn plain_accelerations_are_the_general_ones() {
         let config = Config::table1().unwrap();
-        for block in Joints::new(&config).blocks() {
+        for block in Joints::from(&config).blocks() {
             let y = [3e-5, -9.9e-5, 0.02, 2e-3, -1e-3, 0.3];
             let (posture, pose) = (block.body.held().at(&y), block.pose(&y));
             for mode in [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)] {
@@ -253,7 +254,7 @@ mod tests {
         let mut config = Config::table1().unwrap();
         for adhesion in [true, false] {
             config.joints.iter_mut().for_each(|joint| joint.contact.adhesion = adhesion);
-            for block in Joints::new(&config).blocks() {
+            for block in Joints::from(&config).blocks() {
                 let y = [3e-5, -9.9e-5, 0.02, 2e-3, -1e-3, 0.3];
                 let slips = [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)];
                 for mode in slips.into_iter().chain([Mode::Apart, Mode::Stick(Touch::PLAIN)]) {
@@ -271,7 +272,7 @@ mod tests {
         let mut config = Config::table1().unwrap();
         for stop_at_90 in [true, false] {
             config.run.stop_at_90 = stop_at_90;
-            for block in Joints::new(&config).blocks() {
+            for block in Joints::from(&config).blocks() {
                 for (k, mode) in [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)]
                     .into_iter()
                     .enumerate()
@@ -318,7 +319,7 @@ mod tests {
         }
         config.joints[0].contact.adhesion = false;
         config.joints[1].contact.exponent = 1.5;
-        for block in Joints::new(&config).blocks() {
+        for block in Joints::from(&config).blocks() {
             assert_eq!(block.parameters(&Mode::SlipPlus(Touch::PLAIN)), None);
         }
     }

@@ -1,6 +1,6 @@
 //! The readings of the paper: constants of one struct.
 
-use crate::config::ReadingName;
+use crate::keys::ReadingName;
 
 /// Where contact and friction forces enter the equations of motion of a block.
 ///
@@ -62,7 +62,8 @@ mod tests {
     use num_dual::{Dual2_64, Dual64, DualNum};
 
     use super::*;
-    use crate::config::{Config, Strut};
+    use crate::config::Config;
+    use crate::keys::Strut;
     use crate::model::contact::Touch;
     use crate::model::inertia::{strut_inertia, strut_mass};
     use crate::model::{Joints, Mode};
@@ -129,7 +130,7 @@ mod tests {
         let q = [8e-5, -7e-5, 0.7, -6e-5, 9e-5, 0.9];
         let u = [2e-3, -1e-3, 0.4, 1e-3, 3e-3, 0.6];
         let (mut a, mut forces) = ([0.0; 6], [0.0; 2]);
-        for (i, block) in Joints::new(&config).blocks().into_iter().enumerate() {
+        for (i, block) in Joints::from(&config).blocks().into_iter().enumerate() {
             let at = 3 * i;
             let y =
                 block.in_paper_order(&[q[at], q[at + 1], q[at + 2], u[at], u[at + 1], u[at + 2]]);

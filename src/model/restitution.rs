@@ -11,7 +11,7 @@
 
 use deltazero_solvers::root::{Bracket, find_root};
 
-use crate::config::ContactLaw;
+use crate::keys::ContactLaw;
 
 /// `χ`, by which a law wants to deliver the restitution `e`, 0 < e ≤ 1; none where it has no such factor.
 ///

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use deltazero_study::Problem as _;
 use deltazero_study::errors::{ErrorScale, Largest};
 
-use super::block::{Block, Body, State};
+use super::block::{Block, State};
+use super::body::Body;
 use super::linkage::Linkage as _;
 
 impl Block {

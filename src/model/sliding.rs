@@ -4,7 +4,7 @@ use deltazero_solvers::Real;
 use deltazero_solvers::real::Function;
 
 use super::contact::Touch;
-use crate::config::{Friction, FrictionLaw};
+use crate::keys::{Friction, FrictionLaw};
 
 /// Speeds v_S beyond which `exp(−(s/v_S)²)` is a rounding error of one: e⁻³⁶ = 2.3e-16. What a law does below them
 /// is a piece of its own, as it is too narrow to be seen from afar: all terms of its series at 30 v_S are zero, and

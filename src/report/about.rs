@@ -2,7 +2,6 @@
 
 use super::html::Part;
 use crate::config::Config;
-use crate::study::machine::Machine;
 
 /// A study's subject, in words.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -64,15 +63,4 @@ fn redo(config: &Config) -> Vec<Part> {
         Part::Code("deltazero report DIR".into()),
         Part::Folded("The configuration".into(), vec![Part::Code(config.to_toml())]),
     ]
-}
-
-/// Where and when a study was measured.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Provenance {
-    /// Version of the program.
-    pub version: String,
-    /// The machine, where it is known.
-    pub machine: Option<Machine>,
-    /// When, where it is known.
-    pub time: Option<String>,
 }

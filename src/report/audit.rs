@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::exact;
-use crate::config::{Config, Inertia, ReadingName};
+use crate::config::Config;
+use crate::csv::exact;
 use crate::figures::Drawing;
+use crate::keys::{Inertia, ReadingName};
 use crate::study::audit::{Audit, PATIENCE, RunRow};
 use crate::study::claims::{CLAIMS, ClaimRow, PAPER_FORCE, PAPER_X01, Verdict, contact_at, digits};
 use crate::study::course::{Quantity, coarser};

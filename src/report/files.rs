@@ -4,8 +4,9 @@ use deltazero_plots::Error;
 use deltazero_study::Plan;
 use deltazero_study::work_precision::WorkPrecision;
 
-use super::{About, Provenance, html, study_csv, study_markdown};
+use super::{About, html, study_csv, study_markdown};
 use crate::figures::Drawing;
+use crate::study::record::Provenance;
 
 /// A file with its name, in which folders are named too.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,8 +6,8 @@ use deltazero_study::map::{CellStatus, Contested, Map, MapCell};
 use deltazero_study::selection::{CUT, EVENTS_FROM, Entry, Failure, Standings};
 use deltazero_study::setting::Events;
 
-use super::{exact, field};
 use crate::config::Config;
+use crate::csv::{exact, field};
 use crate::figures::Drawing;
 use crate::study::regimes::{Cell, maps, of_map};
 

@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use deltazero_study::columns::{Column, Value, shown};
 use deltazero_study::work_precision::{Row, WorkPrecision};
 
-use super::{About, count, exact, field, rounded};
+use super::{About, count, rounded};
+use crate::csv::{exact, field};
 
 /// `study.csv`.
 pub fn study_csv(about: &About, table: &WorkPrecision) -> String {

@@ -4,10 +4,9 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use deltazero_study::motion::Motion;
-use deltazero_study::problem::Quantity;
 use deltazero_study::simulation::{NamedChange, SiteMotion};
 
-use super::exact;
+use crate::csv::{exact, header_of};
 
 /// `trajectory.csv`: what tells the sites apart, time, mode and the columns of each; sites in their order.
 ///
@@ -86,10 +85,4 @@ fn label_names(site: &SiteMotion) -> Vec<String> {
 /// The leading fields of a row, each followed by a comma.
 fn labels(site: &SiteMotion) -> String {
     site.labels.iter().map(|(_, value)| format!("{value},")).collect()
-}
-
-/// Name and unit as a header has them: `v1_m_s` of v1 in m/s.
-pub(crate) fn header_of(column: &Quantity) -> String {
-    let unit: String = column.unit.to_lowercase().replace('²', "2").replace(['/', ' '], "_");
-    if unit.is_empty() { column.name.to_string() } else { format!("{}_{unit}", column.name) }
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use deltazero_study::steps::StepTables;
 
-use super::exact;
+use crate::csv::exact;
 use crate::study::stability::Stability;
 
 /// Each file's name and text.

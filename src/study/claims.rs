@@ -9,7 +9,8 @@ pub use list::CLAIMS;
 
 use super::audit::Course;
 use super::torque_ratio::TorqueRatio;
-use crate::config::{Config, ReadingName};
+use crate::config::Config;
+use crate::keys::ReadingName;
 
 /// A figure is reproduced within this part of it.
 const CLOSE: f64 = 0.02;

@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn bins_cover_the_run_without_a_gap_and_hold_its_integrals() {
         let config = Config::table1().unwrap();
-        let block = &Joints::new(&config).blocks()[0].clone();
+        let block = &Joints::from(&config).blocks()[0].clone();
         let (method, accuracy) = (Method::named("vern98").unwrap(), Accuracy::Rtol(1e-10, None));
         let setting = Setting { method, events: Events::Located, accuracy };
         let mut record = Binning::new(block, 0.01);

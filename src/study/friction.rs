@@ -15,7 +15,8 @@ use deltazero_study::setting::Events;
 use deltazero_study::trace::Trace;
 use serde::Serialize;
 
-use crate::config::{Config, ConfigError, FrictionLaw};
+use crate::config::{Config, ConfigError};
+use crate::keys::FrictionLaw;
 
 /// Tolerance of the runs that are compared, and of Coulomb's that they are compared with.
 pub const RTOL: f64 = 1e-6;

@@ -17,7 +17,8 @@ use deltazero_study::run::{Accuracy, Setting, integrate};
 use deltazero_study::setting::Events;
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Config, Inertia};
+use crate::config::Config;
+use crate::keys::Inertia;
 use crate::mechanisms::strut::struts;
 use crate::model::{Block, Body};
 

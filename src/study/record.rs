@@ -6,7 +6,17 @@ use serde_json::{Value, json};
 
 use super::machine::Machine;
 use crate::config::Config;
-use crate::report::Provenance;
+
+/// Where and when a study was measured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Provenance {
+    /// Version of the program.
+    pub version: String,
+    /// The machine, where it is known.
+    pub machine: Option<Machine>,
+    /// When, where it is known.
+    pub time: Option<String>,
+}
 
 /// `study.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -11,7 +11,8 @@ use deltazero_study::map::{Contested, MapPlan, contested, contests};
 use serde::{Deserialize, Serialize};
 
 use super::plan::{rules, sample_times};
-use crate::config::{Config, ReadingName};
+use crate::config::Config;
+use crate::keys::ReadingName;
 use crate::model::inertia::BlockInertia;
 
 /// The trial before the map runs this part of the time …

@@ -10,7 +10,8 @@ use deltazero_study::run::{Accuracy, Setting, integrate};
 use deltazero_study::setting::Events;
 use serde::Serialize;
 
-use crate::config::{Config, ConfigError, ContactLaw};
+use crate::config::{Config, ConfigError};
+use crate::keys::ContactLaw;
 use crate::model::restitution::{delivered, hysteresis_factor};
 use crate::model::{Block, Joints, Mode};
 
@@ -72,7 +73,7 @@ fn simulated(law: ContactLaw, e: f64) -> Result<f64, ConfigError> {
     let law = format!("contact.law={law}");
     let e = format!("contact.restitution={e}");
     let sets = [law, e, "drive.m1=0".to_owned(), "friction.coefficient=0".to_owned()];
-    let block = Joints::new(&Config::load(None, &sets)?).blocks()[0].clone();
+    let block = Joints::from(&Config::load(None, &sets)?).blocks()[0].clone();
     let Some(method) = Method::named("dop853") else { return Ok(f64::NAN) };
     let accuracy = Accuracy::Rtol(RTOL, None);
     let mut start = block.initial_state();

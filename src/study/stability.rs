@@ -122,7 +122,7 @@ pub fn stability(config: &Config, table: &WorkPrecision, limits: Limits<'_>) -> 
         (record.0, matches!(run.outcome, Ok(Outcome::Finished | Outcome::Stopped)))
     };
     let mut result = Stability::default();
-    let mechanism = Joints::new(config);
+    let mechanism = Joints::from(config);
     let theta = table.reference.largest().of("θ");
     for (part, known) in mechanism.parts.iter().zip(&table.reference.parts) {
         let Part::Block(block) = part else { continue };
@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn the_spectrum_of_a_contact_across_the_arm_is_that_of_a_linear_oscillator() {
         // At θ = 0 below the centre, Y is alone: M_y ÿ = −K δ − D δ̇.
-        let block = &Joints::new(&Config::table1().unwrap()).blocks()[0].clone();
+        let block = &Joints::from(&Config::table1().unwrap()).blocks()[0].clone();
         let y = [0.0, -block.clearance - 1e-9, 0.0, 0.0, 0.0, 0.0];
         let Body::Struts(inertia) = &block.body else { panic!("joint 1 holds struts") };
         let (k, d, m) = (block.normal.elastic.slope(0.0), block.normal.damping, inertia.m_y);

@@ -15,7 +15,8 @@ use serde::{Deserialize, Serialize};
 
 use super::audit::{patience, under};
 use super::ideal::{RIGHT_ANGLE, time_to, without_clearance};
-use crate::config::{Config, Inertia, ReadingName};
+use crate::config::Config;
+use crate::keys::{Inertia, ReadingName};
 use crate::model::Block;
 
 /// Method and relative tolerance of the runs; those of AF are good to 1e-9 s under `pin`, `full`, `cosine`.

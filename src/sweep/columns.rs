@@ -11,8 +11,9 @@ use deltazero_study::{Part, Subject};
 use serde_json::Value;
 
 use super::plan::{Plan, Values};
-use crate::config::{MODEL_TABLES, Varied};
-use crate::report::simulation::header_of;
+use crate::config::Varied;
+use crate::csv::header_of;
+use crate::mechanisms::text;
 
 /// What a row has in a column.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,7 +103,7 @@ pub(super) fn heads_of_rows(plan: &Plan, varied: &[Varied], told: &[Head]) -> Ve
     let (run, status) = (Head::count("run"), Head::text("status"));
     let is_taken = |key: &str| [&run, &status].into_iter().chain(told).any(|head| head.name == key);
     let own = |key: &str| {
-        let long = if is_taken(key) { format!("{}.", MODEL_TABLES[1]) } else { String::new() };
+        let long = if is_taken(key) { format!("{}.", text::TABLES[1]) } else { String::new() };
         long + key
     };
     let axes = plan.axes.iter().map(|axis| (&axis.key, CellKind::of(&axis.values)));

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use super::SweepError;
 use super::chunks::{Chunks, Rows};
-use super::csv::fields;
 use super::runner::OK;
 use super::whole;
+use crate::csv::fields;
 
 /// Failed runs that are told of one by one.
 const TOLD: usize = 3;

@@ -2,7 +2,8 @@
 
 use super::SweepError;
 use super::table::Table;
-use crate::config::{Config, Place, Variants, Varied, one_joint};
+use crate::config::{Config, Place, Variants, Varied};
+use crate::keys::one_joint;
 
 /// The keys that the tables name, and where.
 pub(super) fn named<'a>(

@@ -10,7 +10,8 @@ use serde_json::Value;
 use super::SweepError;
 use super::columns::{Head, Shape, heads_of_estimate};
 use super::plan::{Axis, Plan, Values};
-use crate::config::{ConfigError, Kind, Variants, Varied};
+use crate::config::{ConfigError, Variants, Varied};
+use crate::keys::Kind;
 
 /// Combinations for which columns are looked up.
 const MOST_SHAPES: u64 = 4096;

@@ -19,7 +19,6 @@
 pub mod chunks;
 mod columns;
 mod course;
-mod csv;
 pub mod draw;
 mod error;
 mod join;
@@ -49,7 +48,7 @@ use deltazero_solvers::lanes::FUSED;
 use serde_json::{Value, json};
 
 use crate::config::{Config, Variants};
-use crate::report::field;
+use crate::csv::field;
 
 pub use error::SweepError;
 pub use join::{Failed, Joined, join};

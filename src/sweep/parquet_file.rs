@@ -16,8 +16,8 @@ use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
 
 use super::columns::{CellKind, Head};
-use super::csv::fields;
 use super::whole;
+use crate::csv::fields;
 
 /// Rows of a group, which is in memory as a whole.
 const GROUP: usize = 50_000;

@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::csv::fields;
 use super::plan::Plan;
 use super::runner::OK;
 use crate::config::nearest_word;
+use crate::csv::fields;
 
 pub use super::results_error::ResultsError;
 

@@ -10,7 +10,7 @@ use super::Sweep;
 use super::columns::{Cell, cells, estimated};
 use super::course::{Course, caught, make_at_once};
 use crate::config::Variants;
-use crate::report::{exact, field};
+use crate::csv::{exact, field};
 
 /// The status of a run that came to its end.
 pub(super) const OK: &str = "ok";

@@ -139,7 +139,7 @@ pub fn located(method: &str, rtol: f64) -> Setting {
 
 /// The blocks of a configuration, sampled as it asks.
 pub fn run(config: &Config, setting: &Setting) -> (Joints, Run) {
-    let mechanism = Joints::new(config);
+    let mechanism = Joints::from(config);
     let t_end = config.run.t_end;
     let limits =
         Limits { max_rhs: u64::MAX, max_seconds: f64::INFINITY, stop: &AtomicBool::new(false) };
@@ -163,7 +163,7 @@ pub fn audited(config: &Config, setting: &Setting) -> (Balance, Vec<Warning>) {
         (record.at(&run.mode, run.t, &run.y).unwrap(), record.check.warnings(setting.rtol()))
     }
     let (mut sum, mut warnings) = (Balance::default(), Vec::new());
-    for part in &Joints::new(config).parts {
+    for part in &Joints::from(config).parts {
         let (balance, own) = match part {
             Part::Block(block) => of(block, config, setting),
             Part::Chain(chain) => of(chain, config, setting),

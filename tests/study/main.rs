@@ -276,7 +276,7 @@ fn the_errors_of_a_run_are_of_one_size_and_its_work_is_that_of_its_parts() {
 #[test]
 fn any_two_columns_of_numbers_are_axes_of_a_figure() {
     let table = study(&["study.methods=[\"rk45\"]"]);
-    for name in deltazero::config::AXES {
+    for name in deltazero::keys::AXES {
         let value = Column::named(name).map(|column| (column.value)(&table.rows[0]));
         assert!(!matches!(value, None | Some(Value::Text(_))), "{name}");
     }
@@ -327,7 +327,7 @@ fn a_figure_too_large_as_svg_stands_in_the_page_as_png() {
 #[test]
 fn the_configuration_knows_the_methods_of_the_solvers() {
     let names: Vec<&str> = METHODS.iter().map(|method| method.name).collect();
-    assert_eq!(names, deltazero::config::METHODS);
+    assert_eq!(names, deltazero::keys::METHODS);
 }
 
 static RUNNING: AtomicBool = AtomicBool::new(false);

@@ -54,7 +54,7 @@ impl Problem {
     /// # Errors
     /// Where a golden file is not what it should be.
     pub(crate) fn new() -> Result<Self, Box<dyn Error>> {
-        let mechanism = Joints::new(&Config::table1()?);
+        let mechanism = Joints::from(&Config::table1()?);
         let mut golden = [Track::default(), Track::default()];
         let mut times = Vec::new();
         for [joint, t, _mode, y @ ..] in rows::<9>(STATES)? {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::super::*;
 use super::{load, refusal};
+use crate::keys::*;
 
 /// A file in the directory for temporary files, removed at the end of the test.
 struct Temporary(PathBuf);

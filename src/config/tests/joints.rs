@@ -2,11 +2,12 @@
 
 use super::super::*;
 use super::{load, refusal};
+use crate::keys::*;
 
 #[test]
 fn a_key_for_one_joint_leaves_the_other_alone() {
     let config = load("joint1.contact.stiffness = 2e7\n[joint2.joint]\nclearance = 5e-4", &[]);
-    let [one, two] = config.unwrap().joints;
+    let [one, two] = config.unwrap().shared.joints;
     assert_eq!((one.contact.stiffness, one.joint.clearance), (2e7, 1e-4));
     assert_eq!((two.contact.stiffness, two.joint.clearance), (1e7, 5e-4));
 }
@@ -15,7 +16,7 @@ fn a_key_for_one_joint_leaves_the_other_alone() {
 fn a_value_for_one_joint_stands_before_the_common_one() {
     let text = "joint2.friction.coefficient = 0.3\n[friction]\ncoefficient = 0.2";
     for sets in [&[][..], &["friction.coefficient=0.2"]] {
-        let [one, two] = load(text, sets).unwrap().joints;
+        let [one, two] = load(text, sets).unwrap().shared.joints;
         assert_eq!((one.friction.coefficient, two.friction.coefficient), (0.2, 0.3));
     }
 }
@@ -84,7 +85,7 @@ fn a_set_takes_toml_values_and_bare_words() {
 
 #[test]
 fn atol_is_absent_or_one_number_or_six() {
-    let atol = |text| load(text, &[]).unwrap().solver.atol;
+    let atol = |text| load(text, &[]).unwrap().shared.solver.atol;
     assert_eq!(atol(""), None);
     assert_eq!(atol("solver.atol = 1e-12"), Some(Atol::Same(1e-12)));
     let six = Atol::Each(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);

@@ -2,6 +2,7 @@
 
 use super::super::*;
 use super::{load, refusal};
+use crate::keys::*;
 use crate::mechanisms::MECHANISMS;
 
 #[test]
@@ -60,7 +61,7 @@ fn a_table_of_another_mechanism_is_not_used_and_a_key_of_its_own_at_the_root_ref
 #[test]
 fn the_stiffness_of_the_slider_crank_is_that_of_its_steel_and_radii() {
     let [JointConfig { joint, contact, .. }, _] =
-        load("mechanism = 'slider-crank'", &[]).unwrap().joints;
+        load("mechanism = 'slider-crank'", &[]).unwrap().shared.joints;
     // Lankarani and Nikravesh: K = 4/(3 (σ_1 + σ_2)) √(R_1 R_2/c), σ = (1 − ν²)/E.
     let sigma = (1.0 - contact.poisson_ratio * contact.poisson_ratio) / contact.young_modulus;
     let bush = joint.pin_radius + joint.clearance;

@@ -9,13 +9,14 @@ mod messages;
 mod models;
 mod numbers;
 
-use super::settings::Settings;
-use super::{Config, ConfigError, Key, toml_source};
+use super::values::Values;
+use super::{Config, ConfigError, toml_source};
+use crate::keys::Key;
 use crate::mechanisms::MECHANISMS;
 
 /// The configuration of a TOML text, called `bad.toml`, and `--set` arguments.
 fn load(text: &str, sets: &[&str]) -> Result<Config, ConfigError> {
-    let mut settings = Settings::defaults()?;
+    let mut settings = Values::defaults()?;
     settings.apply("", &toml_source::document("bad.toml", text)?)?;
     for set in sets {
         let (key, given) = toml_source::assignment(set)?;

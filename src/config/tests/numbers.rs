@@ -2,6 +2,7 @@
 
 use super::super::*;
 use super::{load, mechanism_of, refusal};
+use crate::keys::*;
 
 /// The ends of the range of a number or an integer, or of its entries.
 fn range(kind: &Kind) -> Option<Range> {

@@ -5,7 +5,7 @@ use deltazero_study::warning::Warning;
 use serde::Deserialize;
 
 use super::CamFollower;
-use crate::config::{Config, Key, NOT_NEGATIVE, POSITIVE};
+use crate::keys::{Key, NOT_NEGATIVE, POSITIVE, Shared};
 use crate::mechanisms::in_words::{fact, normal_contact, normal_warnings};
 use crate::mechanisms::{Entry, Mechanism, read_table};
 use crate::model::contact::NormalLaw;
@@ -77,24 +77,24 @@ struct Parameters {
 }
 
 impl Parameters {
-    fn follower(&self, config: &Config) -> CamFollower {
+    fn follower(&self, shared: &Shared) -> CamFollower {
         let Self { mass, stiffness, preload, damping, lift, speed } = *self;
-        let joint = &config.joints[0];
+        let joint = &shared.joints[0];
         let normal = NormalLaw::new(&joint.contact, &joint.joint);
         CamFollower { mass, stiffness, preload, damping, lift, speed, normal }
     }
 }
 
 impl Mechanism for Parameters {
-    fn subject(&self, config: &Config) -> Subject {
-        Subject::of(self.follower(config))
+    fn subject(&self, shared: &Shared) -> Subject {
+        Subject::of(self.follower(shared))
     }
 
     fn n_tolerances(&self) -> usize {
         3
     }
 
-    fn title(&self, _config: &Config) -> String {
+    fn title(&self, _shared: &Shared) -> String {
         "Mechanism `cam-follower`".to_owned()
     }
 
@@ -103,7 +103,7 @@ impl Mechanism for Parameters {
          change is an event, the zero crossing of the gap or of the contact force."
     }
 
-    fn facts(&self, config: &Config) -> Vec<(String, String)> {
+    fn facts(&self, shared: &Shared) -> Vec<(String, String)> {
         let Self { mass, stiffness, preload, damping, lift, speed } = self;
         let spring = format!("{stiffness} N/m, preload {preload} N, damping {damping} N s/m");
         vec![
@@ -116,15 +116,15 @@ impl Mechanism for Parameters {
                 "Separation",
                 format!(
                     "above {:.1} rad/s on a rigid contact",
-                    self.follower(config).separation_speed()
+                    self.follower(shared).separation_speed()
                 ),
             ),
-            fact("Time", format!("0 to {} s", config.run.t_end)),
-            fact("Contact", normal_contact(&config.joints[0].contact)),
+            fact("Time", format!("0 to {} s", shared.run.t_end)),
+            fact("Contact", normal_contact(&shared.joints[0].contact)),
         ]
     }
 
-    fn warnings(&self, config: &Config) -> Vec<Warning> {
-        normal_warnings("the contact", &config.joints[0].contact)
+    fn warnings(&self, shared: &Shared) -> Vec<Warning> {
+        normal_warnings("the contact", &shared.joints[0].contact)
     }
 }

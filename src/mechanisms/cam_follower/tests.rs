@@ -6,7 +6,8 @@ use deltazero_study::setting::Events;
 
 use super::super::runs::{Run, by_every_method, distance, setting};
 use super::*;
-use crate::config::{Config, ContactLaw};
+use crate::config::Config;
+use crate::keys::ContactLaw;
 
 /// The default with a contact of the stiffness K [N/m] and a tenth of the critical damping.
 fn on_contact(stiffness: f64) -> CamFollower {

@@ -3,7 +3,7 @@
 use deltazero_study::Subject;
 
 use super::ImpactOscillator;
-use crate::config::{Config, FINITE, Key, Kind, NOT_NEGATIVE, POSITIVE, Range};
+use crate::keys::{FINITE, Key, Kind, NOT_NEGATIVE, POSITIVE, Range, Shared};
 use crate::mechanisms::in_words::fact;
 use crate::mechanisms::{Entry, Mechanism, Misfit, read_table};
 
@@ -91,7 +91,7 @@ const KEYS: &[Key] = &[
 ];
 
 impl Mechanism for ImpactOscillator {
-    fn subject(&self, _config: &Config) -> Subject {
+    fn subject(&self, _shared: &Shared) -> Subject {
         Subject::of(*self)
     }
 
@@ -99,7 +99,7 @@ impl Mechanism for ImpactOscillator {
         2
     }
 
-    fn check(&self, _config: &Config) -> Result<(), Misfit> {
+    fn check(&self, _shared: &Shared) -> Result<(), Misfit> {
         let against = "mechanism";
         if self.damping * self.damping >= 4.0 * self.stiffness * self.mass {
             let (key, found) = ("impact_oscillator.damping", self.damping.to_string());
@@ -121,7 +121,7 @@ impl Mechanism for ImpactOscillator {
         Ok(())
     }
 
-    fn title(&self, _config: &Config) -> String {
+    fn title(&self, _shared: &Shared) -> String {
         "Mechanism `impact-oscillator`".to_owned()
     }
 
@@ -130,7 +130,7 @@ impl Mechanism for ImpactOscillator {
          it go. Each impact is an event, the zero crossing of the distance."
     }
 
-    fn facts(&self, config: &Config) -> Vec<(String, String)> {
+    fn facts(&self, shared: &Shared) -> Vec<(String, String)> {
         let Self { mass, damping, stiffness, amplitude, frequency, gap, restitution, .. } = self;
         vec![
             fact(
@@ -141,7 +141,7 @@ impl Mechanism for ImpactOscillator {
             ),
             fact("Force", format!("{amplitude} N at {frequency} rad/s")),
             fact("Stop", format!("at {gap} m, restitution {restitution}")),
-            fact("Time", format!("0 to {} s", config.run.t_end)),
+            fact("Time", format!("0 to {} s", shared.run.t_end)),
         ]
     }
 }

@@ -3,7 +3,7 @@
 use deltazero_study::Subject;
 
 use super::RockingBlock;
-use crate::config::{Config, DefaultValue, FINITE, Key, Kind, NOT_NEGATIVE, POSITIVE, Range};
+use crate::keys::{DefaultValue, FINITE, Key, Kind, NOT_NEGATIVE, POSITIVE, Range, Shared};
 use crate::mechanisms::in_words::fact;
 use crate::mechanisms::{Entry, Mechanism, Misfit, read_table};
 
@@ -82,11 +82,11 @@ const KEYS: &[Key] = &[
 ];
 
 impl Mechanism for RockingBlock {
-    fn subject(&self, _config: &Config) -> Subject {
+    fn subject(&self, _shared: &Shared) -> Subject {
         Subject::of(*self)
     }
 
-    fn n_sites(&self, _config: &Config) -> usize {
+    fn n_sites(&self, _shared: &Shared) -> usize {
         2
     }
 
@@ -94,7 +94,7 @@ impl Mechanism for RockingBlock {
         3
     }
 
-    fn check(&self, _config: &Config) -> Result<(), Misfit> {
+    fn check(&self, _shared: &Shared) -> Result<(), Misfit> {
         if self.velocity_ratio() < 0.0 {
             let (key, found) = ("rocking_block.half_width", self.half_width.to_string());
             let reason = "Housner's ratio 1 − (3/2) sin²α is below zero; take a block with b/h below √2, or give the restitution";
@@ -108,7 +108,7 @@ impl Mechanism for RockingBlock {
         Err(Misfit { key, found, against: "mechanism", reason })
     }
 
-    fn title(&self, _config: &Config) -> String {
+    fn title(&self, _shared: &Shared) -> String {
         "Mechanism `rocking-block`".to_owned()
     }
 
@@ -117,7 +117,7 @@ impl Mechanism for RockingBlock {
          it comes to rest. Each impact is an event, the zero crossing of the tilt."
     }
 
-    fn facts(&self, config: &Config) -> Vec<(String, String)> {
+    fn facts(&self, shared: &Shared) -> Vec<(String, String)> {
         let block = format!(
             "rocking block: {} m wide, {} m high, α = {:.4} rad, p = {:.4} rad/s, velocity ratio r = {:.4}",
             2.0 * self.half_width,
@@ -131,7 +131,7 @@ impl Mechanism for RockingBlock {
             fact("Mechanism", block),
             fact("Start", format!("θ = {} rad, {} rad/s", self.start_angle, self.start_velocity)),
             fact("Acceleration of the base", base),
-            fact("Time", format!("0 to {} s", config.run.t_end)),
+            fact("Time", format!("0 to {} s", shared.run.t_end)),
         ]
     }
 }

@@ -4,7 +4,8 @@ use deltazero_solvers::System as _;
 use num_dual::Dual64;
 
 use super::{Chain, Modes, Motion, STATES};
-use crate::model::block::{ContactForces, Posture, State};
+use crate::model::block::{ContactForces, State};
+use crate::model::body::Posture;
 use crate::model::contact::PinPose;
 use crate::model::inertia::BlockInertia;
 use crate::model::jacobian::{FrozenContact, Gradient, gradient};
@@ -218,7 +219,8 @@ impl Chain {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::{Config, FrictionLaw};
+    use crate::config::Config;
+    use crate::keys::FrictionLaw;
     use crate::mechanisms::strut::chain_of;
     use crate::model::contact::Touch;
 

@@ -22,7 +22,8 @@ use std::ops::Range;
 
 use deltazero_solvers::{Next, Real, System};
 
-use super::block::{Block, Body, ContactForces, Held, Posture, State};
+use super::block::{Block, ContactForces, State};
+use super::body::{Body, Held, Posture};
 use super::contact::{PinPose, Touch};
 use super::inertia::{Arrow, BlockInertia};
 use super::linkage::{AnyLinkage, Linkage as _};

@@ -3,7 +3,8 @@
 use deltazero_solvers::System;
 
 use super::*;
-use crate::config::{Config, ContactLaw, FrictionLaw};
+use crate::config::Config;
+use crate::keys::{ContactLaw, FrictionLaw};
 use crate::model::Joints;
 
 /// xorshift64: numbers from −1 to 1.
@@ -75,7 +76,7 @@ fn guards_are_positive_inside_their_mode_and_nowhere_else() {
                     "reading=full".to_owned(),
                 ];
                 let config = Config::load(None, &sets).unwrap();
-                let mechanism = Joints::new(&config);
+                let mechanism = Joints::from(&config);
                 for block in mechanism.blocks() {
                     for _ in 0..200 {
                         check(block, &state(block, &mut random), &mut random);

@@ -8,7 +8,8 @@ use deltazero_study::work_precision::{Row, Status, WorkPrecision};
 
 use super::{Heading, Page, Part, Section, Table};
 use crate::figures::Picture;
-use crate::report::{ANSWER, About, Provenance, answer_rows};
+use crate::report::{ANSWER, About, answer_rows};
+use crate::study::record::Provenance;
 
 /// The page of a study with its figures.
 pub fn page(

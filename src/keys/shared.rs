@@ -1,10 +1,35 @@
-//! The tables of the configuration as types.
+//! The tables of a configuration that mechanisms share, as types.
 
 use serde::{Deserialize, Serialize};
 
 use deltazero_study::setting::{self, Digits, Events};
 
 use super::words::{ContactLaw, Curvature, FrictionLaw, ReadingName};
+
+/// What a configuration has beside the mechanism and its own tables.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shared {
+    /// Reading of the paper.
+    pub reading: ReadingName,
+    /// Side frames in the chain.
+    pub bays: u32,
+    /// The struts.
+    pub strut: Strut,
+    /// The driving torques.
+    pub drive: Drive,
+    /// Root joints 1 (AB) and 2 (AF), what is common to both already entered in each.
+    pub joints: [JointConfig; 2],
+    /// Extent and output of a run.
+    pub run: Run,
+    /// Method and accuracy of a run.
+    pub solver: Solver,
+    /// What a study runs.
+    pub study: Study,
+    /// Who takes part in a contest.
+    pub contest: Contest,
+    /// The grid of `regimes`.
+    pub regimes: Regimes,
+}
 
 /// Six equal, solid, round struts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

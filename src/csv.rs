@@ -1,9 +1,31 @@
-//! The fields of a line of `runs.csv`.
+//! Fields and headers of CSV files.
 
 use std::borrow::Cow;
 
+use deltazero_study::problem::Quantity;
+
+/// A number as it reads back to the same bits; empty for none.
+pub(crate) fn exact(x: Option<f64>) -> String {
+    x.map_or_else(String::new, |x| format!("{x:e}"))
+}
+
+/// Text as a field of a CSV file.
+pub(crate) fn field(text: &str) -> String {
+    if text.contains([',', '"', '\n']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+/// Name and unit as a header has them: `v1_m_s` of v1 in m/s.
+pub(crate) fn header_of(column: &Quantity) -> String {
+    let unit: String = column.unit.to_lowercase().replace('²', "2").replace(['/', ' '], "_");
+    if unit.is_empty() { column.name.to_string() } else { format!("{}_{unit}", column.name) }
+}
+
 /// The fields of a line, quotes taken off.
-pub(super) fn fields(line: &str) -> impl Iterator<Item = Cow<'_, str>> {
+pub(crate) fn fields(line: &str) -> impl Iterator<Item = Cow<'_, str>> {
     let mut rest = Some(line);
     std::iter::from_fn(move || {
         let text = rest?;

@@ -3,16 +3,16 @@
 use deltazero_study::setting::{Digits, Events};
 
 use super::DefaultValue::{Absent, Toml};
-use super::{Key, NOT_NEGATIVE, POSITIVE};
-use crate::config::kind::Kind;
-use crate::config::range::{End, Range};
-use crate::config::words::{AXES, ContactLaw, Curvature, FrictionLaw, METHODS, ReadingName};
+use super::{
+    AXES, ContactLaw, Curvature, End, FrictionLaw, Key, Kind, METHODS, NOT_NEGATIVE, POSITIVE,
+    Range, ReadingName,
+};
 
 const RTOL: Kind = Kind::Number(Range::closed(1e-14, 1e-1));
 const ACCURACY: Kind = Kind::Number(Range::closed(1e-12, 1e-1));
 
 /// The keys of all mechanisms, table by table.
-pub(super) const COMMON: &[Key] = &[
+pub(crate) const COMMON: &[Key] = &[
     Key {
         path: "joint.clearance",
         kind: NOT_NEGATIVE,
