@@ -12,7 +12,7 @@ use deltazero::mechanisms::strut::chain_of;
 use deltazero::model::chain::Modes;
 use deltazero::model::{AnyLinkage, Body, Chain, Jointed, Joints, Mode};
 use deltazero::study::ideal::ideal;
-use deltazero_solvers::{Grid, Next, Outcome, Trajectory};
+use deltazero_solvers::{Error, Grid, Method, Next, Outcome, Trajectory};
 use deltazero_study::Problem as _;
 use deltazero_study::energy_balance::EnergyBalance;
 use deltazero_study::errors::contacts::{Contacts, total_impulse};
@@ -82,6 +82,17 @@ fn a_contact_that_begins_slowly_under_hysteresis_is_told_to_be_stiff() {
     for method in ["rk45", "taylor", "vern98"] {
         assert_eq!(stiffness(&block, method, 2.0), None, "{method}");
     }
+}
+
+#[test]
+fn a_step_far_beyond_stability_ends_the_run_and_does_not_hang() {
+    // hρ of 4e5: the dense output of such a step has dips without end.
+    let sets = ["reading=full", "contact.stiffness=1e12", "contact.damping=495014"];
+    let block = Joints::from(&config(&sets)).blocks()[0].clone();
+    let (method, accuracy) = (Method::named("rk4").unwrap(), Accuracy::Step(4.2e-4));
+    let setting = Setting { method, events: Events::Located, accuracy };
+    let run = integrate(&block, &setting, block.start(), 2.0, &mut ());
+    assert!(matches!(run.outcome, Err(Error::OutsideModel { .. })), "{:?}", run.outcome);
 }
 
 #[test]
