@@ -11,6 +11,8 @@ use crate::system::System;
 pub struct Work {
     /// Evaluations of the right-hand side, except those for Jacobians, samples and audits.
     pub n_rhs: u64,
+    /// Those of them that were Taylor series of the right-hand side and the guards.
+    pub n_series: u64,
     /// Evaluations of the Jacobian.
     pub n_jac: u64,
     /// Factorisations of an iteration matrix.
@@ -51,6 +53,7 @@ impl Stats {
 impl AddAssign for Work {
     fn add_assign(&mut self, other: Self) {
         self.n_rhs += other.n_rhs;
+        self.n_series += other.n_series;
         self.n_jac += other.n_jac;
         self.n_factorisations += other.n_factorisations;
         self.n_lin_solves += other.n_lin_solves;
@@ -74,6 +77,7 @@ impl Sub for Work {
     fn sub(self, other: Self) -> Self {
         Self {
             n_rhs: self.n_rhs - other.n_rhs,
+            n_series: self.n_series - other.n_series,
             n_jac: self.n_jac - other.n_jac,
             n_factorisations: self.n_factorisations - other.n_factorisations,
             n_lin_solves: self.n_lin_solves - other.n_lin_solves,

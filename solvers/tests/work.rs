@@ -60,6 +60,11 @@ fn restarts_and_location_have_their_share() {
         run.run(10.5 * belt.period(), &mut *solver, &mut ()).unwrap();
         let Stats { work, restart, location, .. } = run.stats;
         assert_eq!(work, run.stats.stepping() + restart + location);
+        match method.name {
+            "taylor" => assert_eq!(work.n_series, work.n_rhs),
+            "auto" => assert!(work.n_series > 0 && work.n_series <= work.n_rhs),
+            _ => assert_eq!(work.n_series, 0, "{}", method.name),
+        }
         let n_phases = run.stats.n_events + 1;
         if steps_itself(method, &belt) {
             // The slope at the start and one to choose the first step, for each phase; an event on the

@@ -81,6 +81,19 @@ fn a_contest_ranks_by_time_and_cuts_what_needs_ten_times_the_least_work() {
     assert!(cut.clone().any(|failure| failure.method == "tr_bdf2"), "{standings:#?}");
 }
 
+#[test]
+fn series_that_auto_takes_count_as_those_of_taylor() {
+    let (_, standings) = contest(&["taylor", "dop853", "auto"], 1e-6);
+    let located = |name: &str| {
+        let own = |entry: &&Entry| entry.method == name && entry.events == Events::Located;
+        standings.entries.iter().find(own).unwrap_or_else(|| panic!("{name}: {standings:#?}"))
+    };
+    let [taylor, dop853, auto] = ["taylor", "dop853", "auto"].map(located);
+    // They find settings a few rungs apart; a series that counted as one evaluation would make it twenty times less.
+    assert!(auto.work > 0.5 * taylor.work && auto.work < 2.0 * taylor.work, "{standings:#?}");
+    assert!(dop853.work < CUT * auto.work, "{standings:#?}");
+}
+
 /// The committed study of Table 1, its times as processor and wall have them in `times` for the runs named there.
 fn timed(times: &[(&str, Events, f64, [f64; 3], f64)]) -> Vec<Row> {
     let file = format!("{}/docs/table1/study.json", env!("CARGO_MANIFEST_DIR"));

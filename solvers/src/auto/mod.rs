@@ -56,7 +56,7 @@ use explicit::Explicit;
 use pilot::{Leg, Pilot, Turn};
 
 /// Smallest relative tolerance at which the explicit method is the fourth-order pair.
-const LOOSE: f64 = 1e-4;
+pub(crate) const LOOSE: f64 = 1e-4;
 
 /// Fraction of the tolerance that the implicit method works to.
 const IMPLICIT_SHARE: f64 = 0.1;

@@ -21,7 +21,7 @@ pub use radau_iia_5::RADAU_IIA_5;
 pub use rodas_5p::RODAS_5P;
 pub use verner_98::VERNER_98;
 
-use crate::auto::AutoSolver;
+use crate::auto::{AutoSolver, LOOSE};
 use crate::batch::{self, Entry};
 use crate::control::{Control, Steps};
 use crate::diffsol::DiffsolScheme;
@@ -218,11 +218,12 @@ impl Method {
         matches!(self.scheme, Scheme::Explicit(_) | Scheme::Taylor)
     }
 
-    /// Order of the Taylor series at a relative tolerance, or with a fixed step for `None`; `None` for a method
-    /// without series.
+    /// Order of the Taylor series at a relative tolerance, or with a fixed step for `None`; `None` for a method that
+    /// takes none there. [`auto`](crate::auto) may take others than series, [`Work::n_series`](crate::Work) tells.
     pub fn series_order(&self, rtol: Option<f64>) -> Option<usize> {
         match self.scheme {
             Scheme::Taylor => Some(rtol.map_or(taylor::FIXED_STEP_ORDER, taylor::order_for)),
+            Scheme::Auto => rtol.filter(|rtol| *rtol < LOOSE).map(taylor::order_for),
             _ => None,
         }
     }

@@ -180,6 +180,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         let field = InMode { problem: self.problem, mode: &self.mode };
         self.expansion.complete(&field, self.t, &mut self.y, self.guards.low());
         self.stats.work.n_rhs += 1;
+        self.stats.work.n_series += 1;
         (self.step.t0, self.step.t0_low) = (self.t.hi(), self.t.lo());
         for (rounded_y, y) in self.step.y.iter_mut().zip(&self.y) {
             *rounded_y = rounded::<P, _>(y);

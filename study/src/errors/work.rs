@@ -18,7 +18,7 @@ pub struct Counts {
 
 impl From<Work> for Counts {
     fn from(work: Work) -> Self {
-        let Work { n_rhs, n_jac, n_factorisations, n_lin_solves } = work;
+        let Work { n_rhs, n_jac, n_factorisations, n_lin_solves, .. } = work;
         Self { n_rhs, n_jac, n_factorisations, n_lin_solves }
     }
 }

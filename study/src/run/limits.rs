@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use deltazero_solvers::{Accepted, Event, Needs, Record, Stats, System};
+use deltazero_solvers::{Accepted, Event, Method, Needs, Record, Stats, System, Work};
 
 use super::{Ran, Setting};
 
 /// A series costs this many right-hand sides for each of its orders: 2.2 at order 8, 1.9 at 11, 2.1 at 15, 2.3
 /// at 19 (Table 1, located).
-pub const SERIES: f64 = 2.0;
+const SERIES: f64 = 2.0;
 /// An attempt of the Taylor method that is rejected sums its series and begins another: this part of what a series
 /// costs. Of blind runs of reading `full` at rtol 1e-8 to 1e-12, which reject 27 to 45 attempts for each
 /// series, a rejected one takes 0.7 µs.
@@ -52,8 +52,7 @@ impl<'a> Limits<'a> {
 
     /// A recorder that breaks off a run whose work has this price. Its time begins with its first step.
     pub fn watch(self, price: Price) -> Watch<'a> {
-        let most_rhs = (self.max_rhs as f64 / price.rhs) as u64;
-        Watch { limits: self, price, most_rhs, clock: None, cut: None }
+        Watch { limits: self, price, clock: None, cut: None }
     }
 
     /// That one of them was reached, with its number.
@@ -77,30 +76,42 @@ pub enum Limit {
 /// What counts of work are worth in evaluations of the right-hand side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Price {
-    /// One that is counted as an evaluation, which may be a series.
-    pub rhs: f64,
+    /// A Taylor series, which is counted as one.
+    pub series: f64,
     /// A rejected attempt, beyond what it is counted as already.
     pub rejected: f64,
 }
 
 impl Price {
     /// That of the methods whose evaluations are all counted.
-    pub const PLAIN: Self = Self { rhs: 1.0, rejected: 0.0 };
+    pub const PLAIN: Self = Self { series: 1.0, rejected: 0.0 };
 
-    /// That of the method of a setting: a series of order p is worth 2 p, a rejected one a quarter of it.
+    /// That of the method of a setting; see [`of_series_at`](Self::of_series_at).
     pub fn of_setting(setting: &Setting) -> Self {
-        let order = setting.method.series_order(setting.rtol());
-        order.map_or(Self::PLAIN, |order| Self::of_series(SERIES * order as f64))
+        Self::of_series_at(setting.method, setting.rtol())
+    }
+
+    /// That of a method at a tolerance: a series of order p is worth 2 p, a rejected one a quarter of it. Of a method that
+    /// chooses a rejected attempt is worth what is counted: which ones were series is not known.
+    pub fn of_series_at(method: &Method, rtol: Option<f64>) -> Self {
+        let Some(order) = method.series_order(rtol) else { return Self::PLAIN };
+        let price = Self::of_series(SERIES * order as f64);
+        if method.chooses() { Self { rejected: 0.0, ..price } } else { price }
     }
 
     /// That of a method of series, each of them worth so much.
-    pub fn of_series(rhs: f64) -> Self {
-        Self { rhs, rejected: REJECTED * rhs }
+    pub fn of_series(series: f64) -> Self {
+        Self { series, rejected: REJECTED * series }
     }
 
     /// What these counts are worth.
     pub fn of(&self, stats: &Stats) -> f64 {
-        self.rhs * stats.work.n_rhs as f64 + self.rejected(stats)
+        self.of_counted(&stats.work) + self.rejected(stats)
+    }
+
+    /// The same without rejected attempts.
+    pub fn of_counted(&self, work: &Work) -> f64 {
+        work.n_rhs as f64 + (self.series - 1.0) * work.n_series as f64
     }
 
     /// What the rejected attempts among them are worth beyond what is counted.
@@ -182,8 +193,6 @@ impl<P: System> Record<P> for Braked<'_> {
 pub struct Watch<'a> {
     limits: Limits<'a>,
     price: Price,
-    /// What the limit of work is in counted evaluations.
-    most_rhs: u64,
     /// None before the first step.
     clock: Option<Clock>,
     /// The limit that it broke the run off at.
@@ -210,7 +219,8 @@ impl Watch<'_> {
 impl Brake for Watch<'_> {
     fn step(&mut self, _t: f64, stats: &Stats) -> ControlFlow<()> {
         let is_late = self.clock().is_over_after(stats);
-        self.judge(stats.work.n_rhs > self.most_rhs, is_late)
+        let is_too_much = self.price.of_counted(&stats.work) > self.limits.max_rhs as f64;
+        self.judge(is_too_much, is_late)
     }
 
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {

@@ -16,7 +16,7 @@ pub use crate::setting::{Accuracy, Events, Setting};
 
 pub use at_once::{Begun, at_once, integrate_all};
 pub(crate) use at_once::{is_at_once, one_by_one};
-pub use limits::{Brake, Braked, Clock, Limit, Limits, Price, SERIES, Watch};
+pub use limits::{Brake, Braked, Clock, Limit, Limits, Price, Watch};
 pub use stopwatch::{Stopwatch, Took};
 
 /// A change of the mode of a site, as tables write it.

@@ -9,7 +9,7 @@ use super::benchmark::Benchmark;
 use crate::errors::worse;
 use crate::part::Part;
 use crate::reference::PartReference;
-use crate::run::{Brake, Clock, Price, SERIES, Setting, Took};
+use crate::run::{Brake, Clock, Price, Setting, Took};
 
 pub use crate::part::Start;
 
@@ -25,8 +25,7 @@ const LIN_SOLVE: f64 = 5.0;
 /// n_rhs + 5 n_lin_solves        a Taylor series of order p counts 2 p
 /// ```
 pub fn work(method: &Method, rtol: Option<f64>, counts: &Work) -> f64 {
-    let rhs = method.series_order(rtol).map_or(1.0, |order| SERIES * order as f64);
-    rhs * counts.n_rhs as f64 + LIN_SOLVE * counts.n_lin_solves as f64
+    Price::of_series_at(method, rtol).of_counted(counts) + LIN_SOLVE * counts.n_lin_solves as f64
 }
 
 /// How a run ended.

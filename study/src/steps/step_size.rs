@@ -161,8 +161,11 @@ fn comparable<'a>(rows: &'a [Row], method: &str) -> Option<&'a Row> {
 
 /// The work of a row; see [`work`].
 fn cost(row: &Row) -> f64 {
-    let counts = Work { n_rhs: row.n_rhs, n_lin_solves: row.n_lin_solves, ..Work::default() };
-    Method::named(&row.method).map_or(f64::INFINITY, |method| work(method, row.rtol, &counts))
+    let Some(method) = Method::named(&row.method) else { return f64::INFINITY };
+    let (n_rhs, n_lin_solves) = (row.n_rhs, row.n_lin_solves);
+    // A row does not tell which were series. A method of series takes nothing else.
+    let n_series = if method.chooses() { 0 } else { n_rhs };
+    work(method, row.rtol, &Work { n_rhs, n_series, n_lin_solves, ..Work::default() })
 }
 
 fn history(
