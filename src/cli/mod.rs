@@ -2,6 +2,7 @@
 
 mod audit;
 mod axes;
+mod completions;
 mod config;
 mod kept;
 mod laws;
@@ -76,6 +77,11 @@ enum Command {
     Config(config::ConfigArgs),
     /// Models as text files: those that come with the program, a start for your own, a check
     Model(model::ModelArgs),
+    /// What a shell is told to complete this command line: deltazero completions bash
+    Completions(completions::CompletionsArgs),
+    /// Pages of the manual, for those who package the program
+    #[command(hide = true)]
+    Man(completions::ManArgs),
 }
 
 /// Where a configuration comes from.
@@ -212,8 +218,11 @@ fn misplaced_command(args: &study::StudyArgs) -> Option<Failure> {
     let word = args.run.from.config.as_deref()?;
     let is_word = word.to_str()?.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
     (is_word && !word.exists()).then(|| {
-        let commands: Vec<_> =
-            Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
+        let commands: Vec<_> = Cli::command()
+            .get_subcommands()
+            .filter(|command| !command.is_hide_set())
+            .map(|command| command.get_name().to_owned())
+            .collect();
         Failure::Usage(format!(
             "{}: neither a configuration file nor, in the first place, a command ({})",
             word.display(),
@@ -247,6 +256,8 @@ pub(crate) fn main() -> ExitCode {
         Some(Command::Report(args)) => report::run(&args, &stop),
         Some(Command::Config(args)) => config::run(&args),
         Some(Command::Model(args)) => model::run(&args),
+        Some(Command::Completions(args)) => completions::run(&args),
+        Some(Command::Man(args)) => completions::man(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,4 +1,4 @@
-//! `methods`, `config`, `--help`: what they print.
+//! `methods`, `config`, `--help`, `completions`: what they print.
 
 use serde_json::Value;
 
@@ -88,4 +88,48 @@ fn a_configuration_that_is_given_is_printed_with_its_mechanism() {
     let ran = scratch.run(&["config", "--set", "contact.stifness=1e9"]);
     assert_eq!(ran.code, Some(2));
     assert!(ran.stderr.contains("did you mean \"contact.stiffness\"?"), "{}", ran.stderr);
+}
+
+#[test]
+fn shells_complete_every_command_and_option() {
+    let scratch = Scratch::new();
+    for shell in ["bash", "zsh", "fish"] {
+        let script = scratch.succeed(&["completions", shell]).stdout;
+        for word in ["simulate", "recommend", "completions", "accuracy", "no-horizon"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+    }
+    let ran = scratch.run(&["completions", "csh"]);
+    assert_eq!(ran.code, Some(2));
+    assert!(ran.stderr.contains("bash"), "{}", ran.stderr);
+}
+
+/// Where there is a bash: it takes the script, and completes by it.
+#[cfg(target_os = "linux")]
+#[test]
+fn bash_completes_by_its_script() {
+    let scratch = Scratch::new();
+    let script = scratch.succeed(&["completions", "bash"]).stdout;
+    let tried = "COMP_WORDS=(deltazero reco); COMP_CWORD=1; _deltazero deltazero reco deltazero; echo ${COMPREPLY[@]}";
+    let bash =
+        std::process::Command::new("bash").arg("-c").arg(format!("{script}\n{tried}")).output();
+    let Ok(output) = bash else { return };
+    assert_eq!(String::from_utf8_lossy(&output.stdout), "recommend\n");
+}
+
+#[test]
+fn the_manual_has_a_page_for_every_command() {
+    let scratch = Scratch::new();
+    scratch.succeed(&["man", "pages"]);
+    let help = scratch.succeed(&["--help"]).stdout;
+    let listed = help.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
+    let commands = listed.lines().map(|line| line.split_whitespace().next().unwrap());
+    let mut n_pages = 0;
+    for command in commands.filter(|command| *command != "help") {
+        let page = scratch.text(&format!("pages/deltazero-{command}.1"));
+        assert!(page.contains(".SH SYNOPSIS") && page.contains(command), "{command}: {page}");
+        n_pages += 1;
+    }
+    assert!(n_pages > 10, "{listed}");
+    assert!(scratch.text("pages/deltazero.1").contains("deltazero\\-recommend(1)"));
 }
