@@ -55,7 +55,7 @@ pub(super) fn run(args: &PlotArgs) -> Result<(), Failure> {
     let (drawing, sobol, name) = match (&args.sobol, &args.x) {
         (Some(column), _) => {
             let sobol = Sobol::of(&results, column).map_err(PlotError::from)?;
-            (sweep::sobol::drawing(&sobol)?, Some(sobol), format!("sobol_of_{column}"))
+            (sweep::sobol::drawing(&sobol)?, Some(sobol), sweep::sobol::file_name(column))
         }
         (None, x) => {
             let x = x.as_deref().unwrap_or_default();

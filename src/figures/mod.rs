@@ -48,7 +48,7 @@ pub struct Drawing {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Name of its files, without ending.
-    pub name: &'static str,
+    pub name: String,
     /// What stands above it.
     pub title: String,
     /// Setting and finding, with numbers of the run.
@@ -66,7 +66,7 @@ impl Drawing {
     /// Where the figure cannot be drawn.
     pub fn picture(&self) -> Result<Picture, Error> {
         Ok(Picture {
-            name: self.name,
+            name: self.name.to_owned(),
             title: self.figure.title.clone(),
             caption: self.caption.clone(),
             svg: self.figure.svg()?,

@@ -14,26 +14,35 @@
 //! | `work`, `join` | chunks over threads; `runs.csv` of all of them |
 //! | `parquet_file` | the same rows by column, with types |
 //! | [`results`] | the columns of a finished sweep, as they are asked for |
+//! | `reasons`, [`ranks`], [`summary`] | why runs failed; rank correlation; what the runs say and what it follows |
+//! | `default_columns` | which of them a report is of |
+//! | [`origin`], [`plan_toml`] | what a finished sweep was made of; its plan as a file again |
 //! | [`sensitivity`], [`sobol`] | Sobol indices from samples, and of a column at each grid point |
 
 pub mod chunks;
 mod columns;
 mod course;
+mod default_columns;
 pub mod draw;
 mod error;
 mod join;
 mod keys;
 mod layout;
 mod normal;
+pub mod origin;
 mod parquet_file;
 pub mod plan;
+pub mod plan_toml;
+pub mod ranks;
 mod read;
+mod reasons;
 pub mod results;
 mod results_error;
 mod runner;
 pub mod saltelli;
 pub mod sensitivity;
 pub mod sobol;
+pub mod summary;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -50,6 +59,7 @@ use serde_json::{Value, json};
 use crate::config::{Config, Variants};
 use crate::csv::field;
 
+pub use default_columns::default_columns;
 pub use error::SweepError;
 pub use join::{Failed, Joined, join};
 pub use read::Over;

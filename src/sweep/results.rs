@@ -9,10 +9,12 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::plan::Plan;
+use super::reasons::Reasons;
 use super::runner::OK;
 use crate::config::nearest_word;
 use crate::csv::fields;
 
+pub use super::reasons::Reason;
 pub use super::results_error::ResultsError;
 
 /// Different words that a column may have.
@@ -31,10 +33,24 @@ pub struct Results {
 /// What the runs have that came to their end, column by column.
 #[derive(Debug, PartialEq)]
 pub struct Table {
-    /// In the order in which they were asked for.
-    pub columns: Vec<Column>,
+    /// With their names, in the order in which they were asked for.
+    pub columns: Vec<(String, Column)>,
     /// Runs that did not come to their end, which have no row here.
     pub failed: u64,
+    /// Why they did not, the commonest reason first.
+    pub reasons: Vec<Reason>,
+}
+
+impl Table {
+    /// The column of this name.
+    pub fn column(&self, name: &str) -> Option<&Column> {
+        self.columns.iter().find(|(own, _)| own == name).map(|(_, column)| column)
+    }
+
+    /// Runs that came to their end.
+    pub fn n_rows(&self) -> usize {
+        self.columns.first().map_or(0, |(_, column)| column.len())
+    }
 }
 
 /// A column.
@@ -49,6 +65,21 @@ pub enum Column {
         /// Which of them each row has.
         of_row: Vec<u32>,
     },
+}
+
+impl Column {
+    /// Runs that it is of.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Numbers(numbers) => numbers.len(),
+            Self::Words { of_row, .. } => of_row.len(),
+        }
+    }
+
+    /// Whether it is of no run.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
 }
 
 impl Results {
@@ -90,12 +121,22 @@ impl Results {
         Ok(results)
     }
 
+    /// The unit of a column, empty for none.
+    pub fn unit(&self, column: &str) -> &str {
+        self.units.get(column).map_or("", String::as_str)
+    }
+
     /// A column with its unit, as an axis has it.
     pub fn label(&self, column: &str) -> String {
-        match self.units.get(column).filter(|unit| !unit.is_empty()) {
-            Some(unit) => format!("{column} [{unit}]"),
-            None => column.to_owned(),
+        match self.unit(column) {
+            "" => column.to_owned(),
+            unit => format!("{column} [{unit}]"),
         }
+    }
+
+    /// The columns of the keys that the plan sets, in the order of [`Plan::keys`]: they stand after the number of the run.
+    pub fn key_columns(&self) -> &[String] {
+        self.columns.get(1..=self.plan.keys().len()).unwrap_or_default()
     }
 
     /// These columns of all runs that came to their end.
@@ -103,29 +144,34 @@ impl Results {
     /// # Errors
     /// A column that is not there or has too many words, or a file that cannot be read.
     pub fn table(&self, names: &[&str]) -> Result<Table, ResultsError> {
-        let (mut readers, mut failed) = (vec![Reader::default(); names.len()], 0);
-        self.rows(names, |is_ok, row| {
-            failed += u64::from(!is_ok);
-            if is_ok {
-                for ((reader, text), name) in readers.iter_mut().zip(row).zip(names) {
-                    reader.add(text, name)?;
-                }
+        let (mut readers, mut reasons) = (vec![Reader::default(); names.len()], Reasons::default());
+        self.rows(names, |status, row| {
+            if status != OK {
+                reasons.add(status);
+                return Ok(());
             }
-            Ok(())
+            let columns = readers.iter_mut().zip(row).zip(names);
+            columns.into_iter().try_for_each(|((reader, text), name)| reader.add(text, name))
         })?;
-        Ok(Table { columns: readers.into_iter().map(|reader| reader.column).collect(), failed })
+        let reasons = reasons.sorted();
+        let columns = names.iter().zip(readers);
+        Ok(Table {
+            columns: columns.map(|(name, own)| ((*name).to_owned(), own.column)).collect(),
+            failed: reasons.iter().map(|reason| reason.n).sum(),
+            reasons,
+        })
     }
 
-    /// Calls `each` with every row, one after the other: whether the run came to its end, and its fields in `names`.
+    /// Calls `each` with every row, one after the other: the status of the run, and its fields in `names`.
     ///
     /// # Errors
     /// A column that is not there, a file that cannot be read, or what `each` says.
     pub fn rows(
         &self,
         names: &[&str],
-        mut each: impl FnMut(bool, &[Cow<'_, str>]) -> Result<(), ResultsError>,
+        mut each: impl FnMut(&str, &[Cow<'_, str>]) -> Result<(), ResultsError>,
     ) -> Result<(), ResultsError> {
-        let status = self.position("status")?;
+        let of_status = self.position("status")?;
         let places = names.iter().map(|name| self.position(name));
         let places: Vec<usize> = places.collect::<Result<_, _>>()?;
         let mut file = self.file()?;
@@ -139,23 +185,29 @@ impl Results {
                 continue;
             }
             let mut row = vec![Cow::Borrowed(""); names.len()];
-            let (mut is_ok, mut n) = (false, 0);
+            let (mut status, mut n) = (Cow::Borrowed(""), 0);
             for (at, field) in fields(text.trim_end_matches('\n')).enumerate() {
                 n += 1;
-                is_ok |= at == status && field == OK;
                 for (_, own) in places.iter().zip(&mut row).filter(|(place, _)| **place == at) {
                     own.clone_from(&field);
+                }
+                if at == of_status {
+                    status = field;
                 }
             }
             if n != self.columns.len() {
                 return Err(ResultsError::Row { path: self.path.clone(), line });
             }
-            each(is_ok, &row)?;
+            each(&status, &row)?;
         }
         Ok(())
     }
 
-    fn position(&self, name: &str) -> Result<usize, ResultsError> {
+    /// The place of a column.
+    ///
+    /// # Errors
+    /// It is not there: which is the nearest, and all that are.
+    pub(super) fn position(&self, name: &str) -> Result<usize, ResultsError> {
         self.columns.iter().position(|own| own == name).ok_or_else(|| {
             let nearest = nearest_word(name, self.columns.iter().map(String::as_str));
             ResultsError::Column {
@@ -245,15 +297,16 @@ mod tests {
         let rows = "0,1e3,ok,free,1\n1,2e3,\"no, none\",,\n2,none,ok,,\n3,1e3,ok,free,3\n";
         let results = results(dir.path(), rows);
         let table = results.table(&["x_m", "w", "a.b", "x_m"]).unwrap();
-        assert_eq!(table.failed, 1);
-        let Column::Numbers(x) = &table.columns[0] else { panic!("{table:?}") };
+        assert_eq!((table.failed, table.n_rows()), (1, 3));
+        assert_eq!(table.reasons[0].first, "no, none");
+        let Column::Numbers(x) = &table.columns[0].1 else { panic!("{table:?}") };
         assert!(x[0] == 1.0 && x[1].is_nan() && x[2] == 3.0);
         let words = |words: &[&str], of_row: &[u32]| Column::Words {
             words: words.iter().map(|word| (*word).to_owned()).collect(),
             of_row: of_row.to_vec(),
         };
-        assert_eq!(table.columns[1], words(&["free", ""], &[0, 1, 0]));
-        assert_eq!(table.columns[2], words(&["1e3", "none"], &[0, 1, 0]));
+        assert_eq!(table.columns[1].1, words(&["free", ""], &[0, 1, 0]));
+        assert_eq!(*table.column("a.b").unwrap(), words(&["1e3", "none"], &[0, 1, 0]));
         assert_eq!((results.label("a.b"), results.label("w")), ("a.b [N/m]".into(), "w".into()));
     }
 

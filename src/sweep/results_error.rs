@@ -48,6 +48,14 @@ pub enum ResultsError {
         /// All.
         known: String,
     },
+    /// A key where a result is asked for.
+    #[error("{name} is a key that the plan sets; give a column that runs tell: {known}")]
+    Key {
+        /// The column.
+        name: String,
+        /// Those that are results.
+        known: String,
+    },
     /// A row that does not have a field for each column.
     #[error("{}:{line}: not as it was written; make the sweep again with --force", path.display())]
     Row {

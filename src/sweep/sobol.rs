@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::draw::Sampling;
-use super::plan::Random;
+use super::plan::{Plan, Random};
 use super::results::{Results, ResultsError};
+use super::runner::OK;
 use super::saltelli;
 use super::sensitivity::{Index, LEAST_SAMPLES, indices};
 
@@ -49,27 +50,52 @@ impl Sobol {
     /// # Errors
     /// A sweep without the design for them, a column that is not there or not of numbers, or one that has no indices at any point.
     pub fn of(results: &Results, column: &str) -> Result<Self, ResultsError> {
-        let random = results.plan.random.as_ref();
-        let random = random.filter(|random| random.sampling == Sampling::Saltelli);
-        let random = random.ok_or(ResultsError::NoDesign)?;
-        let mut sobol = Self { column: column.to_owned(), points: Vec::new(), failed: 0 };
-        let (mut values, mut point, n) = (Vec::new(), 0, random.n_runs() as usize);
-        results.rows(&[column], |is_ok, row| {
-            sobol.failed += u64::from(!is_ok);
-            values.push(number(column, &row[0])?.filter(|_| is_ok));
-            if values.len() == n {
-                sobol.points.extend(self::point(results, random, point, &values));
-                values.clear();
-                point += 1;
+        let sobol = Self::of_each(results, &[column])?.into_iter().next();
+        sobol.ok_or(ResultsError::NoDesign)?.with_points()
+    }
+
+    /// The indices of each of `columns`, read together; those of one may be at no point.
+    ///
+    /// # Errors
+    /// A sweep without the design for them, or a column that is not there or not of numbers.
+    pub fn of_each(results: &Results, columns: &[&str]) -> Result<Vec<Self>, ResultsError> {
+        let random = design(&results.plan).ok_or(ResultsError::NoDesign)?;
+        let empty =
+            |column: &&str| Self { column: (*column).to_owned(), points: Vec::new(), failed: 0 };
+        let mut all: Vec<Self> = columns.iter().map(empty).collect();
+        let (mut values, n) = (vec![Vec::new(); columns.len()], random.n_runs() as usize);
+        let mut run = 0;
+        results.rows(columns, |status, row| {
+            for ((sobol, values), text) in all.iter_mut().zip(&mut values).zip(row) {
+                sobol.failed += u64::from(status != OK);
+                values.push(number(&sobol.column, text)?.filter(|_| status == OK));
+                if values.len() == n {
+                    sobol.points.extend(self::point(results, random, run / n as u64, values));
+                    values.clear();
+                }
             }
+            run += 1;
             Ok(())
         })?;
-        if sobol.points.is_empty() {
-            let (column, failed) = (column.to_owned(), sobol.failed);
+        Ok(all)
+    }
+
+    /// Itself, if there are indices at any point.
+    ///
+    /// # Errors
+    /// There are none.
+    pub fn with_points(self) -> Result<Self, ResultsError> {
+        if self.points.is_empty() {
+            let Self { column, failed, .. } = self;
             return Err(ResultsError::NoIndices { column, least: LEAST_SAMPLES, failed });
         }
-        Ok(sobol)
+        Ok(self)
     }
+}
+
+/// The draws of a plan that is designed for Sobol indices.
+pub fn design(plan: &Plan) -> Option<&Random> {
+    plan.random.as_ref().filter(|random| random.sampling == Sampling::Saltelli)
 }
 
 /// The number of a field, if it has one.

@@ -14,7 +14,7 @@ const MOST_WHOLE: f64 = 40.0;
 const TOLD: [(f64, &str); 3] = [(0.05, "5 %"), (0.5, "median"), (0.95, "95 %")];
 
 /// The histogram.
-pub(super) fn drawing(data: &Data) -> Result<Drawing, PlotError> {
+pub(super) fn drawing(data: &Data<'_>) -> Result<Drawing, PlotError> {
     let x = &data.x;
     let classes = match &data.color {
         None => Levels::one(data.n),
@@ -75,7 +75,7 @@ pub(super) fn drawing(data: &Data) -> Result<Drawing, PlotError> {
 }
 
 /// Bins of equal widths, or of equal ratios on a logarithmic axis; for a few whole numbers one each.
-fn bins(x: &Field, sorted: &[f64]) -> Vec<(f64, f64)> {
+fn bins(x: &Field<'_>, sorted: &[f64]) -> Vec<(f64, f64)> {
     let (Some(low), Some(high)) = (sorted.first().copied(), sorted.last().copied()) else {
         return Vec::new();
     };

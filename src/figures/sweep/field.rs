@@ -25,32 +25,36 @@ pub(super) enum Role {
 }
 
 /// A column that is drawn.
-pub(super) struct Field {
+pub(super) struct Field<'a> {
     pub(super) name: String,
     pub(super) label: String,
     pub(super) role: Role,
-    pub(super) column: Column,
+    pub(super) column: &'a Column,
     scale: Scale,
 }
 
-impl Field {
-    pub(super) fn new(results: &Results, name: &str, column: Column) -> Self {
-        let axis = results.plan.axes.iter().find(|axis| axis.key == name);
+impl<'a> Field<'a> {
+    pub(super) fn new(results: &Results, name: &str, column: &'a Column) -> Self {
+        let own = |key: &&String| *key == name;
+        let keys = results.key_columns();
+        let axis =
+            results.plan.axes.iter().zip(keys).find(|(_, key)| own(key)).map(|(axis, _)| axis);
         let drawn = results.plan.random.iter().flat_map(|random| &random.keys);
-        let law = drawn.filter(|draw| draw.key == name).map(|draw| draw.law).next();
+        let drawn = drawn.zip(keys.iter().skip(results.plan.axes.len()));
+        let law = drawn.filter(|(_, key)| own(key)).map(|(draw, _)| draw.law).next();
         let of_plan = match (axis.map(|axis| &axis.values), law) {
             (Some(Values::Log { .. }), _) | (_, Some(Law::LogUniform(_))) => Some(Scale::Log),
             (Some(Values::Linear { .. }), _) | (_, Some(_)) => Some(Scale::Linear),
             _ => None,
         };
-        let scale = of_plan.unwrap_or_else(|| scale_of(&column));
+        let scale = of_plan.unwrap_or_else(|| scale_of(column));
         let role = if axis.is_some() { Role::Axis } else { Role::Value };
         Self { name: name.to_owned(), label: results.label(name), role, column, scale }
     }
 
     /// Its axis: with numbers, or with the words as places.
     pub(super) fn axis(&self) -> Axis {
-        match &self.column {
+        match self.column {
             Column::Words { words, .. } => {
                 Axis::named(&self.label, words.iter().map(|word| named(word)).collect())
             }
@@ -70,15 +74,15 @@ impl Field {
 
     /// Where each row stands on its axis.
     pub(super) fn places(&self) -> Vec<f64> {
-        match &self.column {
+        match self.column {
             Column::Numbers(numbers) => numbers.clone(),
             Column::Words { of_row, .. } => of_row.iter().map(|word| f64::from(*word)).collect(),
         }
     }
 
     /// Its numbers.
-    pub(super) fn numbers(&self) -> Result<&[f64], ResultsError> {
-        match &self.column {
+    pub(super) fn numbers(&self) -> Result<&'a [f64], ResultsError> {
+        match self.column {
             Column::Numbers(numbers) => Ok(numbers),
             Column::Words { .. } => Err(ResultsError::NotNumbers { column: self.name.clone() }),
         }
@@ -86,7 +90,7 @@ impl Field {
 
     /// Its different values in order.
     pub(super) fn levels(&self) -> Levels {
-        match &self.column {
+        match self.column {
             Column::Words { words, of_row } => Levels {
                 names: words.iter().map(|word| named(word)).collect(),
                 places: (0..words.len()).map(|i| i as f64).collect(),
@@ -106,7 +110,7 @@ impl Field {
 
     /// Whether it holds words, or few whole numbers: codes and counts.
     pub(super) fn is_discrete(&self) -> bool {
-        let Column::Numbers(numbers) = &self.column else { return true };
+        let Column::Numbers(numbers) = self.column else { return true };
         let mut seen: Vec<f64> = Vec::new();
         for x in numbers.iter().filter(|x| !x.is_nan()) {
             if x.fract() != 0.0 || x.abs() > LARGEST_CODE {

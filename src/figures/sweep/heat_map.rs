@@ -13,7 +13,7 @@ const MOST: usize = 100;
 const MOST_TOLD: usize = 12;
 
 /// The heat map, if the axes have few enough values.
-pub(super) fn drawing(data: &Data, y: &Field, color: &Field) -> Option<Drawing> {
+pub(super) fn drawing(data: &Data<'_>, y: &Field<'_>, color: &Field<'_>) -> Option<Drawing> {
     let (across, up) = (data.x.levels(), y.levels());
     let (cols, rows) = (across.names.len(), up.names.len());
     if cols.max(rows) > MOST {
@@ -28,7 +28,7 @@ pub(super) fn drawing(data: &Data, y: &Field, color: &Field) -> Option<Drawing> 
         .filter_map(|row| Some((row, cell(row)?)))
         .for_each(|(row, at)| of_cell[at].push(row));
     let most_runs = of_cell.iter().map(Vec::len).max().unwrap_or(0);
-    let (cells, texts, finding) = match &color.column {
+    let (cells, texts, finding) = match color.column {
         Column::Numbers(numbers) => values(color, numbers, &of_cell),
         Column::Words { .. } => words(&color.classes()?, &of_cell),
     };
@@ -67,7 +67,11 @@ pub(super) fn drawing(data: &Data, y: &Field, color: &Field) -> Option<Drawing> 
 }
 
 /// The median of each cell, as colour and text, and which are least and largest.
-fn values(color: &Field, numbers: &[f64], cells: &[Vec<usize>]) -> (Cells, Vec<String>, String) {
+fn values(
+    color: &Field<'_>,
+    numbers: &[f64],
+    cells: &[Vec<usize>],
+) -> (Cells, Vec<String>, String) {
     let median = |rows: &Vec<usize>| {
         let mut own: Vec<f64> =
             rows.iter().map(|row| numbers[*row]).filter(|x| x.is_finite()).collect();

@@ -50,8 +50,8 @@ fn curves(
 
 /// The lines, one for each of `classes`.
 pub(super) fn drawing(
-    data: &Data,
-    y: &Field,
+    data: &Data<'_>,
+    y: &Field<'_>,
     classes: Option<Levels>,
 ) -> Result<Drawing, PlotError> {
     let numbers = y.numbers()?;

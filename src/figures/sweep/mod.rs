@@ -11,6 +11,7 @@
 //! 100 values (heat map), or colours without classes (lines), make a scatter too. Runs that did not come to their end
 //! are left out.
 
+mod chosen;
 mod distribution;
 mod error;
 mod field;
@@ -20,8 +21,9 @@ mod scatter;
 pub mod sobol;
 
 use super::Drawing;
-use crate::sweep::results::{Column, Results, Table};
+use crate::sweep::results::{Results, Table};
 
+pub use chosen::chosen;
 pub use error::PlotError;
 
 use field::{Field, Role};
@@ -37,7 +39,11 @@ pub struct Asked<'a> {
     pub color: Option<&'a str>,
 }
 
-impl Asked<'_> {
+impl<'a> Asked<'a> {
+    fn names(self) -> impl Iterator<Item = &'a str> {
+        [Some(self.x), self.y, self.color].into_iter().flatten()
+    }
+
     /// A name for the files of its figure.
     pub fn file_name(&self) -> String {
         let over = self.y.map_or_else(|| self.x.to_owned(), |y| format!("{y}_over_{}", self.x));
@@ -46,10 +52,10 @@ impl Asked<'_> {
 }
 
 /// What is drawn: the columns of the runs that came to their end.
-struct Data {
-    x: Field,
-    y: Option<Field>,
-    color: Option<Field>,
+struct Data<'a> {
+    x: Field<'a>,
+    y: Option<Field<'a>>,
+    color: Option<Field<'a>>,
     n: usize,
     failed: u64,
 }
@@ -59,30 +65,38 @@ struct Data {
 /// # Errors
 /// A column that is not there, or columns of which no figure can be made.
 pub fn drawing(results: &Results, asked: Asked<'_>) -> Result<Drawing, PlotError> {
-    let names: Vec<&str> = [Some(asked.x), asked.y, asked.color].into_iter().flatten().collect();
-    let Table { columns, failed } = results.table(&names)?;
-    let n = columns.first().map_or(0, len);
-    let mut fields =
-        names.iter().zip(columns).map(|(name, column)| Field::new(results, name, column));
-    let mut next = |is_there: bool| if is_there { fields.next() } else { None };
-    let (x, y) = (next(true), next(asked.y.is_some()));
-    let color = next(asked.color.is_some());
-    let nothing = || PlotError::Nothing { columns: names.join(", "), failed };
-    let data = Data { x: x.ok_or_else(nothing)?, y, color, n, failed };
+    let names: Vec<&str> = asked.names().collect();
+    drawing_of(results, &results.table(&names)?, asked)
+}
+
+/// The figure of these columns of a table that was read with them.
+///
+/// # Errors
+/// Columns that the table lacks, or of which no figure can be made.
+pub fn drawing_of(
+    results: &Results,
+    table: &Table,
+    asked: Asked<'_>,
+) -> Result<Drawing, PlotError> {
+    let field = |name: &str| Some(Field::new(results, name, table.column(name)?));
+    let nothing = || PlotError::Nothing {
+        columns: asked.names().collect::<Vec<_>>().join(", "),
+        failed: table.failed,
+    };
+    let data = Data {
+        x: field(asked.x).ok_or_else(nothing)?,
+        y: asked.y.and_then(field),
+        color: asked.color.and_then(field),
+        n: table.n_rows(),
+        failed: table.failed,
+    };
     if !data.has_points() {
         return Err(nothing());
     }
     data.drawing()
 }
 
-fn len(column: &Column) -> usize {
-    match column {
-        Column::Numbers(numbers) => numbers.len(),
-        Column::Words { of_row, .. } => of_row.len(),
-    }
-}
-
-impl Data {
+impl Data<'_> {
     fn drawing(&self) -> Result<Drawing, PlotError> {
         let Some(y) = &self.y else { return distribution::drawing(self) };
         if self.x.role == Role::Axis && y.role == Role::Axis && self.x.name != y.name {

@@ -12,7 +12,7 @@ const MOST: usize = 20_000;
 const FEW: usize = 1500;
 
 /// The scatter.
-pub(super) fn drawing(data: &Data, y: &Field) -> Result<Drawing, PlotError> {
+pub(super) fn drawing(data: &Data<'_>, y: &Field<'_>) -> Result<Drawing, PlotError> {
     let stride = data.n.div_ceil(MOST).max(1) as u64;
     let (xs, ys) = (data.x.places(), y.places());
     let point = |row: usize| (xs[row], ys[row]);

@@ -12,7 +12,7 @@ use crate::sweep::sobol::{OfKey, Point, Sobol};
 /// Sum of the main indices from which on interactions are no more than their error.
 const ADDITIVE: f64 = 0.95;
 /// Most grid points, a panel each.
-const MOST: usize = 12;
+pub const MOST: usize = 12;
 /// Half the width of a bar and of the gap between two, in places of the axis.
 const HALF: f64 = 0.17;
 const GAP: f64 = 0.02;
@@ -23,9 +23,14 @@ const LOOKS: [(&str, f64); 2] =
 const COLORS: [usize; 2] = [0, 4];
 const INTERVAL: usize = 6;
 
+/// A name for the files of the figure of a column.
+pub fn file_name(column: &str) -> String {
+    format!("sobol_of_{column}")
+}
+
 impl Point {
     /// Where it is on the grid.
-    fn title(&self) -> String {
+    pub(crate) fn title(&self) -> String {
         let value = |value: &serde_json::Value| match value {
             serde_json::Value::String(word) => word.clone(),
             other => other.as_f64().map_or_else(|| other.to_string(), short),
@@ -35,7 +40,7 @@ impl Point {
     }
 
     /// What the main indices leave to interactions.
-    fn finding(&self) -> String {
+    pub(crate) fn finding(&self) -> String {
         let sum: f64 = self.keys.iter().map(|own| own.main.value).sum();
         let most = self.keys.iter().max_by(|a, b| a.total.value.total_cmp(&b.total.value));
         let most = most.map_or_else(String::new, |own| {

@@ -148,3 +148,23 @@ fn the_design_for_sobol_indices_exchanges_one_key_at_a_time() {
         assert_eq!([&second[1], &second[2]], [&a[1], &b[2]]);
     }
 }
+
+#[test]
+fn a_plan_written_as_a_file_is_read_back_as_it_was() {
+    let scratch = Scratch::new();
+    scratch.write("base.toml", "run.t_end = 0.1\n");
+    for text in [
+        super::PLAN.to_owned(),
+        "audit = false\ncheck = 0.1\n[[axis]]\nkey = \"bays\"\nlinear = [1, 3]\npoints = 3\n"
+            .to_owned(),
+        "[[axis]]\nkey = \"contact.damping\"\nvalues = [0.1, 2, 1e-9]\n".to_owned(),
+        "[random]\nsamples = 8\nseed = 5\nsampling = \"saltelli\"\n\
+         [[random.key]]\nkey = \"drive.m1\"\nlog_uniform = [0.3, 2]\n"
+            .to_owned(),
+    ] {
+        let plan = scratch.sweep(&text, &[]).ok().unwrap().plan;
+        let written = plan.to_toml("base.toml");
+        let again = scratch.sweep(&written, &[]).ok().unwrap().plan;
+        assert_eq!(again, plan, "{written}");
+    }
+}
