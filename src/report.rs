@@ -10,6 +10,7 @@ pub mod regimes;
 mod runs;
 pub mod simulation;
 pub mod steps;
+pub mod sweep;
 
 pub use about::About;
 pub use files::{File, study_files};

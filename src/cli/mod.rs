@@ -71,7 +71,7 @@ enum Command {
     Methods(methods::MethodsArgs),
     /// The laws of contact and friction: equations, sources, the restitution delivered, the cost of regularising
     Laws(laws::LawsArgs),
-    /// Rebuild tables, figures and the HTML page of a finished study
+    /// Rebuild tables, figures and the HTML page of a finished study; the HTML page of a finished sweep
     Report(report::ReportArgs),
     /// The default configuration, commented, or the one given; or the JSON Schema
     Config(config::ConfigArgs),

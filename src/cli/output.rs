@@ -88,7 +88,7 @@ impl Output {
     /// [`Failure::Usage`] if there is none, it cannot be written, or is being written by another command.
     pub(super) fn existing(dir: &Path) -> Result<Self, Failure> {
         if !dir.is_dir() {
-            let why = "is no directory; name the DIR of a study";
+            let why = "is no directory; name the DIR of a study or of a sweep";
             return Err(Failure::Usage(format!("{}: {why}", dir.display())));
         }
         let locks = vec![lock(dir, LOCK, File::try_lock)?];
@@ -142,15 +142,17 @@ impl Output {
 
     /// Draws figures, as SVG and PNG into `figures/`.
     pub(super) fn draw(&self, drawings: &[Drawing]) -> Result<Vec<Picture>, Failure> {
-        let draw = |drawing: &Drawing| {
-            let picture = drawing
-                .picture()
-                .map_err(|error| Failure::Run(format!("cannot draw {}: {error}", drawing.name)))?;
-            self.write(&format!("figures/{}.svg", picture.name), picture.svg.as_bytes())?;
-            self.write(&format!("figures/{}.png", picture.name), &picture.png)?;
-            Ok(picture)
-        };
-        drawings.iter().map(draw).collect()
+        drawings.iter().map(|drawing| self.draw_as(drawing.name, drawing)).collect()
+    }
+
+    /// Draws a figure, as SVG and PNG of this name into `figures/`.
+    pub(super) fn draw_as(&self, name: &str, drawing: &Drawing) -> Result<Picture, Failure> {
+        let picture = drawing
+            .picture()
+            .map_err(|error| Failure::Run(format!("cannot draw {name}: {error}")))?;
+        self.write(&format!("figures/{name}.svg"), picture.svg.as_bytes())?;
+        self.write(&format!("figures/{name}.png"), &picture.png)?;
+        Ok(Picture { name: name.to_owned(), ..picture })
     }
 
     /// Where it is.

@@ -20,6 +20,7 @@ mod plot;
 mod recommend;
 mod regimes;
 mod report;
+mod report_sweep;
 mod simulate;
 mod study;
 #[cfg(unix)]

@@ -106,7 +106,7 @@ fn a_directory_without_a_finished_study_has_no_report() {
         assert_eq!((ran.code, ran.stdout.as_str()), (Some(2), ""));
         assert!(ran.stderr.contains(part), "{}", ran.stderr);
     };
-    refused("no study.json");
+    refused("no study.json and no sweep.json");
     fs::write(scratch.path("out/study.json"), "{\"rows\": []}").unwrap();
     refused("not that of a study");
     scratch.study("out", &SHORT, &["--force"]);

@@ -6,6 +6,7 @@
 mod audit;
 mod regimes;
 mod study;
+mod sweep;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -14,6 +15,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 pub use audit::page as audit_page;
 pub use regimes::page as regimes_page;
 pub use study::page as study_page;
+pub use sweep::page as sweep_page;
 
 use deltazero_study::columns::Value;
 

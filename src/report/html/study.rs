@@ -175,7 +175,8 @@ fn reference(reference: &ReferenceSummary) -> Vec<Part> {
     std::iter::once(Part::Facts(facts)).chain(limits).collect()
 }
 
-fn machine(provenance: &Provenance) -> Vec<(String, String)> {
+/// The program, and the machine that it ran on.
+pub(super) fn machine(provenance: &Provenance) -> Vec<(String, String)> {
     let mut facts = vec![fact("Program", format!("deltazero {}", provenance.version))];
     if let Some(machine) = &provenance.machine {
         facts.extend([
