@@ -150,8 +150,8 @@ impl Results {
                 reasons.add(status);
                 return Ok(());
             }
-            let columns = readers.iter_mut().zip(row).zip(names);
-            columns.into_iter().try_for_each(|((reader, text), name)| reader.add(text, name))
+            let mut columns = readers.iter_mut().zip(row).zip(names);
+            columns.try_for_each(|((reader, text), name)| reader.add(text, name))
         })?;
         let reasons = reasons.sorted();
         let columns = names.iter().zip(readers);

@@ -59,7 +59,7 @@ pub struct Follows {
 }
 
 /// Runs whose errors are estimated.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checked {
     /// Runs that tight ones were made for.
     pub n: u64,
@@ -186,19 +186,21 @@ fn follows(table: &Table, keys: &[String], columns: &[&str]) -> Vec<Follows> {
 fn checked(table: &Table) -> Checked {
     let [runs, horizons, errors] =
         ["run", "horizon_s", "estimated_e"].map(|name| numbers(table, name).unwrap_or_default());
-    let mut checked = Checked::default();
-    checked.n = horizons.iter().filter(|t| t.is_finite()).count() as u64;
-    if let Some(Said::Words(words)) = table.column("events_right").map(said) {
-        let of = |is: fn(&str) -> bool| {
-            words.iter().filter(|(word, _)| is(word)).map(|(_, n)| n).sum::<u64>()
-        };
-        checked.judged = of(|word| !word.is_empty());
-        checked.right = of(|word| word == YES);
-    }
+    let words = match table.column("events_right").map(said) {
+        Some(Said::Words(words)) => words,
+        _ => Vec::new(),
+    };
+    let of = |is: fn(&str) -> bool| {
+        words.iter().filter(|(word, _)| is(word)).map(|(_, n)| n).sum::<u64>()
+    };
     let known = errors.iter().zip(runs).filter(|(e, _)| e.is_finite());
     let worst = known.max_by(|(a, _), (b, _)| a.total_cmp(b));
-    checked.worst = worst.map(|(e, run)| (*e, *run as u64));
-    checked
+    Checked {
+        n: horizons.iter().filter(|t| t.is_finite()).count() as u64,
+        judged: of(|word| !word.is_empty()),
+        right: of(|word| word == YES),
+        worst: worst.map(|(e, run)| (*e, *run as u64)),
+    }
 }
 
 #[cfg(test)]
