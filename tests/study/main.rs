@@ -291,7 +291,7 @@ fn a_page_escapes_what_it_is_given() {
     let values = vec![Value::Text(mean.into())];
     let heading = Heading { name: mean.into(), about: mean.into() };
     let picture = Picture {
-        name: "figure",
+        name: "figure".into(),
         title: mean.into(),
         caption: mean.into(),
         svg: "<svg width=\"1\"></svg>".into(),
@@ -317,7 +317,7 @@ fn a_page_escapes_what_it_is_given() {
 fn a_figure_too_large_as_svg_stands_in_the_page_as_png() {
     let svg = format!("<svg width=\"1\">{}</svg>", " ".repeat(600_000));
     let (title, caption) = ("large".to_owned(), String::new());
-    let picture = Picture { name: "large", title, caption, svg, png: b"png".to_vec() };
+    let picture = Picture { name: "large".into(), title, caption, svg, png: b"png".to_vec() };
     let section = Section { title: "s".into(), parts: vec![Part::Figure(picture)] };
     let page = Page { title: "t".into(), lead: String::new(), sections: vec![section] }.html();
     assert!(page.contains("<img src=\"data:image/png;base64,cG5n\" alt=\"large\">"), "{page}");
