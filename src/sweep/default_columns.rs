@@ -14,8 +14,9 @@ const TIME: &str = "t_s";
 const MODE: &str = "mode";
 const EVENTS: &str = "n_events";
 
-/// The columns of [`ASKED`] that the sweep has. Each site's own are in the place of those of all, in their order, as long as
-/// there are no more than six in all. A sweep that tells of work alone has the states at the end before it.
+/// Those of peak force, contacts, impulse, dissipation, estimated error and work that the sweep has. Each site's own are in the
+/// place of those of all, in their order, as long as there are no more than six in all. A sweep that tells of work alone has
+/// the states at the end before it.
 pub fn default_columns(results: &Results) -> Vec<&str> {
     of(&results.columns)
 }
