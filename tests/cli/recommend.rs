@@ -142,7 +142,9 @@ fn chains_and_bristles_are_recommended_for() {
         let methods = "contest.methods=[\"rk45\", \"radau5\"]";
         let sets = [own, "run.t_end=0.1", methods, "contest.repeats=1"];
         let answer = recommend(&scratch, "1e-4", &sets);
-        assert_eq!((&answer["method"], &answer["events"]), (&json!("rk45"), &json!("located")));
+        // Which of them is the faster is the machine's to say.
+        let is_known = ["rk45", "radau5"].iter().any(|name| answer["method"] == *name);
+        assert!(is_known && answer["events"] == "located", "{own}: {answer}");
         let e = answer["expected_e"].as_f64().unwrap();
         assert!(e > 0.0 && e <= 1e-4, "{own}: {answer}");
     }
