@@ -35,26 +35,22 @@
 //! its surface, the dense output shows such a dip in almost every step; a Radau method looks only for dips deeper than
 //! the error that the tolerance allows where its stages show none.
 
+mod dip;
 mod follow;
 mod march;
 mod shape;
 
 use num_dual::Dual64;
 
-use shape::{N_NODES, has_no_dip, sextic, stays_above_zero};
+use shape::{has_no_dip, stays_above_zero};
 
 pub(crate) use shape::is_far;
 
 use crate::error::Error;
-use crate::root::{Bracket, find_root, minimum};
+use crate::root::{Bracket, find_root};
 use crate::step::Step;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
-
-/// A minimum among the nodes of the polynomial is searched for on the dense output where it lies below this fraction
-/// of the range. For the sine of three quarters of a period, the minimum may lie lower between two nodes by 0.7 % of
-/// the range, and the error of the polynomial is 0.6 % of it.
-const MISFIT: f64 = 0.02;
 
 /// The crossing of a guard that falls below zero within a step.
 #[derive(Clone, Copy, Debug)]
@@ -86,7 +82,7 @@ pub struct GuardWatch<P: System> {
     deepest: Vec<f64>,
     /// Fraction of the present step up to which dips of each guard were found to be errors of the interpolant.
     disproved: Vec<f64>,
-    has_disproved: bool,
+    n_disproved: usize,
     /// Length of the longest step of this phase on which all guards were seen to follow their cubics.
     followed: f64,
     /// Guards that were seen to stray from their cubics on the present step.
@@ -110,7 +106,7 @@ impl<P: System> GuardWatch<P> {
             at_first: zeros(),
             deepest: vec![0.0; n],
             disproved: vec![0.0; n],
-            has_disproved: false,
+            n_disproved: 0,
             followed: 0.0,
             strays: vec![false; n],
         }
@@ -247,7 +243,7 @@ impl<P: System> GuardWatch<P> {
 
     /// Forgets the dips that were discarded in a step that is over.
     pub(crate) fn forget_dips(&mut self) {
-        if std::mem::take(&mut self.has_disproved) {
+        if std::mem::take(&mut self.n_disproved) > 0 {
             self.disproved.fill(0.0);
         }
     }
@@ -415,74 +411,10 @@ impl<P: System> GuardWatch<P> {
         is_far(from, to, h) || is_finite && has_no_dip(from, to, h)
     }
 
-    /// Discards the dip of guard `i` that the search found last: it and earlier ones on the dense output of the
-    /// present step do not count any more.
-    pub fn disprove_dip(&mut self, i: usize) {
-        self.disproved[i] = self.deepest[i];
-        self.has_disproved = true;
-    }
-
-    /// Notes that a dip of guard `i` was found by other means than this search. Should it be disproved, then this search
-    /// looks at the whole step.
-    pub(crate) fn note_dip(&mut self, i: usize) {
-        self.deepest[i] = f64::MIN_POSITIVE;
-    }
-
-    /// Whether a dip of guard `i` in the present step was discarded.
-    pub(crate) fn is_disproved(&self, i: usize) -> bool {
-        self.disproved[i] > 0.0
-    }
-
     /// Makes the end of the present step the start of the next one.
     pub fn keep(&mut self) {
         self.start.clone_from(&self.end);
         self.forget_dips();
-    }
-
-    /// The same as [`first_dip`](Self::first_dip) by the polynomial of degree six; a dip is given by its deepest point.
-    fn dip(
-        &mut self,
-        problem: &P,
-        mode: P::Mode,
-        step: &dyn Step<P::State<f64>>,
-        i: usize,
-    ) -> (f64, Option<f64>) {
-        let (t0, h) = (step.t0(), step.t1() - step.t0());
-        let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
-        let quarters: [f64; 3] = std::array::from_fn(|k| self.quarters[k].as_ref()[i]);
-        // A rate may be infinite where the guard is finite. The slope of the chord to the next quarter then replaces
-        // it.
-        let slope = |rate: f64, chord: f64| if rate.is_finite() { rate * h } else { 4.0 * chord };
-        let slopes = [slope(g0.eps, quarters[0] - g0.re), slope(g1.eps, g1.re - quarters[2])];
-        let nodes = sextic([g0.re, g1.re], slopes, quarters);
-        let least = nodes.iter().fold(f64::INFINITY, |a, b| a.min(*b));
-        let range = nodes.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b)) - least;
-        let margin = 0.5 * self.bounds.as_ref()[i] + self.doubts.as_ref()[i];
-        let at = |node: usize| node as f64 / N_NODES as f64;
-        let mut top = 0;
-        for k in 0..=N_NODES {
-            if nodes[k] > nodes[top] {
-                top = k;
-            }
-            let falls_to = if k == 0 { slopes[0] < 0.0 } else { nodes[k] <= nodes[k - 1] };
-            let rises_from = if k == N_NODES { slopes[1] > 0.0 } else { nodes[k] < nodes[k + 1] };
-            if !(falls_to && rises_from) {
-                continue;
-            }
-            if nodes[k] < MISFIT * range {
-                let (a, b) = (at(k.max(1) - 1), at((k + 1).min(N_NODES)));
-                let above = |theta: f64| {
-                    self.clearance_on(problem, mode.clone(), step, i, t0 + theta * h) + margin
-                };
-                let (theta, least) = minimum(above, [a, 0.5 * (a + b), b]);
-                if least < 0.0 && theta > self.disproved[i] {
-                    self.deepest[i] = theta;
-                    return (at(top), Some(theta));
-                }
-            }
-            top = k;
-        }
-        (at(top), None)
     }
 
     /// The [`clearance`](Self::clearance) of guard `i` at `t` on the step's dense output.

@@ -50,6 +50,14 @@ impl Stats {
     }
 }
 
+impl Work {
+    /// Counts a Taylor series, which is an evaluation too.
+    pub(crate) fn add_series(&mut self) {
+        self.n_rhs += 1;
+        self.n_series += 1;
+    }
+}
+
 impl AddAssign for Work {
     fn add_assign(&mut self, other: Self) {
         self.n_rhs += other.n_rhs;

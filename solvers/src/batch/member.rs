@@ -104,8 +104,7 @@ impl<'r, 'a, P: Alike, R: Record<P>, M: OneStep<P>> Member<'r, 'a, P, R, M> {
         let Integration { problem, point, stats, .. } = &mut *self.run;
         let phase = &mut self.phase;
         self.solver.choose_step_by(problem, point, phase, stats, |method, _, stats| {
-            stats.work.n_rhs += 1;
-            stats.work.n_series += 1;
+            stats.work.add_series();
             steps.propose(lane, method)
         });
         match phase.next(point) {

@@ -10,9 +10,6 @@ use crate::system::System;
 
 /// Number of retaken steps by Newton's iteration after which every other one is a bisection.
 const NEWTON_RETAKES: usize = 8;
-/// Number of dips on one step that the dense output shows and retaken steps do not, beyond which it tells nothing: that of
-/// a step far beyond stability may have millions.
-const MOST_VAIN: usize = 100;
 
 impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     /// Lands on the guard that falls first on the completed step and returns it; `None` where no guard falls.
@@ -26,20 +23,17 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         mode: P::Mode,
         stats: &mut Stats,
     ) -> Result<Option<usize>, Error> {
-        let mut guard = 0;
-        for _ in 0..MOST_VAIN {
+        loop {
             let crossing =
                 self.method.first_to_fall(problem, mode.clone(), &mut self.watch, stats)?;
             let Some(crossing) = crossing else { return Ok(None) };
             if let Some(guard) = self.land(problem, mode.clone(), crossing, stats)? {
                 return Ok(Some(guard));
             }
-            guard = crossing.guard;
-            self.watch.disprove_dip(guard);
+            let step = self.method.step();
+            let of_step = (step.t0(), step.t1() - step.t0());
+            self.watch.disprove_dip(crossing.guard, of_step, &mode)?;
         }
-        let step = self.method.step();
-        let (t, h, mode) = (step.t0(), step.t1() - step.t0(), format!("{mode:?}"));
-        Err(Error::UnresolvedGuard { t, h, mode, guard })
     }
 
     /// Retakes the step so that it ends just past the surface of the guard that falls first, and returns that guard.

@@ -179,8 +179,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     ) -> Result<ControlFlow<()>, Error> {
         let field = InMode { problem: self.problem, mode: &self.mode };
         self.expansion.complete(&field, self.t, &mut self.y, self.guards.low());
-        self.stats.work.n_rhs += 1;
-        self.stats.work.n_series += 1;
+        self.stats.work.add_series();
         (self.step.t0, self.step.t0_low) = (self.t.hi(), self.t.lo());
         for (rounded_y, y) in self.step.y.iter_mut().zip(&self.y) {
             *rounded_y = rounded::<P, _>(y);
@@ -262,7 +261,8 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
                 if self.watch.violated(problem, mode.clone(), violated_at, &self.step.y1)?.is_none()
                 {
                     self.attempt(t1);
-                    self.watch.disprove_dip(guard);
+                    let of_step = (self.step.t0, self.step.t1 - self.step.t0);
+                    self.watch.disprove_dip(guard, of_step, &mode)?;
                     continue;
                 }
             }

@@ -142,8 +142,7 @@ impl<Y: Vector<f64>, G: Vector<f64>> TaylorMethod<Y, G> {
     {
         if !std::mem::replace(&mut self.is_expanded, true) {
             self.finish::<P>(&InMode { problem, mode });
-            stats.work.n_rhs += 1;
-            stats.work.n_series += 1;
+            stats.work.add_series();
         }
     }
 
