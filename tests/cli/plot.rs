@@ -45,11 +45,11 @@ log_uniform = [0.5, 2]
 
 impl Scratch {
     /// With a finished sweep of a plan in `out`.
-    fn with_sweep(plan: &str) -> Self {
+    pub(crate) fn with_sweep(plan: &str) -> Self {
         let scratch = Self::new();
         fs::write(scratch.path("plan.toml"), plan).unwrap();
-        let sets = ["--set", "run.t_end=0.05", "--set", "solver.rtol=1e-6"];
-        scratch.succeed(&[&["sweep", "plan.toml", "--out", "out", "--quiet"][..], &sets].concat());
+        let sets = ["--set", "run.t_end=0.05", "--set", "solver.rtol=1e-6", "--quiet"];
+        scratch.sweep("out", &sets);
         scratch
     }
 

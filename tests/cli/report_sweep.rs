@@ -57,10 +57,7 @@ uniform = [0.5, 2]
 
 /// With the sweep of a plan in `out`, and its report.
 fn reported(plan: &str, more: &[&str]) -> (Scratch, String) {
-    let scratch = Scratch::new();
-    fs::write(scratch.path("plan.toml"), plan).unwrap();
-    let sets = ["--set", "run.t_end=0.05", "--set", "solver.rtol=1e-6", "--quiet"];
-    scratch.sweep("out", &sets);
+    let scratch = Scratch::with_sweep(plan);
     scratch.succeed(&[&["report", "out"], more].concat());
     let page = scratch.text("out/sweep.html");
     (scratch, page)
@@ -71,18 +68,18 @@ fn text(page: &str) -> String {
     let body = &page[page.find("<main>").unwrap()..page.find("<script>").unwrap()];
     let parts = body.split('<').map(|part| part.split_once('>').map_or(part, |(_, text)| text));
     let text: Vec<&str> = parts.filter(|part| !part.is_empty()).collect();
-    text.join("\n")
-        .replace("&quot;", "\"")
-        .replace("&lt;", "<")
-        .replace("&gt;", ">")
-        .replace("&amp;", "&")
+    unescaped(&text.join("\n"))
+}
+
+fn unescaped(text: &str) -> String {
+    text.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
 }
 
 /// What stands in the code under a folded line.
 fn folded(page: &str, line: &str) -> String {
     let at = page.find(&format!("<summary>{line}</summary>")).unwrap();
     let code = page[at..].split_once("<code>").unwrap().1.split_once("</code>").unwrap().0;
-    code.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&")
+    unescaped(code)
 }
 
 fn figures(scratch: &Scratch) -> Vec<String> {
