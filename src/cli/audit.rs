@@ -4,8 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use deltazero::config::Config;
-use deltazero::keys::Shared;
-use deltazero::keys::{FrictionLaw, Study};
+use deltazero::keys::{FrictionLaw, Shared, Study};
 use deltazero::study::audit::{Audit, audit};
 use deltazero::{figures, report};
 use serde_json::{Value, json};

@@ -8,9 +8,9 @@ use deltazero::figures::sweep::PlotError;
 use deltazero::report::html::sweep_page;
 use deltazero::report::sweep::Findings;
 use deltazero::study::record::StudyRecord;
-use deltazero::sweep::default_columns;
 use deltazero::sweep::origin::Origin;
 use deltazero::sweep::results::Results;
+use deltazero::sweep::{RECORD, default_columns};
 use serde_json::Value;
 
 use super::output::Output;
@@ -31,7 +31,7 @@ pub(super) struct ReportArgs {
 
 pub(super) fn run(args: &ReportArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let output = Output::existing(&args.dir)?;
-    let (study, is_sweep) = (output.read("study.json"), args.dir.join("sweep.json").is_file());
+    let (study, is_sweep) = (output.read("study.json"), args.dir.join(RECORD).is_file());
     if study.is_none() && !is_sweep {
         let why = "holds no study.json and no sweep.json that can be read; name the DIR of a study or of a sweep";
         return Err(refuse(args, why));
@@ -75,7 +75,7 @@ fn report_study(
 /// Makes `sweep.html` and its figures; no run is made again.
 fn report_sweep(args: &ReportArgs, output: &Output) -> Result<(), Failure> {
     let results = Results::open(&args.dir).map_err(PlotError::from)?;
-    let origin = Origin::read(&args.dir).map_err(PlotError::from)?;
+    let origin = Origin::of(&results, &args.dir).map_err(PlotError::from)?;
     let mut columns: Vec<&str> = Vec::new();
     for column in &args.y {
         if !columns.contains(&column.as_str()) {

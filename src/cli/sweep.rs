@@ -8,21 +8,17 @@ use std::time::Instant;
 use clap::Args;
 use deltazero::study::machine::Machine;
 use deltazero::sweep::chunks::Chunks;
-use deltazero::sweep::{Joined, Made, Over, Sweep, SweepError, Work, join, whole, work};
+use deltazero::sweep::{
+    Joined, Made, Over, RECORD, ROWS, SHARDS, Sweep, SweepError, Work, join, whole, work,
+};
 use serde_json::{Value, json};
 
 use super::meter::Meter;
 use super::output::{Output, hash};
 use super::{Failure, ResultsTo, print, say, warn};
 
-/// The record of a sweep.
-const RECORD: &str = "sweep.json";
-/// All rows.
-const ROWS: &str = "runs.csv";
-/// The same by column.
+/// All rows by column.
 const BY_COLUMN: &str = "runs.parquet";
-/// Where each shard has its record.
-const SHARDS: &str = "shards";
 /// Times that chunks found altered are made again.
 const REPAIRS: usize = 3;
 const RESUME: &str = "what was finished is on disk, the same command goes on from there";

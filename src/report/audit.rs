@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::rounded_to;
 use crate::config::Config;
 use crate::csv::exact;
 use crate::figures::Drawing;
@@ -101,11 +102,6 @@ fn vague(x: f64, digits: usize) -> String {
     }
     let decimals = digits as i32 - 1 - libm::floor(libm::log10(rounded.abs())) as i32;
     format!("~{rounded:.0$}", usize::try_from(decimals).unwrap_or(0))
-}
-
-/// Rounded to so many digits.
-pub(super) fn rounded_to(x: f64, digits: usize) -> f64 {
-    format!("{x:.0$e}", digits - 1).parse().unwrap_or(x)
 }
 
 /// What `~` says.

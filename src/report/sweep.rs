@@ -1,5 +1,6 @@
 //! What a report of a sweep is made from, read once, and its findings in words.
 
+use super::rounded_to;
 use crate::figures::Drawing;
 use crate::figures::sweep::{self, PlotError, chosen, drawing_of};
 use crate::sweep::plan::{Plan, Random, Values};
@@ -186,8 +187,7 @@ pub(super) fn shares(words: &[(String, u64)]) -> String {
 
 /// A part in per cent, to three digits.
 fn percent(part: f64) -> String {
-    let x = 100.0 * part;
-    format!("{x:.2e}").parse().map_or_else(|_| x.to_string(), |x: f64| x.to_string())
+    rounded_to(100.0 * part, 3).to_string()
 }
 
 /// What is known of the errors of runs.

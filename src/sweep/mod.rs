@@ -70,6 +70,13 @@ use columns::{Head, heads_of_rows};
 use layout::Layout;
 use plan::Plan;
 
+/// The record of a sweep in its directory.
+pub const RECORD: &str = "sweep.json";
+/// All rows.
+pub const ROWS: &str = "runs.csv";
+/// Where each shard has its record.
+pub const SHARDS: &str = "shards";
+
 /// Most chunks of a sweep, each a file.
 pub const MOST_CHUNKS: u64 = 1_000_000;
 

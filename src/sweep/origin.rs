@@ -5,7 +5,8 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::results_error::ResultsError;
+use super::results::{Results, ResultsError};
+use super::{RECORD, SHARDS};
 use crate::config::Config;
 use crate::study::machine::Machine;
 use crate::study::record::Provenance;
@@ -23,20 +24,14 @@ pub struct Origin {
 }
 
 impl Origin {
-    /// That of the sweep in `dir`.
+    /// That of the sweep in `dir`, which has these results.
     ///
     /// # Errors
-    /// No record there, or one whose configuration this version does not know.
-    pub fn read(dir: &Path) -> Result<Self, ResultsError> {
-        let path = dir.join("sweep.json");
-        let text = fs::read(&path)
-            .map_err(|source| ResultsError::Missing { path: path.clone(), source })?;
-        let read = || {
-            let record: Value = serde_json::from_slice(&text).ok()?;
-            let config = Config::from_json(&record["config"]).ok()?;
-            Some((config, record))
-        };
-        let (config, record) = read().ok_or(ResultsError::Record { path })?;
+    /// A record whose configuration this version does not know.
+    pub fn of(results: &Results, dir: &Path) -> Result<Self, ResultsError> {
+        let record = &results.record;
+        let config = Config::from_json(&record["config"])
+            .map_err(|_| ResultsError::Record { path: dir.join(RECORD) })?;
         let seconds = |record: &Value| record["wall_s"].as_f64().unwrap_or_default();
         let own = |shard: &Value| shard["hash"] == record["hash"] && shard["finished"] == true;
         let shards: Vec<f64> = shards(dir).iter().filter(|shard| own(shard)).map(seconds).collect();
@@ -45,7 +40,7 @@ impl Origin {
         Ok(Self {
             config,
             provenance: Provenance { version, machine, time: None },
-            wall_s: seconds(&record) + shards.iter().sum::<f64>(),
+            wall_s: seconds(record) + shards.iter().sum::<f64>(),
             shards: shards.len() as u64,
         })
     }
@@ -53,7 +48,7 @@ impl Origin {
 
 /// The records of the shards that a directory has, in the order of their names.
 fn shards(dir: &Path) -> Vec<Value> {
-    let entries = fs::read_dir(dir.join("shards")).into_iter().flatten().flatten();
+    let entries = fs::read_dir(dir.join(SHARDS)).into_iter().flatten().flatten();
     let mut paths: Vec<_> = entries.map(|entry| entry.path()).collect();
     paths.sort();
     let read = |path| serde_json::from_slice(&fs::read(path).ok()?).ok();

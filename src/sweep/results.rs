@@ -11,6 +11,7 @@ use serde_json::Value;
 use super::plan::Plan;
 use super::reasons::Reasons;
 use super::runner::OK;
+use super::{RECORD, ROWS};
 use crate::config::nearest_word;
 use crate::csv::fields;
 
@@ -27,6 +28,8 @@ pub struct Results {
     /// The names of the columns.
     pub columns: Vec<String>,
     units: HashMap<String, String>,
+    /// All that the sweep tells of itself.
+    pub(super) record: Value,
     path: PathBuf,
 }
 
@@ -88,7 +91,7 @@ impl Results {
     /// # Errors
     /// None there, or one that is not finished.
     pub fn open(dir: &Path) -> Result<Self, ResultsError> {
-        let record = dir.join("sweep.json");
+        let record = dir.join(RECORD);
         let text = fs::read(&record)
             .map_err(|source| ResultsError::Missing { path: record.clone(), source })?;
         let of_record = || {
@@ -109,12 +112,11 @@ impl Results {
             all.map(|text| text.as_str().unwrap_or_default().to_owned()).collect::<Vec<_>>()
         };
         let units = texts("columns").into_iter().zip(texts("units")).collect();
-        let path = dir.join("runs.csv");
-        let mut results = Self { plan, columns: Vec::new(), units, path };
+        let mut results = Self { plan, columns: Vec::new(), units, record, path: dir.join(ROWS) };
         let mut line = String::new();
         results.file()?.read_line(&mut line).map_err(|source| results.missing(source))?;
         let bytes = fs::metadata(&results.path).map_err(|source| results.missing(source))?.len();
-        if record["bytes"].as_u64().is_some_and(|written| bytes < written) {
+        if results.record["bytes"].as_u64().is_some_and(|written| bytes < written) {
             return Err(ResultsError::Length { path: results.path });
         }
         results.columns = fields(line.trim_end_matches('\n')).map(Cow::into_owned).collect();

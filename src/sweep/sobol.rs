@@ -50,8 +50,12 @@ impl Sobol {
     /// # Errors
     /// A sweep without the design for them, a column that is not there or not of numbers, or one that has no indices at any point.
     pub fn of(results: &Results, column: &str) -> Result<Self, ResultsError> {
-        let sobol = Self::of_each(results, &[column])?.into_iter().next();
-        sobol.ok_or(ResultsError::NoDesign)?.with_points()
+        let all = Self::of_each(results, &[column])?;
+        let failed = all.first().map_or(0, |own| own.failed);
+        let has_points = |own: &Self| !own.points.is_empty();
+        let column = column.to_owned();
+        let none = ResultsError::NoIndices { column, least: LEAST_SAMPLES, failed };
+        all.into_iter().find(has_points).ok_or(none)
     }
 
     /// The indices of each of `columns`, read together; those of one may be at no point.
@@ -78,18 +82,6 @@ impl Sobol {
             Ok(())
         })?;
         Ok(all)
-    }
-
-    /// Itself, if there are indices at any point.
-    ///
-    /// # Errors
-    /// There are none.
-    pub fn with_points(self) -> Result<Self, ResultsError> {
-        if self.points.is_empty() {
-            let Self { column, failed, .. } = self;
-            return Err(ResultsError::NoIndices { column, least: LEAST_SAMPLES, failed });
-        }
-        Ok(self)
     }
 }
 

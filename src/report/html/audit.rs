@@ -7,8 +7,9 @@ use crate::config::Config;
 use crate::figures::Picture;
 use crate::report::audit::{
     DIGITS, IDEAL_COLUMNS, RATIO_COLUMNS, RUN_COLUMNS, RUN_NOTE, VAGUE, findings, ideal_lines,
-    ratio_lines, rounded_to, run_lines,
+    ratio_lines, run_lines,
 };
+use crate::report::rounded_to;
 use crate::study::audit::Audit;
 use crate::study::claims::{CLAIMS, ClaimRow};
 

@@ -6,6 +6,7 @@ use super::{Heading, Page, Part, Section, Table};
 use crate::config::Config;
 use crate::figures::Picture;
 use crate::report::regimes::{findings, lead};
+use crate::report::rounded_to;
 use crate::study::regimes::{Cell, maps, of_map};
 
 /// The page of a map with its figures.
@@ -65,7 +66,7 @@ fn row(cell: &Cell) -> Vec<Value> {
     let first = cell.winner();
     let name =
         |entry: &deltazero_study::selection::Entry| format!("{} {}", entry.method, entry.events);
-    let rounded = |x: Option<f64>| Value::Number(x.map(to_three_digits));
+    let rounded = |x: Option<f64>| Value::Number(x.map(|x| rounded_to(x, 3)));
     vec![
         Value::Text(cell.reading.to_string()),
         Value::Number(Some(cell.stiffness)),
@@ -81,9 +82,4 @@ fn row(cell: &Cell) -> Vec<Value> {
         rounded(cell.explicit_over_implicit()),
         rounded(cell.blind_over_located()),
     ]
-}
-
-/// Rounded for reading.
-fn to_three_digits(x: f64) -> f64 {
-    format!("{x:.2e}").parse().unwrap_or(x)
 }

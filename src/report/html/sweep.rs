@@ -5,6 +5,7 @@ use deltazero_study::columns::Value;
 use super::study::machine;
 use super::{Heading, Page, Part, Section, Table};
 use crate::figures::Picture;
+use crate::report::rounded_to;
 use crate::report::sweep::{Findings, checked, explained, follows, reasons, runs, shares, varied};
 use crate::run::setting;
 use crate::sweep::origin::Origin;
@@ -228,7 +229,7 @@ fn indices(results: &Results, all: &[Sobol]) -> Vec<Part> {
 
 /// To four digits; a whole number stays.
 fn short(x: f64) -> f64 {
-    if x.fract() == 0.0 { x } else { format!("{x:.3e}").parse().unwrap_or(x) }
+    if x.fract() == 0.0 { x } else { rounded_to(x, 4) }
 }
 
 /// To three decimals.
