@@ -160,7 +160,7 @@ fn default_only(config: Config, why: &str) -> Result<Config, Failure> {
     if MECHANISMS.first().is_some_and(|default| default.name == name) {
         return Ok(config);
     }
-    let way_out = "`simulate`, `study` and `recommend` take it";
+    let way_out = "`simulate`, `study`, `recommend`, `sweep` and `regimes --axis` take it";
     Err(Failure::Usage(format!("mechanism = {name}: {why}; {way_out}")))
 }
 

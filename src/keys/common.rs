@@ -75,7 +75,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("0.9"),
         unit: "",
         doc: "Coefficient of restitution e that laws with hysteresis are asked for",
-        source: "choice of this study, as in the slider-crank benchmark of Flores and others",
+        source: "our choice, as in the slider-crank benchmark of Flores and others",
     },
     Key {
         path: "contact.impact_speed_floor",
@@ -83,7 +83,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("1e-6"),
         unit: "m/s",
         doc: "Least speed of impact that laws with hysteresis reckon with",
-        source: "choice of this study: at the start that speed is zero",
+        source: "our choice: at the start that speed is zero",
     },
     Key {
         path: "contact.young_modulus",
@@ -91,7 +91,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("2.07e11"),
         unit: "Pa",
         doc: "Young's modulus E of pin and bush of laws of cylinders; of two materials 2/(1/E_1 + 1/E_2)",
-        source: "steel; choice of this study",
+        source: "steel; our choice",
     },
     Key {
         path: "contact.poisson_ratio",
@@ -99,7 +99,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("0.3"),
         unit: "",
         doc: "Poisson's ratio ν of both of laws of cylinders",
-        source: "steel; choice of this study",
+        source: "steel; our choice",
     },
     Key {
         path: "contact.length",
@@ -107,7 +107,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("0.02"),
         unit: "m",
         doc: "Length L of the line of contact, 2a in Eq. (1) of laws of cylinders",
-        source: "choice of this study; the paper has no number",
+        source: "our choice; the paper has no number",
     },
     Key {
         path: "contact.curvature",
@@ -139,7 +139,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("0.15"),
         unit: "",
         doc: "Coefficient μ_s at rest, of stribeck and lugre",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "friction.stribeck_speed",
@@ -147,7 +147,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("1e-3"),
         unit: "m/s",
         doc: "Speed v_S over which stribeck and lugre fall to μ",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "friction.regularisation_speed",
@@ -155,7 +155,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("1e-4"),
         unit: "m/s",
         doc: "Speed v_r over which tanh, ambrosio and threlfall rise to μ",
-        source: "choice of this study; `deltazero laws` prints what it costs",
+        source: "our choice; `deltazero laws` prints what it costs",
     },
     Key {
         path: "friction.dead_ratio",
@@ -163,7 +163,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("0.1"),
         unit: "",
         doc: "Part of v_r up to which ambrosio has no friction",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "friction.bristle_stiffness",
@@ -171,7 +171,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("1e5"),
         unit: "1/m",
         doc: "Stiffness σ_0 of the bristles of lugre, for each newton of F_N: they slide at μ/σ_0",
-        source: "choice of this study: they slide at a micrometre, a hundredth of the clearance",
+        source: "our choice: they slide at a micrometre, a hundredth of the clearance",
     },
     Key {
         path: "friction.bristle_damping",
@@ -179,7 +179,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("10.0"),
         unit: "s/m",
         doc: "Damping σ_1 of the bristles of lugre, for each newton of F_N",
-        source: "choice of this study: at 10 mm/s it gives as much friction as μ",
+        source: "our choice: at 10 mm/s it gives as much friction as μ",
     },
     Key {
         path: "friction.viscosity",
@@ -187,7 +187,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("0.0"),
         unit: "s/m",
         doc: "Viscous friction σ_2 of lugre, for each newton of F_N",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "run.t_end",
@@ -203,7 +203,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("0.01"),
         unit: "s",
         doc: "Distance of the samples, at most 5e6 of all joints; 0: every accepted step; beyond t_end: none",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "run.stop_at_90",
@@ -211,7 +211,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("true"),
         unit: "",
         doc: "Whether a joint's motion ends by itself where its strut reaches 90°",
-        source: "choice of this study: there the model's inertia nearly vanishes",
+        source: "our choice: there the model's inertia nearly vanishes",
     },
     Key {
         path: "solver.method",
@@ -219,7 +219,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("\"rk45\""),
         unit: "",
         doc: "Method of integration",
-        source: "choice of this study; the paper has rk4",
+        source: "our choice; the paper has rk4",
     },
     Key {
         path: "solver.rtol",
@@ -227,7 +227,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("1e-8"),
         unit: "",
         doc: "Relative tolerance",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "solver.atol",
@@ -243,7 +243,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("\"located\""),
         unit: "",
         doc: "located: modes frozen, steps end on events; blind: the baseline that branches on the state",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "solver.step",
@@ -251,7 +251,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("1e-5"),
         unit: "s",
         doc: "Step of fixed-step methods; the others choose their own",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "study.methods",
@@ -261,7 +261,7 @@ pub(crate) const COMMON: &[Key] = &[
         ),
         unit: "",
         doc: "Methods compared",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "study.events",
@@ -269,7 +269,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("[\"located\", \"blind\"]"),
         unit: "",
         doc: "Treatments of events compared",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "study.rtol",
@@ -277,7 +277,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("[1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12]"),
         unit: "",
         doc: "Relative tolerances of the methods that choose their step",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "study.steps",
@@ -285,7 +285,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("[1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6]"),
         unit: "s",
         doc: "Steps of the fixed-step methods",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "study.reference",
@@ -293,7 +293,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("\"double\""),
         unit: "",
         doc: "Numbers of the reference: double (at rounding, e near 1e-14) or extended (31 digits, some seconds)",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "study.x",
@@ -301,7 +301,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("\"n_rhs\""),
         unit: "",
         doc: "Column of study.csv along the figure of chosen axes",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "study.y",
@@ -309,7 +309,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("\"event_time_error_s\""),
         unit: "",
         doc: "Column of study.csv up the figure of chosen axes",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "study.repeats",
@@ -317,7 +317,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("3"),
         unit: "",
         doc: "Timed repetitions of each run, in turns round all runs; its time is their minimum, median and maximum",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "study.threads",
@@ -325,7 +325,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("1"),
         unit: "",
         doc: "Runs at the same time; more than one disturbs the timings",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "study.max_rhs",
@@ -333,7 +333,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("50_000_000"),
         unit: "right-hand sides",
         doc: "Work beyond which a run is cut; a series of order p counts 2 p, a rejected one a quarter of that",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "study.max_seconds",
@@ -341,7 +341,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("60.0"),
         unit: "s",
         doc: "Time beyond which a run is cut, of studies, references and contests alike",
-        source: "choice of this study: a run of max_rhs in one bay takes 4 to 32 s (blind, rtol 1e-12, reading full)",
+        source: "our choice: a run of max_rhs in one bay takes 4 to 32 s (blind, rtol 1e-12, reading full)",
     },
     Key {
         path: "contest.methods",
@@ -351,7 +351,7 @@ pub(crate) const COMMON: &[Key] = &[
         ),
         unit: "",
         doc: "Methods among which recommend and regimes choose",
-        source: "choice of this study: all but tsit45, tr_bdf2 and esdirk34, never near the best",
+        source: "our choice: all but tsit45, tr_bdf2 and esdirk34, never near the best",
     },
     Key {
         path: "contest.events",
@@ -359,7 +359,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("[\"located\", \"blind\"]"),
         unit: "",
         doc: "Treatments of events among which they choose",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "contest.repeats",
@@ -367,7 +367,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("5"),
         unit: "",
         doc: "Repetitions of each of the fastest, in turns; its time is their minimum",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "contest.max_work",
@@ -375,7 +375,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("3e8"),
         unit: "right-hand sides",
         doc: "Work beyond which a run is cut, a linear system counted as five right-hand sides",
-        source: "choice of this study: some ten seconds",
+        source: "our choice: some ten seconds",
     },
     Key {
         path: "contest.right_events",
@@ -383,7 +383,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("true"),
         unit: "",
         doc: "Whether only a run with every event right counts; if not, events may be wrong in blind runs, and in others above e = 1e-6",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "regimes.stiffness",
@@ -391,7 +391,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("[1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12]"),
         unit: "N/mⁿ",
         doc: "Contact stiffnesses K of the map",
-        source: "choice of this study: rubber to more than steel",
+        source: "our choice: rubber to more than steel",
     },
     Key {
         path: "regimes.damping_ratio",
@@ -399,7 +399,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("[0.0, 0.01, 0.1, 1.0, 3.0]"),
         unit: "",
         doc: "Damping ratios ζ of the map: D = 2ζ√(K m), m the mass of struts 1, 2, 5 and 6",
-        source: "choice of this study; Table 1 is 0.011",
+        source: "our choice; Table 1 is 0.011",
     },
     Key {
         path: "regimes.accuracy",
@@ -407,7 +407,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("[1e-3, 1e-6]"),
         unit: "",
         doc: "Errors e to be reached",
-        source: "choice of this study",
+        source: "our choice",
     },
     Key {
         path: "regimes.readings",
@@ -423,7 +423,7 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("100"),
         unit: "",
         doc: "Events after which a contest ends: what a stiffer contact does later repeats it",
-        source: "choice of this study; Table 1 has 60 in 2 s",
+        source: "our choice; Table 1 has 60 in 2 s",
     },
     Key {
         path: "regimes.threads",
@@ -431,6 +431,6 @@ pub(crate) const COMMON: &[Key] = &[
         default: Toml("2"),
         unit: "",
         doc: "Cells of the map at the same time",
-        source: "choice of this study",
+        source: "our choice",
     },
 ];

@@ -103,7 +103,7 @@ const GUARD_RANGE: usize = 2;
 /// | `contact.damping` | 900 | N s/m | D; restitution 0.75 of a free impact |
 /// | `contact.adhesion` | false | | |
 ///
-/// All values are a choice of this study, of the size of a small engine's valve train.
+/// All values are our choice, of the size of a small engine's valve train.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CamFollower {
     /// Mass m [kg].

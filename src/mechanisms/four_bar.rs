@@ -30,7 +30,7 @@ pub(super) const FOUR_BAR: Entry = Entry {
         ("solver.step", "2e-5"),
         ("study.steps", "[2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6]"),
     ],
-    source: "choice of this study",
+    source: "our choice",
     has_two_joints: false,
     read: |tables| read_table::<FourBar>(tables, "four_bar"),
 };
@@ -85,7 +85,7 @@ const KEYS: &[Key] = &[
         "6.283185307179586",
         "rad/s",
         "Speed of the crank, which is held",
-        "choice of this study: a turn a second; the source controls a torque",
+        "our choice: a turn a second; the source controls a torque",
     ),
     Key::new(
         "four_bar.start_angle",
@@ -93,7 +93,7 @@ const KEYS: &[Key] = &[
         "1.5707963267948966",
         "rad",
         "Angle of the crank at the start, from the line of the pivots",
-        "choice of this study",
+        "our choice",
     ),
 ];
 

@@ -72,7 +72,7 @@ impl fmt::Debug for Mode {
 /// | `start_position` | −0.1 | m | u at t = 0; the spring is at rest |
 /// | `start_velocity` | 0 | m/s | u̇ at t = 0 |
 ///
-/// All values are a choice of this study: three impacts in two periods of the force.
+/// All values are our choice: three impacts in two periods of the force.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ImpactOscillator {

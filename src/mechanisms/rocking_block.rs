@@ -114,7 +114,7 @@ const GUARD_GROUND: usize = 0;
 /// | `start_angle` | 0.15 | rad | θ at t = 0; 0.61 of α |
 /// | `start_velocity` | 0 | rad/s | θ̇ at t = 0 |
 ///
-/// All values but gravity are a choice of this study.
+/// All values but gravity are our choice.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RockingBlock {

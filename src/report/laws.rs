@@ -7,9 +7,13 @@ use crate::study::friction::{Cost, METHODS, RTOL, T_END};
 use crate::study::restitution::{Delivery, NEAR, requested};
 
 const HEAD: &str = "\
-# Normal laws of contact
+# Laws of contact and friction
 
-Made by `deltazero laws`. Penetration δ [m], its rate δ̇ [m/s], normal force F_N [N]. A law is an elastic part and a loss:
+Made by `deltazero laws`.
+
+## Normal laws
+
+Penetration δ [m], its rate δ̇ [m/s], normal force F_N [N]. A law is an elastic part and a loss:
 
 ```text
 F_N = F(δ) + D δ̇                    loses D δ̇²            [W]
@@ -72,7 +76,7 @@ pub fn markdown(deliveries: &[Delivery], costs: &[Cost]) -> String {
 }
 
 const FRICTION: &str = "
-# Friction
+## Friction
 
 `F_T = −σ m(s) F_N`, σ the sign of the tangential velocity v_T [m/s] and s = |v_T|. `coulomb` m = μ and `stribeck`
 m = μ + (μ_s − μ) exp(−(s/v_S)²) stick at s = 0 while |F_T| < m(0) F_N. These rise from m(0) = 0 over v_r

@@ -11,7 +11,7 @@ use crate::mechanisms::{Entry, Mechanism, read_table};
 use crate::model::contact::NormalLaw;
 
 /// Where its numbers are from.
-const SOURCE: &str = "choice of this study, of the size of a small engine's valve train";
+const SOURCE: &str = "our choice, of the size of a small engine's valve train";
 
 /// Its line in the list.
 pub(in crate::mechanisms) const CAM_FOLLOWER: Entry = Entry {

@@ -8,7 +8,7 @@ use crate::mechanisms::in_words::fact;
 use crate::mechanisms::{Entry, Mechanism, Misfit, read_table};
 
 /// Where its numbers are from.
-const SOURCE: &str = "choice of this study";
+const SOURCE: &str = "our choice";
 
 /// Its line in the list.
 pub(in crate::mechanisms) const ROCKING_BLOCK: Entry = Entry {
