@@ -37,7 +37,7 @@
 
 mod dip;
 mod follow;
-mod march;
+pub(crate) mod march;
 mod shape;
 
 use num_dual::Dual64;

@@ -86,6 +86,7 @@
 //!   [`error`]. Runs of systems of a kind are computed several at once by [`Method::run_batch`], in a [`batch`].
 //! - Derivatives by start values and parameters, through events: [`sensitivity`].
 //! - Results: a recorder ([`record`]) sees each event, and each step that it needs; [`trajectory`] keeps them.
+//!   Functions are [observed](observe) along a run without a change of it.
 //!
 //! [`rules`] states case by case what is promised of events, and what is not.
 
@@ -109,6 +110,7 @@ pub mod lanes;
 mod linear;
 mod magnitude;
 pub mod methods;
+pub mod observe;
 pub mod one_step;
 pub mod order_conditions;
 pub mod phase;

@@ -124,6 +124,13 @@
 //! the log. CVODE: "will probably be missed"; an exact zero at an evaluated point is a root. diffsol:
 //! likewise.
 //!
+//! **Observed without switching.** [`Observations`](crate::observe::Observations) record the zeros of any function, rising
+//! and falling, without a change of the run. `observing::zeros_are_located_as_exactly_as_the_dense_output_in_both_directions`,
+//! `observing::a_run_that_is_observed_has_the_bits_of_one_that_is_not`,
+//! `observing::two_zeros_within_one_step_are_found_however_near_to_each_other`,
+//! `observing::neither_a_start_on_zero_nor_a_touch_nor_a_jump_is_a_zero`. heyoka: non-terminal events, by the roots of the
+//! Taylor polynomial. CVODE, diffsol: every root returns to the caller, who may go on without a new start.
+//!
 //! # After a switch
 //!
 //! **A guard that jumps.** It is judged by its new value: positive, it is guarded from there; zero,

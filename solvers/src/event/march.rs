@@ -21,7 +21,7 @@ const MOST: usize = 20_000;
 
 /// What a march found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Found {
+pub(crate) enum Found {
     /// The guard falls between the first fraction of the step, where it is above zero, and the second, where it is
     /// below.
     Fall(f64, f64),
@@ -46,7 +46,7 @@ struct Value {
 ///
 /// The intervals begin short and grow while parabolas follow the guard. So the guard is followed from the start, and
 /// an interval of many of its periods is not taken for one on which it rests.
-pub(super) fn first_fall(
+pub(crate) fn first_fall(
     mut g: impl FnMut(f64) -> f64,
     from: f64,
     mut width: f64,

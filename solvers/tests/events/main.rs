@@ -15,6 +15,7 @@ mod dips;
 mod fast;
 mod modes;
 mod not_finite;
+mod observing;
 mod recorder;
 mod refused;
 mod rejecting;
