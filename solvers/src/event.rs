@@ -276,7 +276,8 @@ impl<P: System> GuardWatch<P> {
     ) -> bool {
         self.rates(problem, mode.clone(), step.t1(), step.y1(), step.slope1());
         let h = step.t1() - step.t0();
-        if !self.knows(h) && !self.all_follow(problem, mode, step) {
+        let is_known = self.knows(h);
+        if !is_known && !self.all_follow(problem, mode.clone(), step) {
             return false;
         }
         // All guards are tested without a branch between them, so that the tests run as vector instructions.
@@ -284,6 +285,11 @@ impl<P: System> GuardWatch<P> {
         if ends.fold(true, |all, (g0, g1)| all & is_far([g0.re, g0.eps], [g1.re, g1.eps], h)) {
             self.keep();
             return true;
+        }
+        // A guard near its surface is small, and may stray beside its size from a cubic that it followed at a distance.
+        if is_known && !self.all_follow(problem, mode, step) {
+            self.followed = 0.0;
+            return false;
         }
         let is_clear = (0..self.end.as_ref().len())
             .all(|i| (0.0..f64::INFINITY).contains(&self.end.as_ref()[i].re) && self.holds(i, h));

@@ -61,7 +61,7 @@ impl<P: System> GuardWatch<P> {
         }
         let all = !self.strays.contains(&true);
         if all {
-            self.followed = h.abs();
+            self.followed = self.followed.max(h.abs());
         }
         all
     }
