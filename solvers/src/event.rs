@@ -37,6 +37,7 @@
 
 mod dip;
 mod follow;
+mod graze;
 pub(crate) mod march;
 mod shape;
 
@@ -44,6 +45,7 @@ use num_dual::Dual64;
 
 use shape::{has_no_dip, stays_above_zero};
 
+pub(crate) use graze::{Graze, STEPS};
 pub(crate) use shape::is_far;
 
 use crate::error::Error;
@@ -71,7 +73,7 @@ pub struct GuardWatch<P: System> {
     end: P::Guards<Dual64>,
     values: P::Guards<f64>,
     bounds: P::Guards<f64>,
-    /// Depth beyond the bound that a dip must have to count.
+    /// Depth beyond the bound that a dip must have to count; below zero, height up to which it counts.
     doubts: P::Guards<f64>,
     y: P::State<f64>,
     /// Values at the quarters of a step on its dense output.
@@ -87,6 +89,12 @@ pub struct GuardWatch<P: System> {
     followed: f64,
     /// Guards that were seen to stray from their cubics on the present step.
     strays: Vec<bool>,
+    /// Whether guards were searched since grazing was last looked for.
+    is_near: bool,
+    /// Guards that graze, or stay as near since they did in this phase.
+    grazes: Vec<bool>,
+    /// End of the last step in which one might.
+    near_until: f64,
 }
 
 impl<P: System> GuardWatch<P> {
@@ -109,6 +117,9 @@ impl<P: System> GuardWatch<P> {
             n_disproved: 0,
             followed: 0.0,
             strays: vec![false; n],
+            is_near: false,
+            grazes: vec![false; n],
+            near_until: f64::NAN,
         }
     }
 
@@ -226,6 +237,7 @@ impl<P: System> GuardWatch<P> {
         self.start_at(problem, mode, t, y, dydt);
         self.forget_dips();
         self.followed = 0.0;
+        self.grazes.fill(false);
     }
 
     /// Evaluates values and rates at the start of a step. Needed where they do not carry over from the end of the
@@ -316,14 +328,13 @@ impl<P: System> GuardWatch<P> {
     ) -> Result<Option<GuardCrossing>, Error> {
         let (t0, t1) = (step.t0(), step.t1());
         let h = t1 - t0;
+        self.note_near();
         self.doubts.as_mut().fill(0.0);
-        if let Some(tolerance) = doubt {
-            self.doubt(problem, mode.clone(), step, tolerance);
+        if let Some(Tolerance { rtol, atol }) = doubt {
+            let y = step.y1().as_ref();
+            self.doubt(problem, mode.clone(), step, |i| atol[i] + rtol * y[i].abs());
         }
-        for (quarter, values) in (1..).zip(&mut self.quarters) {
-            step.interpolate(t0 + 0.25 * f64::from(quarter) * h, &mut self.y);
-            problem.guards(mode.clone(), t0 + 0.25 * f64::from(quarter) * h, &self.y, values);
-        }
+        self.look_at_quarters(problem, mode.clone(), step);
         self.violated(problem, mode.clone(), t1, step.y1())?;
         let mut first: Option<GuardCrossing> = None;
         let mut knows_first = false;
@@ -384,27 +395,13 @@ impl<P: System> GuardWatch<P> {
         })
     }
 
-    /// Writes `Σ_j |∂g_i/∂y_j| (atol_j + rtol |y_j|)` at the end of `step` to `doubts`: a bound of the change of each
-    /// guard by errors of the states that `tolerance` allows.
-    fn doubt(
-        &mut self,
-        problem: &P,
-        mode: P::Mode,
-        step: &dyn Step<P::State<f64>>,
-        tolerance: &Tolerance,
-    ) {
-        let y = step.y1().as_ref();
-        let mut g = self.end.clone();
-        let span = problem.guard_span();
-        let error = |i: usize| tolerance.atol[i] + tolerance.rtol * y[i].abs();
-        for j in 0..span.min(y.len()) {
-            let seeded = P::State::<Dual64>::from_fn(y.len(), |i| {
-                Dual64::new(y[i], if i % span == j { error(i) } else { 0.0 })
-            });
-            problem.guards(mode.clone(), Dual64::from_re(step.t1()), &seeded, &mut g);
-            for (doubt, g) in self.doubts.as_mut().iter_mut().zip(g.as_ref()) {
-                *doubt += g.eps.abs();
-            }
+    /// Evaluates all guards at the quarters of `step` on its dense output.
+    fn look_at_quarters(&mut self, problem: &P, mode: P::Mode, step: &dyn Step<P::State<f64>>) {
+        let (t0, h) = (step.t0(), step.t1() - step.t0());
+        for (quarter, values) in (1..).zip(&mut self.quarters) {
+            let t = t0 + 0.25 * f64::from(quarter) * h;
+            step.interpolate(t, &mut self.y);
+            problem.guards(mode.clone(), t, &self.y, values);
         }
     }
 

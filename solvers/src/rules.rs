@@ -119,7 +119,18 @@
 //! - heyoka: found, by isolating the real roots of the guard's Taylor polynomial; guards are part of
 //!   the step control. CVODE, diffsol: no change of sign between the ends, not found.
 //!
-//! **A touch without crossing.** No event. `dips::a_grazing_touch_without_crossing_gives_no_event`.
+//! **A touch without crossing, and a dip that hardly is one.** Where a guard comes within the error of the method of its
+//! surface, the run may have an event or none: either may be right. The run goes on, and its recorder is told of a
+//! [`Grazing`](crate::Grazing), counted in [`Stats::n_grazing`](crate::Stats::n_grazing) and kept by a
+//! [`Trajectory`](crate::Trajectory). The error is 100 times what the tolerance allows the states in a step, or the
+//! estimated error of a fixed step, and for methods of diffsol as many times as steps were taken if that is more; a guard
+//! changes by its derivatives times that, and by its rounding bound. What is deeper is an event. In 20 250 runs over some
+//! turns of the guard, with touches and dips of 1e-12 to 1e-3 at tolerances of 1e-6 and 1e-10, no event was made up or lost
+//! beyond that error. Of those within it, 8 at 1e-6 were neither found nor told; in other 20 250 draws as many. *Not
+//! promised:* errors that grow beyond 100 tolerances in a long or unstable run; a minimum within the error but further
+//! above zero than it is deep within one step, where steps are far shorter than the guard needs; and
+//! [extended precision](crate::taylor::extended), which tells none. `every_event_is_found_or_told_as_grazing` of
+//! `tests/grazing`, `dips::a_grazing_touch_without_crossing_gives_no_event` (to rounding).
 //! heyoka: a double root breaks the root finding down, events may be missed, likely with a line in
 //! the log. CVODE: "will probably be missed"; an exact zero at an evaluated point is a root. diffsol:
 //! likewise.

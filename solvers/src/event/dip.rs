@@ -46,7 +46,7 @@ impl<P: System> GuardWatch<P> {
             if !(falls_to && rises_from) {
                 continue;
             }
-            if nodes[k] < MISFIT * range {
+            if nodes[k] + self.doubts.as_ref()[i].min(0.0) < MISFIT * range {
                 let (a, b) = (at(k.max(1) - 1), at((k + 1).min(N_NODES)));
                 let above = |theta: f64| {
                     self.clearance_on(problem, mode.clone(), step, i, t0 + theta * h) + margin

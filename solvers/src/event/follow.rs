@@ -98,7 +98,7 @@ impl<P: System> GuardWatch<P> {
 
     /// The same as [`first_dip`](Self::first_dip) in intervals short enough to follow the guard.
     #[cold]
-    fn march(
+    pub(super) fn march(
         &mut self,
         problem: &P,
         mode: P::Mode,
