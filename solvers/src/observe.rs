@@ -43,7 +43,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::event::march::{Found, first_fall};
+use crate::event::march::{Found, first_fall, first_width};
 use crate::record::{Accepted, Event, Record};
 use crate::root::{Bracket, find_root};
 use crate::step::Step;
@@ -53,8 +53,6 @@ use crate::system::System;
 const NEXT: f64 = 1e-6;
 /// Fractions of a step at which a function without a side is looked at.
 const FIRST_LOOKS: [f64; 5] = [1e-6, 1e-4, 1e-2, 0.2, 1.0];
-/// The march begins with an interval of this fraction of the step, or less.
-const FIRST_INTERVAL: f64 = 1.0 / 64.0;
 
 /// A zero of an observed function.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -187,9 +185,7 @@ impl Side {
         }
         let ends = [0.0, NEXT, 1.0 - NEXT, 1.0].map(|theta| along.value(theta, y));
         let slopes = [ends[1] - ends[0], ends[3] - ends[2]].map(|change| change / NEXT);
-        let size = ends[0].abs().max(ends[3].abs());
-        let turn = size / slopes[0].abs().max(slopes[1].abs());
-        let width = if turn > 0.0 { FIRST_INTERVAL.min(0.1 * turn) } else { FIRST_INTERVAL };
+        let width = first_width([ends[0], ends[3]], slopes);
         let (mut from, bound) = (0.0, self.bound);
         // Dense output may begin off the end of the step before.
         if self.sign * ends[0] < -bound {

@@ -18,8 +18,6 @@ const STRAYS: f64 = 1.0 / 64.0;
 /// Guards are compared with their cubics anew on a step longer than the longest compared before by this factor. So no
 /// sine is searched for by the polynomial of degree six over more than three quarters of a period.
 const LONGER: f64 = 4.0 / 3.0;
-/// The march after a guard that strays begins with an interval of this fraction of the step, or less.
-const FIRST_INTERVAL: f64 = 1.0 / 64.0;
 
 impl<P: System> GuardWatch<P> {
     /// Whether the guards need not be compared with their cubics on a step of size `h`.
@@ -107,10 +105,7 @@ impl<P: System> GuardWatch<P> {
     ) -> Result<(f64, Option<f64>), Error> {
         let (t0, h) = (step.t0(), step.t1() - step.t0());
         let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
-        let size = g0.re.abs().max(g1.re.abs());
-        // The first interval is short beside the time in which the rates at the ends change the guard by its size.
-        let turn = size / ((g0.eps * h).abs().max((g1.eps * h).abs()));
-        let first = if turn > 0.0 { FIRST_INTERVAL.min(0.1 * turn) } else { FIRST_INTERVAL };
+        let first = march::first_width([g0.re, g1.re], [g0.eps * h, g1.eps * h]);
         let (bound, from) = (self.bounds.as_ref()[i], self.disproved[i]);
         let margin = 0.5 * bound + self.doubts.as_ref()[i];
         let g =

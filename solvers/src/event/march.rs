@@ -14,6 +14,8 @@ const HEADROOM: f64 = 8.0;
 /// Inner points of an interval. No two distances between them have a simple ratio, so that no sine has the values of a
 /// parabola at all of them.
 const INNER: [f64; 3] = [0.27, 0.5, 0.77];
+/// A march begins with an interval of this fraction of the step, or less.
+const FIRST: f64 = 1.0 / 64.0;
 /// Shortest interval: at the kink of a guard no parabola follows it.
 const SHORTEST: f64 = 1e-9;
 /// Largest number of intervals of one march.
@@ -38,6 +40,14 @@ pub(crate) enum Found {
 struct Value {
     theta: f64,
     g: f64,
+}
+
+/// Length of the first interval after a function with these values and slopes at 0 and 1. It is short beside the time in
+/// which the slopes change the function by its size.
+pub(crate) fn first_width(values: [f64; 2], slopes: [f64; 2]) -> f64 {
+    let [size, steepest] = [values, slopes].map(|[a, b]| a.abs().max(b.abs()));
+    let turn = size / steepest;
+    if turn > 0.0 { FIRST.min(0.1 * turn) } else { FIRST }
 }
 
 /// Looks for the first fall of `g`, a function of the fraction of the step, after `from`. The first interval is `width`
