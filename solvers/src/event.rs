@@ -11,9 +11,9 @@
 //!
 //! 0. Does the guard move as slowly as the states? Steps are as long as the states allow, and a guard such as
 //!    `sin(1000 t)` may turn many times within one. Five values between the ends are compared with the cubic through
-//!    values and rates at both ends. That is done in the first step of a phase, and where a step is longer by a third
-//!    than the longest on which the guards were seen to follow their cubics. A guard that strays from its cubic is
-//!    searched for by stage 4 alone.
+//!    values and rates at both ends. That is done in the first step of a phase, where a step is longer by a third
+//!    than the longest on which the guards were seen to follow their cubics, and where a guard is near its surface. A
+//!    guard that strays from its cubic is searched for by stage 4 alone.
 //! 1. Values and rates at both ends determine a cubic. If the cubic has no minimum inside the step, or one far above
 //!    zero, the guard is taken to hold. Every step pays for this stage: one evaluation of the guards and their rates,
 //!    a few operations per guard, and a square root for a guard near its surface.
@@ -34,6 +34,12 @@
 //! the deepest point, and discards the dip if the retaken step does not show it. Where a stiff force holds a guard near
 //! its surface, the dense output shows such a dip in almost every step; a Radau method looks only for dips deeper than
 //! the error that the tolerance allows where its stages show none.
+//!
+//! # What hardly is an event
+//!
+//! A guard that turns, or falls, within the error of the method of its surface is [told](crate::Grazing). It is looked
+//! for in accepted steps whose guards were searched, in those on which a guard turns low above its surface, and after
+//! landings: a guard that falls with the rate ġ and the curvature g̈ > 0 would fall by ġ²/(2 g̈).
 
 mod dip;
 mod follow;
@@ -46,7 +52,7 @@ use num_dual::Dual64;
 use shape::{has_no_dip, stays_above_zero};
 
 pub(crate) use graze::{Graze, STEPS};
-pub(crate) use shape::is_far;
+pub(crate) use shape::{is_far, turns_above};
 
 use crate::error::Error;
 use crate::root::{Bracket, find_root};
@@ -89,8 +95,14 @@ pub struct GuardWatch<P: System> {
     followed: f64,
     /// Guards that were seen to stray from their cubics on the present step.
     strays: Vec<bool>,
-    /// Whether guards were searched since grazing was last looked for.
+    /// Whether that is so, and not a fact of an earlier step.
+    knows_strays: bool,
+    /// Whether guards were searched on the present step, or turned low.
     is_near: bool,
+    /// Heights below which a turn is looked at: some times the error of the guard, as found last.
+    lows: P::Guards<f64>,
+    /// Largest values at the ends of steps of this arc of each guard; infinite where it did not rise at first.
+    tops: P::Guards<f64>,
     /// Guards that graze, or stay as near since they did in this phase.
     grazes: Vec<bool>,
     /// End of the last step in which one might.
@@ -117,7 +129,10 @@ impl<P: System> GuardWatch<P> {
             n_disproved: 0,
             followed: 0.0,
             strays: vec![false; n],
+            knows_strays: false,
             is_near: false,
+            lows: Vector::from_fn(n, |_| f64::INFINITY),
+            tops: zeros(),
             grazes: vec![false; n],
             near_until: f64::NAN,
         }
@@ -253,6 +268,12 @@ impl<P: System> GuardWatch<P> {
         along_flow(problem, mode, t, y, dydt, &mut self.start);
     }
 
+    /// Forgets what was found on a step that is not accepted.
+    pub(crate) fn forget_step(&mut self) {
+        self.forget_dips();
+        self.is_near = false;
+    }
+
     /// Forgets the dips that were discarded in a step that is over.
     pub(crate) fn forget_dips(&mut self) {
         if std::mem::take(&mut self.n_disproved) > 0 {
@@ -293,8 +314,15 @@ impl<P: System> GuardWatch<P> {
             return false;
         }
         // All guards are tested without a branch between them, so that the tests run as vector instructions.
-        let ends = self.start.as_ref().iter().zip(self.end.as_ref());
-        if ends.fold(true, |all, (g0, g1)| all & is_far([g0.re, g0.eps], [g1.re, g1.eps], h)) {
+        let ends = self.start.as_ref().iter().zip(self.end.as_ref()).zip(self.lows.as_ref());
+        let (far, high) = ends.fold((true, true), |(far, high), ((g0, g1), low)| {
+            let (from, to) = ([g0.re, g0.eps], [g1.re, g1.eps]);
+            (far & is_far(from, to, h), high & turns_above(from, to, h, *low))
+        });
+        if far {
+            if !high {
+                self.note_searched();
+            }
             self.keep();
             return true;
         }
@@ -328,7 +356,7 @@ impl<P: System> GuardWatch<P> {
     ) -> Result<Option<GuardCrossing>, Error> {
         let (t0, t1) = (step.t0(), step.t1());
         let h = t1 - t0;
-        self.note_near();
+        self.is_near = true;
         self.doubts.as_mut().fill(0.0);
         if let Some(Tolerance { rtol, atol }) = doubt {
             let y = step.y1().as_ref();

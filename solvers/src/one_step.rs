@@ -410,7 +410,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
                 | Error::UnresolvedGuard { .. }
                 | Error::NoConvergence { .. }),
             ) => {
-                self.watch.forget_dips();
+                self.watch.forget_step();
                 return self.shortened(context, phase, h, || error);
             }
             landed_on => landed_on?,
@@ -421,7 +421,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             let h_landed = self.method.step().t1() - point.t;
             let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
             if let Some(smaller) = self.controller.refusal(h_landed, error_sq) {
-                self.watch.forget_dips();
+                self.watch.forget_step();
                 return self.rejected(context, phase, smaller);
             }
         }

@@ -47,8 +47,9 @@ pub struct Grazing<M> {
     pub mode: M,
     /// The guard, numbered in that mode.
     pub guard: usize,
-    /// How far it falls below zero, or would if nothing switched, in its unit; below zero where it stays above its
-    /// surface.
+    /// How far it falls below zero, or would if nothing switched, in its unit. Below zero where it stays above its
+    /// surface; and where a method of diffsol returns to it after an arc lower than the error of a step: minus the height
+    /// of the arc.
     pub depth: f64,
     /// What the error of the method may change it by, in the same unit.
     pub error: f64,

@@ -6,6 +6,7 @@
 
 mod algebra;
 mod equations;
+mod graze;
 mod lu;
 
 use diffsol::{
@@ -15,7 +16,7 @@ use diffsol::{
 use diffsol_la::{MatrixRef, VectorRef};
 
 use crate::error::Error;
-use crate::event::{Graze, GuardWatch, STEPS};
+use crate::event::GuardWatch;
 use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
 use crate::record::{Accepted, Record};
 use crate::stats::Stats;
@@ -24,6 +25,7 @@ use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 use algebra::{Algebra, Dense, Sparse};
 use equations::{Equations, state};
+use graze::Place;
 
 /// Longest span that `diffsol` takes for zero, as a fraction of the time.
 const RESOLUTION: f64 = 100.0 * f64::EPSILON;
@@ -155,8 +157,13 @@ impl<P: System> DiffsolSolver<P> {
         solver.set_stop_time(t_end).map_err(|error| failure(point, &error))?;
         let mut slope0 = state::<P, A>(problem, solver.state().dy);
         self.watch.begin(problem, mode.clone(), point.t, &point.y, &slope0);
+        self.watch.begin_arcs(t_end - point.t);
         loop {
             let at_end = take_step(solver, point, &before, stats)?;
+            // Their errors add up.
+            if stats.n_accepted.is_power_of_two() {
+                self.watch.forget_lows();
+            }
             let y1 = state::<P, A>(problem, solver.state().y);
             check_finite(point, &y1)?;
             let reached = solver.state().t;
@@ -181,11 +188,12 @@ impl<P: System> DiffsolSolver<P> {
             let h = step.t1 - step.t0;
             let landed_on = self.cut_at_event(problem, point, &mut step, reached, slope)?;
             if self.watch.came_near() {
-                let n = stats.n_accepted;
-                let told = self.graze((problem, &mode), &step, (landed_on, h), n, record);
+                let at = Place { landed_on, h, n_steps: stats.n_accepted };
+                let told = self.graze((problem, &mode), &step, at, record);
                 before.n_grazing += told;
                 stats.n_grazing += told;
             }
+            self.watch.follow_arcs();
             let go_on =
                 record.step(&Accepted { mode: mode.clone(), step: &step, landed_on, stats });
             let SolverStep { t1, y1, slope1, .. } = step;
@@ -229,47 +237,6 @@ impl<P: System> DiffsolSolver<P> {
         (step.t1, step.y1) = (crossing.t, y);
         step.slope1 = slope(crossing.t)?;
         Ok(Some(crossing.guard))
-    }
-
-    /// Tells `record` of the guards that graze in `step`, which landed on the given guard or on none and had the size `h`
-    /// before, and returns their number. The methods do not extrapolate, so that their errors add up: they were up to
-    /// half of what the tolerance allows in each of the `n_steps` so far.
-    #[cold]
-    fn graze(
-        &mut self,
-        (problem, mode): (&P, &P::Mode),
-        step: &SolverStep<'_, impl Fn(f64, &mut P::State<f64>), P::State<f64>>,
-        (landed_on, h): (Option<usize>, f64),
-        n_steps: u64,
-        record: &mut dyn Record<P>,
-    ) -> u64 {
-        let mut n = 0;
-        let slope = |t: f64, y: &P::State<f64>| {
-            let mut slope = y.clone();
-            problem.rhs(mode.clone(), t, y, &mut slope);
-            slope
-        };
-        // Slopes of interpolants jump between the steps, and a guard may turn there.
-        let smooth = SolverStep {
-            interpolant: |t: f64, y: &mut P::State<f64>| step.interpolate(t, y),
-            t0: step.t0,
-            t1: step.t1,
-            y0: step.y0,
-            y1: step.y1.clone(),
-            slope0: slope(step.t0, step.y0),
-            slope1: slope(step.t1, &step.y1),
-        };
-        if self.watch.may_graze(problem, mode.clone(), &smooth, landed_on, h) {
-            let (Tolerance { rtol, atol }, y) = (&self.tolerance, step.y1.as_ref());
-            let error = |i: usize| STEPS.max(n_steps as f64) * (atol[i] + rtol * y[i].abs());
-            let told = |graze: Graze| {
-                n += 1;
-                record.grazing(&graze.in_mode(mode.clone()));
-            };
-            self.watch.graze(problem, mode.clone(), &smooth, landed_on, error, told);
-        }
-        self.watch.start_at(problem, mode.clone(), step.t1, &step.y1, &step.slope1);
-        n
     }
 
     /// Integrates one phase that is longer than the resolution of `diffsol`, with the linear algebra `A`.

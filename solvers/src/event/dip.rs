@@ -42,7 +42,7 @@ impl<P: System> GuardWatch<P> {
                 top = k;
             }
             let falls_to = if k == 0 { slopes[0] < 0.0 } else { nodes[k] <= nodes[k - 1] };
-            let rises_from = if k == N_NODES { slopes[1] > 0.0 } else { nodes[k] < nodes[k + 1] };
+            let rises_from = if k == N_NODES { slopes[1] >= 0.0 } else { nodes[k] < nodes[k + 1] };
             if !(falls_to && rises_from) {
                 continue;
             }

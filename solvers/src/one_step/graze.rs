@@ -49,7 +49,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
                 stats.n_grazing += 1;
                 record.grazing(&graze.in_mode(point.mode.clone()));
             };
-            self.watch.graze(*problem, mode(), self.method.step(), landed_on, error, told);
+            let landing = (landed_on, h);
+            self.watch.graze(*problem, mode(), self.method.step(), landing, error, told);
         }
         if landed_on.is_none() {
             self.watch.keep();

@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use deltazero_solvers::{Next, Real, System};
 use fastrand::Rng;
 
-/// Length of a run.
-pub(crate) const T_END: f64 = 12.0;
+/// Length of the longest runs, and of the shortest in periods of the fastest part of the guard.
+const T_END: f64 = 12.0;
+const PERIODS: f64 = 60.0;
 /// Points at which the exact guard is looked at, in its fastest period.
 const LOOKS: f64 = 40.0;
 
@@ -29,6 +30,7 @@ pub(crate) struct Drawn {
     hum: f64,
     hum_omega: f64,
     hum_phase: f64,
+    pub(crate) t_end: f64,
 }
 
 impl Drawn {
@@ -58,16 +60,23 @@ impl Drawn {
             level: 0.0,
             normal: [along.cos(), along.sin(), of_third],
             hum: if kind == 3 { uniform(0.05, 1.0) } else { 0.0 },
-            hum_omega: omega * 100.0_f64.powf(uniform(0.0, 1.0)),
+            hum_omega: omega * 1000.0_f64.powf(uniform(0.0, 1.0)),
             hum_phase: uniform(0.0, TAU),
+            t_end: T_END,
         };
+        drawn.t_end = T_END.min(PERIODS * TAU / drawn.fastest());
         let depth = if uniform(0.0, 1.0) < 0.1 { 0.0 } else { 10.0_f64.powf(-uniform(3.0, 12.0)) };
         let sign = if uniform(0.0, 1.0) < 0.5 { 1.0 } else { -1.0 };
         let least: Vec<_> = drawn.extrema().into_iter().filter(|t| drawn.bend(*t) > 0.05).collect();
         let &t = least.get((uniform(0.0, 1.0) * least.len() as f64) as usize)?;
         drawn.level = -drawn.exact(t) - sign * depth;
         let is_far = |t: f64| drawn.exact(t).abs() > 0.02;
-        (is_far(0.0) && is_far(T_END)).then_some(drawn)
+        (is_far(0.0) && is_far(drawn.t_end)).then_some(drawn)
+    }
+
+    /// The largest angular frequency.
+    fn fastest(&self) -> f64 {
+        if self.hum > 0.0 { self.hum_omega } else { self.omega }
     }
 
     /// The state at `t`.
@@ -98,9 +107,8 @@ impl Drawn {
 
     /// The times at which G is least or greatest, in order.
     pub(crate) fn extrema(&self) -> Vec<f64> {
-        let fastest = if self.hum > 0.0 { self.hum_omega } else { self.omega };
-        let n = (T_END * fastest / TAU * LOOKS).ceil() as usize;
-        let at = |k: usize| T_END * k as f64 / n as f64;
+        let n = (self.t_end * self.fastest() / TAU * LOOKS).ceil() as usize;
+        let at = |k: usize| self.t_end * k as f64 / n as f64;
         let turns = |k: &usize| (self.rate(at(*k)) > 0.0) != (self.rate(at(k + 1)) > 0.0);
         let root = |k: usize| {
             let (mut a, mut b) = (at(k), at(k + 1));

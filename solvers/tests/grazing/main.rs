@@ -1,15 +1,19 @@
 //! Guards that touch their surface, or dip below it by little: every event is found or told as grazing, none is made up,
 //! none is lost in silence.
+//!
+//! With `DRAWS=750` (20 250 runs, 22 s) one fails: number 574 by `tr_bdf2` at 1e-10, a dip of 2.4e-11 after 9000 steps,
+//! whose errors add up to 780 times what is allowed in one.
 
 // Helpers are not marked as tests.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+mod cases;
 mod draw;
 
 use deltazero_solvers::{
     Control, Grazing, Grid, Integration, METHODS, Method, Outcome, Tolerance, Trajectory,
 };
-use draw::{Drawn, T_END};
+use draw::Drawn;
 
 /// Draw number `i` is made of `SEED + i`.
 const SEED: u64 = 0x6a2e;
@@ -31,7 +35,7 @@ enum Fault {
 fn faults(drawn: &Drawn, run: &Trajectory<[f64; 3], bool>) -> (Vec<Fault>, usize) {
     let mut knots = vec![0.0];
     knots.extend(drawn.extrema());
-    knots.push(T_END);
+    knots.push(drawn.t_end);
     let nearest = |t: f64| {
         let off = |k: &usize| (knots[*k] - t).abs();
         (0..knots.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()
@@ -80,13 +84,13 @@ fn check(method: &Method, control: &Control) -> usize {
         let mut run = Trajectory::on(Grid::Times(vec![]));
         let mut integration = Integration::new(&drawn, 0.0, drawn.start);
         let mut solver = method.solver(&drawn, control.clone()).unwrap();
-        assert_eq!(integration.run(T_END, &mut *solver, &mut run), Ok(Outcome::Finished));
+        assert_eq!(integration.run(drawn.t_end, &mut *solver, &mut run), Ok(Outcome::Finished));
         let (faults, n) = faults(&drawn, &run);
         n_grazing += n;
         n_events += run.events.len();
         assert_eq!(integration.stats.n_grazing, n as u64);
         for fault in &faults {
-            println!("{} {control:?}, index {index}: {fault:?}", method.name);
+            println!("{} {control:?}, index {index}: {fault:?} in {drawn:?}", method.name);
         }
         n_faults += faults.len();
     }
@@ -125,7 +129,7 @@ fn errors_in_tolerances() {
                     let mut run = Trajectory::on(Grid::Times(extrema.clone()));
                     let mut integration = Integration::new(&drawn, 0.0, drawn.start);
                     let mut solver = method.solver(&drawn, control_of(rtol)).unwrap();
-                    integration.run(T_END, &mut *solver, &mut run).unwrap();
+                    integration.run(drawn.t_end, &mut *solver, &mut run).unwrap();
                     let error = |(t, y): (&f64, &[f64; 3])| drawn.off(*t, y, rtol);
                     let ys = run.samples.iter().map(|sample| &sample.y);
                     extrema.iter().zip(ys).map(error).fold(0.0, f64::max)
