@@ -73,12 +73,17 @@ impl<P: System> GuardWatch<P> {
         (t, h): (f64, f64),
         mode: &P::Mode,
     ) -> Result<(), Error> {
-        self.disproved[i] = self.deepest[i];
-        self.n_disproved += 1;
+        self.discard_dip(i);
         if self.n_disproved < MOST_VAIN {
             return Ok(());
         }
         Err(Error::UnresolvedGuard { t, h, mode: format!("{mode:?}"), guard: i })
+    }
+
+    /// The same, of a dip that need not be none.
+    pub(super) fn discard_dip(&mut self, i: usize) {
+        self.disproved[i] = self.deepest[i];
+        self.n_disproved += 1;
     }
 
     /// Notes that a dip of guard `i` was found by other means than this search. Should it be disproved, then this search

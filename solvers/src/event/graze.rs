@@ -184,7 +184,7 @@ impl<P: System> GuardWatch<P> {
                     told(Graze { guard, t, depth, error, is_event: false });
                     self.grazes[guard] = true;
                 }
-                self.disprove_dip(guard);
+                self.discard_dip(guard);
             }
         }
         self.forget_dips();
