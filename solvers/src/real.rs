@@ -32,7 +32,7 @@ pub trait Real:
     ///
     /// A branch has the derivatives and the Taylor series of the side that it takes. A step across it is not smooth, and
     /// belongs to a mode and a guard: where `ẏ` jumped from −1 to −½, `radau5` went over the jump in one step, off by
-    /// 2.2e-2 at a tolerance of 1e-8, and told nothing; the other methods rejected steps, and were off by up to 8e-7.
+    /// 2.2e-2 at a tolerance of 1e-8, and told nothing; the other methods rejected steps there.
     ///
     /// A value that enters the result, as in `S::cst(x.value())`, is a constant there. Jacobians, rates of guards,
     /// sensitivities and Taylor coefficients lack its derivative, and nothing tells: for `ẏ = −y` so written, `taylor`
