@@ -48,6 +48,7 @@
 //! | [`figures`] | the figures, each a function from a table to a chart |
 //! | [`report`] | tables to CSV, Markdown and an HTML page |
 //! | [`studied`] | a study of any subject, with all its files |
+//! | [`whole`] | files that are there whole or not at all |
 
 pub mod config;
 mod csv;
@@ -60,3 +61,4 @@ pub mod run;
 pub mod studied;
 pub mod study;
 pub mod sweep;
+pub mod whole;

@@ -30,6 +30,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use deltazero::config::{Config, ConfigError};
 use deltazero::mechanisms::MECHANISMS;
+use deltazero::whole::FileError;
 use deltazero_study::setting::Events;
 use deltazero_study::warning::Warning;
 
@@ -178,6 +179,12 @@ enum Failure {
 impl From<ConfigError> for Failure {
     fn from(error: ConfigError) -> Self {
         Self::Usage(error.to_string())
+    }
+}
+
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        Self::Run(error.to_string())
     }
 }
 

@@ -1,10 +1,11 @@
 //! The directory of results: one configuration's, each file whole or not at all.
 
 use std::fs::{self, File, TryLockError};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use deltazero::figures::{Drawing, Picture};
+use deltazero::whole;
 use deltazero_study::reference::RECIPE;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -41,7 +42,7 @@ impl Output {
     /// [`Failure::Usage`] if it is no directory, cannot be written, is being written by another command, or (without
     /// `force`) holds other results.
     pub(super) fn open(dir: &Path, hash: String, force: bool) -> Result<Self, Failure> {
-        Self::opened(dir, hash, force, |dir| Ok(vec![lock(dir, LOCK, File::try_lock)?]))
+        Self::opened(dir, hash, force, alone)
     }
 
     /// The same for one part of the results, beside which others are written by other processes.
@@ -91,8 +92,7 @@ impl Output {
             let why = "is no directory; name the DIR of a study or of a sweep";
             return Err(Failure::Usage(format!("{}: {why}", dir.display())));
         }
-        let locks = vec![lock(dir, LOCK, File::try_lock)?];
-        Ok(Self { dir: dir.to_owned(), _locks: locks, hash: String::new() })
+        Ok(Self { dir: dir.to_owned(), _locks: alone(dir)?, hash: String::new() })
     }
 
     /// A JSON file of an earlier run of the same configuration.
@@ -110,7 +110,7 @@ impl Output {
         fs::read(self.dir.join(name)).ok()
     }
 
-    /// Writes a file: under another name first, then renamed.
+    /// Writes a file, whole or not at all.
     pub(super) fn write(&self, name: &str, content: &[u8]) -> Result<(), Failure> {
         self.write_by(name, |out| out.write_all(content))
     }
@@ -119,25 +119,9 @@ impl Output {
     pub(super) fn write_by(
         &self,
         name: &str,
-        content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+        content: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     ) -> Result<(), Failure> {
-        let path = self.dir.join(name);
-        let fail =
-            |error: io::Error| Failure::Run(format!("cannot write {}: {error}", path.display()));
-        if let Some(parent) = path.parent() {
-            fs::create_dir_all(parent).map_err(fail)?;
-        }
-        let mut partial = path.clone().into_os_string();
-        partial.push(".partial");
-        let written = || {
-            let mut out = BufWriter::new(File::create(&partial)?);
-            content(&mut out)?;
-            out.flush()
-        };
-        written()
-            .and_then(|()| fs::rename(&partial, &path))
-            .inspect_err(|_| drop(fs::remove_file(&partial)))
-            .map_err(fail)
+        Ok(whole::write_by(&self.dir.join(name), content)?)
     }
 
     /// Draws figures, as SVG and PNG into `figures/`.
@@ -159,6 +143,13 @@ impl Output {
     pub(super) fn path(&self) -> std::path::Display<'_> {
         self.dir.display()
     }
+}
+
+/// The lock of a command that alone writes into `dir`; what an earlier one left unfinished is removed.
+fn alone(dir: &Path) -> Result<Vec<File>, Failure> {
+    let locks = vec![lock(dir, LOCK, File::try_lock)?];
+    whole::sweep_up(dir);
+    Ok(locks)
 }
 
 /// A lock on the right to write into `dir`, held on the file `name` in it.

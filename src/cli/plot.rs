@@ -7,7 +7,7 @@ use deltazero::figures::Drawing;
 use deltazero::figures::sweep::{self, Asked, PlotError};
 use deltazero::sweep::results::{Results, ResultsError};
 use deltazero::sweep::sobol::Sobol;
-use deltazero::sweep::whole;
+use deltazero::whole;
 use serde_json::json;
 
 use super::{Failure, print, say};
@@ -91,8 +91,7 @@ fn write(drawing: &Drawing, stem: &Path) -> Result<[PathBuf; 2], Failure> {
     };
     let files = [named(".png"), named(".svg")];
     for (path, content) in files.iter().zip([&picture.png[..], picture.svg.as_bytes()]) {
-        whole::write(path, content)
-            .map_err(|error| Failure::Run(format!("cannot write {}: {error}", path.display())))?;
+        whole::write(path, content)?;
     }
     Ok(files)
 }

@@ -9,7 +9,7 @@ use clap::Args;
 use deltazero::study::machine::Machine;
 use deltazero::sweep::chunks::Chunks;
 use deltazero::sweep::{
-    Joined, Made, Over, RECORD, ROWS, SHARDS, Sweep, SweepError, Work, join, whole, work,
+    Joined, Made, Over, RECORD, ROWS, SHARDS, Sweep, SweepError, Work, join, work,
 };
 use serde_json::{Value, json};
 
@@ -93,7 +93,7 @@ impl Shard {
 impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         match error {
-            SweepError::File { .. } | SweepError::Altered { .. } => Self::Run(error.to_string()),
+            SweepError::File(_) | SweepError::Altered { .. } => Self::Run(error.to_string()),
             _ => Self::Usage(error.to_string()),
         }
     }
@@ -130,13 +130,10 @@ pub(super) fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
     };
     let chunks = Chunks::new(&dir, &output.hash, sweep.n_runs, sweep.plan.chunk);
     let known = output.own(RECORD);
-    if args.shard.is_none() {
-        if known.is_none() && output.read(RECORD).is_some() {
-            chunks.clear()?;
-            // It would stand beside rows that are not its own.
-            let _ = std::fs::remove_file(dir.join(BY_COLUMN));
-        }
-        chunks.sweep_up(&[ROWS, BY_COLUMN, RECORD]);
+    if args.shard.is_none() && known.is_none() && output.read(RECORD).is_some() {
+        chunks.clear()?;
+        // It would stand beside rows that are not its own.
+        let _ = std::fs::remove_file(dir.join(BY_COLUMN));
     }
     let wall_before = known.as_ref().and_then(|known| known["wall_s"].as_f64()).unwrap_or(0.0);
     let start = Instant::now();
@@ -314,7 +311,8 @@ impl Command<'_> {
             Made::Known(n) => meter.known(n),
         };
         let (sweep, chunks, stop) = (&self.sweep, &self.chunks, self.stop);
-        work(&Work { sweep, chunks, threads, stop, made: &made }, numbers)?;
+        work(&Work { sweep, chunks, threads, stop, made: &made }, numbers)
+            .map_err(SweepError::from)?;
         meter.end(threads);
         if stop.load(Ordering::Relaxed) {
             self.write_record(&self.record(None))?;
@@ -325,7 +323,7 @@ impl Command<'_> {
 
     fn join(&self) -> Result<Joined, SweepError> {
         let n_keys = self.sweep.plan.keys().len();
-        join(&self.chunks, &self.sweep.header(), n_keys, &self.dir.join(ROWS))
+        Ok(join(&self.chunks, &self.sweep.header(), n_keys, &self.dir.join(ROWS))?)
     }
 
     /// Records that all rows are in `runs.csv`, and removes the chunks.
@@ -394,11 +392,8 @@ impl Command<'_> {
         self.write(RECORD, record)
     }
 
-    /// Writes a file that shards may write at the same time.
     fn write(&self, name: &str, record: &Value) -> Result<(), Failure> {
-        let path = self.dir.join(name);
-        let written = whole::write(&path, format!("{record:#}\n").as_bytes());
-        written.map_err(|source| SweepError::File { path, doing: "write", source }.into())
+        self.output.write(name, format!("{record:#}\n").as_bytes())
     }
 
     fn say(&self, text: &str) {

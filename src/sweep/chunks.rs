@@ -15,8 +15,7 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-use super::SweepError;
-use super::whole::{self, PARTIAL};
+use crate::whole::{self, FileError};
 
 /// Longest last line.
 const LONGEST_LINE: u64 = 512;
@@ -115,7 +114,7 @@ impl Chunks {
     ///
     /// # Errors
     /// It cannot be read.
-    pub fn read(&self, chunk: u64) -> Result<Option<Rows>, SweepError> {
+    pub fn read(&self, chunk: u64) -> Result<Option<Rows>, FileError> {
         let runs = self.runs(chunk);
         let rows = self.read_from(&self.path(chunk, "rows"), chunk)?;
         Ok(rows.filter(|rows| rows.n == runs.end - runs.start))
@@ -125,17 +124,14 @@ impl Chunks {
     ///
     /// # Errors
     /// They cannot be read.
-    pub fn read_begun(&self, chunk: u64) -> Result<Option<Rows>, SweepError> {
+    pub fn read_begun(&self, chunk: u64) -> Result<Option<Rows>, FileError> {
         self.read_from(&self.path(chunk, "begun"), chunk)
     }
 
-    fn read_from(&self, path: &Path, chunk: u64) -> Result<Option<Rows>, SweepError> {
+    fn read_from(&self, path: &Path, chunk: u64) -> Result<Option<Rows>, FileError> {
         let bytes = match fs::read(path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            Err(source) => {
-                return Err(SweepError::File { path: path.to_owned(), doing: "read", source });
-            }
-            Ok(bytes) => bytes,
+            read => read.map_err(FileError::of(path, "read"))?,
         };
         Ok(String::from_utf8(bytes).ok().and_then(|text| self.verified(text, chunk)))
     }
@@ -157,7 +153,7 @@ impl Chunks {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn write(&self, chunk: u64, rows: &Rows) -> Result<(), SweepError> {
+    pub fn write(&self, chunk: u64, rows: &Rows) -> Result<(), FileError> {
         self.write_to(&self.path(chunk, "rows"), chunk, rows)?;
         let _ = fs::remove_file(self.path(chunk, "begun"));
         Ok(())
@@ -167,19 +163,18 @@ impl Chunks {
     ///
     /// # Errors
     /// They cannot be written.
-    pub fn write_begun(&self, chunk: u64, rows: &Rows) -> Result<(), SweepError> {
+    pub fn write_begun(&self, chunk: u64, rows: &Rows) -> Result<(), FileError> {
         self.write_to(&self.path(chunk, "begun"), chunk, rows)
     }
 
-    fn write_to(&self, path: &Path, chunk: u64, rows: &Rows) -> Result<(), SweepError> {
+    fn write_to(&self, path: &Path, chunk: u64, rows: &Rows) -> Result<(), FileError> {
         let Rows { text, n, failed } = rows;
         let line = self.line(chunk, *n, *failed, text.len() as u64);
         let sum = checksum(text, &line);
-        let written = whole::write_by(path, |out| {
+        whole::write_by(path, |out| {
             out.write_all(text.as_bytes())?;
             writeln!(out, "{line} {sum}")
-        });
-        written.map_err(|source| SweepError::File { path: path.to_owned(), doing: "write", source })
+        })
     }
 
     /// Removes a chunk that is not as it was written.
@@ -191,26 +186,10 @@ impl Chunks {
     ///
     /// # Errors
     /// They cannot be removed.
-    pub fn clear(&self) -> Result<(), SweepError> {
+    pub fn clear(&self) -> Result<(), FileError> {
         match fs::remove_dir_all(&self.dir) {
-            Err(source) if source.kind() != io::ErrorKind::NotFound => {
-                Err(SweepError::File { path: self.dir.clone(), doing: "remove", source })
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// Removes what writing left behind that was killed, here and of the `files` beside the chunks.
-    pub fn sweep_up(&self, files: &[&str]) {
-        let entries = |dir: Option<&Path>| dir.and_then(|dir| fs::read_dir(dir).ok());
-        let own = entries(Some(&self.dir)).into_iter().flatten().flatten();
-        let beside = entries(self.dir.parent()).into_iter().flatten().flatten();
-        let is_known = |name: &str| files.iter().any(|file| name.starts_with(file));
-        let beside = beside.filter(|entry| is_known(&entry.file_name().to_string_lossy()));
-        for entry in own.chain(beside) {
-            if entry.file_name().to_string_lossy().ends_with(PARTIAL) {
-                let _ = fs::remove_file(entry.path());
-            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            removed => removed.map_err(FileError::of(&self.dir, "remove")),
         }
     }
 }

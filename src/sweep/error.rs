@@ -1,9 +1,9 @@
 //! What can stop a sweep, in words that lead out.
 
-use std::io;
 use std::path::PathBuf;
 
 use crate::config::{ConfigError, Place};
+use crate::whole::FileError;
 
 /// Why a sweep is refused, or cannot go on; the message is one line.
 #[derive(Debug, thiserror::Error)]
@@ -93,15 +93,8 @@ pub enum SweepError {
         most: u64,
     },
     /// A file that cannot be written or read.
-    #[error("cannot {doing} {}: {source}; what was finished is kept, and the same command goes on", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// `write`, `read` or `list`.
-        doing: &'static str,
-        /// What the operating system says.
-        source: io::Error,
-    },
+    #[error("{0}; what was finished is kept, and the same command goes on")]
+    File(#[from] FileError),
     /// Chunks that were found altered again and again.
     #[error(
         "{n} chunks in {} are altered each time they are written; look at the disk",

@@ -3,11 +3,10 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::SweepError;
 use super::chunks::{Chunks, Rows};
 use super::runner::OK;
-use super::whole;
 use crate::csv::fields;
+use crate::whole::{self, FileError};
 
 /// Failed runs that are told of one by one.
 const TOLD: usize = 3;
@@ -44,7 +43,7 @@ pub fn join(
     header: &str,
     n_keys: usize,
     path: &Path,
-) -> Result<Joined, SweepError> {
+) -> Result<Joined, FileError> {
     let mut joined = Joined { bytes: header.len() as u64, ..Joined::default() };
     let mut unread = None;
     let written = whole::write_by(path, |out| {
@@ -68,16 +67,9 @@ pub fn join(
     });
     match (unread, written) {
         (Some(error), _) => Err(error),
-        (None, Err(source)) if joined.altered.is_empty() => {
-            Err(SweepError::File { path: path.to_owned(), doing: "write", source })
-        }
+        (None, Err(error)) if joined.altered.is_empty() => Err(error),
         (None, Err(_)) => Ok(joined),
-        (None, Ok(())) => {
-            let failed =
-                |source| SweepError::File { path: path.to_owned(), doing: "write", source };
-            whole::sync_dir(path).map_err(failed)?;
-            Ok(joined)
-        }
+        (None, Ok(())) => whole::sync_dir(path).map(|()| joined),
     }
 }
 

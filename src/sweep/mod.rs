@@ -10,7 +10,7 @@
 //! | [`plan`], [`draw`], [`saltelli`] | the values of a run, from its number alone |
 //! | `columns`, `layout` | what a run tells, and which columns the runs of a plan have |
 //! | `runner`, `course` | some runs together: their rows, and the runs with parts of a kind at once |
-//! | [`chunks`], [`whole`] | rows on disk, with their checksums |
+//! | [`chunks`] | rows on disk, with their checksums |
 //! | `work`, `join` | chunks over threads; `runs.csv` of all of them |
 //! | `parquet_file` | the same rows by column, with types |
 //! | [`results`] | the columns of a finished sweep, as they are asked for |
@@ -46,7 +46,6 @@ pub mod summary;
 mod table;
 #[cfg(test)]
 mod tests;
-pub mod whole;
 mod work;
 
 use std::fs::File;
@@ -58,6 +57,7 @@ use serde_json::{Value, json};
 
 use crate::config::{Config, Variants};
 use crate::csv::field;
+use crate::whole::FileError;
 
 pub use default_columns::default_columns;
 pub use error::SweepError;
@@ -145,10 +145,8 @@ impl Sweep {
     pub fn write_parquet(&self, csv: &Path, path: &Path) -> Result<(), SweepError> {
         let mut metadata = self.identity();
         metadata["units"] = self.columns().into_iter().zip(self.units()).collect();
-        let read = |source| SweepError::File { path: csv.to_owned(), doing: "read", source };
-        let rows = BufReader::new(File::open(csv).map_err(read)?);
-        let written = parquet_file::write(rows, &self.heads, metadata.to_string(), path);
-        written.map_err(|source| SweepError::File { path: path.to_owned(), doing: "write", source })
+        let rows = BufReader::new(File::open(csv).map_err(FileError::of(csv, "read"))?);
+        Ok(parquet_file::write(rows, &self.heads, metadata.to_string(), path)?)
     }
 
     /// The first line of `runs.csv`.

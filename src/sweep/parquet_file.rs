@@ -16,8 +16,8 @@ use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
 
 use super::columns::{CellKind, Head};
-use super::whole;
 use crate::csv::fields;
+use crate::whole::{self, FileError};
 
 /// Rows of a group, which is in memory as a whole.
 const GROUP: usize = 50_000;
@@ -96,7 +96,7 @@ pub(super) fn write(
     heads: &[Head],
     metadata: String,
     path: &Path,
-) -> io::Result<()> {
+) -> std::result::Result<(), FileError> {
     whole::write_by(path, |out| to(out, csv, heads, metadata).map_err(io::Error::other))
 }
 

@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 use deltazero_study::parallel::on_threads;
 
 use super::chunks::{Chunks, Rows};
-use super::{Runner, Sweep, SweepError};
+use super::{Runner, Sweep};
+use crate::whole::FileError;
 
 /// The rows of a chunk under way are not written more often than this.
 const PAUSE: Duration = Duration::from_secs(10);
@@ -45,7 +46,7 @@ type Whole = (u64, Rows);
 ///
 /// # Errors
 /// The first file that could not be written; the threads then end as at a stop.
-pub fn work(work: &Work<'_>, numbers: &[u64]) -> Result<(), SweepError> {
+pub fn work(work: &Work<'_>, numbers: &[u64]) -> Result<(), FileError> {
     let (failed, refused) = (AtomicBool::new(false), Mutex::new(None));
     let written = std::thread::scope(|scope| {
         let (send, receive) = sync_channel(1);
@@ -66,7 +67,7 @@ pub fn work(work: &Work<'_>, numbers: &[u64]) -> Result<(), SweepError> {
 }
 
 /// Writes what comes.
-fn write(chunks: &Chunks, receive: Receiver<Whole>, failed: &AtomicBool) -> Result<(), SweepError> {
+fn write(chunks: &Chunks, receive: Receiver<Whole>, failed: &AtomicBool) -> Result<(), FileError> {
     for (chunk, rows) in receive {
         chunks.write(chunk, &rows).inspect_err(|_| failed.store(true, Ordering::Relaxed))?;
     }
@@ -80,7 +81,7 @@ fn make(
     chunk: u64,
     failed: &AtomicBool,
     send: &SyncSender<Whole>,
-) -> Result<(), SweepError> {
+) -> Result<(), FileError> {
     let is_over = || work.stop.load(Ordering::Relaxed) || failed.load(Ordering::Relaxed);
     if is_over() {
         return Ok(());
