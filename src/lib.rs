@@ -44,12 +44,14 @@
 //! | [`config`] | the configuration: keys and mechanism, read and checked |
 //! | [`run`] | one run of a mechanism, joint by joint |
 //! | [`study`] | what a configuration asks of the study, and the experiments on the paper's mechanism |
-//! | [`sweep`] | the runs of a plan, in parallel, kept on disk |
+//! | [`chunks`] | many runs, in parallel, kept on disk as they are made |
+//! | [`sweep`] | the runs of a plan |
 //! | [`figures`] | the figures, each a function from a table to a chart |
 //! | [`report`] | tables to CSV, Markdown and an HTML page |
 //! | [`studied`] | a study of any subject, with all its files |
 //! | [`whole`] | files that are there whole or not at all |
 
+pub mod chunks;
 pub mod config;
 mod csv;
 pub mod figures;

@@ -1,11 +1,11 @@
-//! A chunk of a sweep as it may be found: any bytes, or one that was written and then altered. It is as it was written, or it is
+//! A chunk of runs as it may be found: any bytes, or one that was written and then altered. It is as it was written, or it is
 //! not there.
 
 #![no_main]
 
 use std::fs;
 
-use deltazero::sweep::chunks::{Chunks, Rows};
+use deltazero::chunks::{Chunks, Rows};
 use deltazero_fuzz::{file, path};
 use libfuzzer_sys::fuzz_target;
 

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::output::{Output, hash};
 use super::progress::Bar;
-use super::{Failure, RunArgs, default_only, print, say};
+use super::{Failure, RunArgs, default_only, or_cores, print, say};
 
 #[derive(Args)]
 pub(super) struct AuditArgs {
@@ -27,10 +27,8 @@ pub(super) fn run(args: &AuditArgs, stop: &AtomicBool) -> Result<(), Failure> {
         one_bay(default_only(args.run.load()?, "the claims are those of the struts' paper")?)?;
     let dir = args.run.to.dir("deltazero-out/audit");
     let output = Output::open(&dir, hash("audit", &used(&config)?), args.run.to.force)?;
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = args.threads.map_or_else(cores, usize::from);
     let bar = Bar::new(args.run.to.quiet);
-    let audit = audit(&config, threads, stop, &|progress| bar.show(progress));
+    let audit = audit(&config, or_cores(args.threads), stop, &|progress| bar.show(progress));
     if stop.load(Ordering::Relaxed) {
         return Err(Failure::Interrupted("nothing is written; the same command begins anew"));
     }
@@ -95,5 +93,5 @@ fn write(output: &Output, config: &Config, audit: &Audit) -> Result<(), Failure>
     output.write("audit.md", report::audit::markdown(config, audit, &drawings).as_bytes())?;
     output
         .write("audit.html", report::html::audit_page(config, audit, pictures).html().as_bytes())?;
-    output.write("audit.json", format!("{record:#}\n").as_bytes())
+    output.write_json("audit.json", &record)
 }

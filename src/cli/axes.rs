@@ -1,24 +1,24 @@
 //! `deltazero regimes --axis …`: the contest over any two numbers of a mechanism, or parameters of a model.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use deltazero::config::{Model, Place, Variants};
+use deltazero::config::{Config, Model, Place, Variants};
 use deltazero::figures::map::winners;
 use deltazero::report::regimes::map_csv;
 use deltazero::studied::{map_markdown, map_table};
-use deltazero::study::regimes::map_plan;
 use deltazero::sweep::plan::Values;
-use deltazero_study::map::{Map, MapAxis};
+use deltazero_study::map::{Map, MapAxis, pairs};
 use serde_json::json;
 
+use super::contests;
 use super::output::{Output, hash};
-use super::progress::Bar;
 use super::regimes::RegimesArgs;
-use super::{Failure, note_left_out, print, say, warn};
+use super::{Failure, RESUMED, note_left_out, print, say, warn};
 
 /// Most values of an axis.
 const MOST: usize = 1000;
-const NOTHING_KEPT: &str = "a map over --axis keeps nothing; give the command again";
+/// The record of a map.
+const RECORD: &str = "map.json";
 
 /// Runs the contest in every cell of the two axes, and writes the map.
 pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> {
@@ -35,14 +35,12 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     }
     // All cells are looked at before the first is run: a value out of range is told at once.
     let mut subjects = Vec::new();
-    for x in &axes[0].values {
-        for y in &axes[1].values {
-            if stop.load(Ordering::Relaxed) {
-                return Err(Failure::Interrupted(NOTHING_KEPT));
-            }
-            let config = variants.set(&[variants.number(0, *x)?, variants.number(1, *y)?])?;
-            subjects.push(([*x, *y], config.mechanism.subject(config)));
+    for [x, y] in pairs(&axes) {
+        if stop.load(Ordering::Relaxed) {
+            return Err(Failure::Interrupted(RESUMED));
         }
+        let config = variants.set(&[variants.number(0, x)?, variants.number(1, y)?])?;
+        subjects.push(config.mechanism.subject(config));
     }
     let dir = args.run.to.dir("deltazero-out/map");
     let asked = json!({ "config": config.to_json(), "axes": args.axis });
@@ -53,21 +51,22 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     note_left_out(&config, &config.contest.events, args.run.to.quiet);
     warn(&config.mechanism.warnings(&config), args.run.to.quiet);
 
-    let (n, done) = (subjects.len(), AtomicUsize::new(0));
-    let bar = Bar::new(args.run.to.quiet);
-    bar.show_part(0, n, String::new());
-    bar.tick();
-    let shown = || bar.show_part(done.fetch_add(1, Ordering::Relaxed) + 1, n, String::new());
-    let plan = map_plan(&config);
-    let map = Map::of(axes, &subjects, &plan, config.regimes.threads, stop, &shown);
-    drop(bar);
+    let chunks = contests::chunks(&dir, &output, RECORD, subjects.len())?;
+    let subject = |site: u64| subjects[site as usize].clone();
+    let (order, told) = (contests::missing(&chunks)?, (args.run.to.quiet, stop));
+    let contests = contests::run(&config, &chunks, &order, &subject, None, told)?;
     if stop.load(Ordering::Relaxed) {
-        return Err(Failure::Interrupted(NOTHING_KEPT));
+        return Err(Failure::Interrupted(RESUMED));
     }
-    let table = map_table(&map);
-    let pictures = output.draw(&[winners(&map)])?;
-    output.write("map.csv", map_csv(&map).as_bytes())?;
-    output.write("map.md", map_markdown(&map, &pictures).as_bytes())?;
+    write(&output, &config, &Map::of(axes, contests.into_iter().flatten()), args)?;
+    Ok(chunks.clear()?)
+}
+
+/// Writes the files of a finished map, and prints it.
+fn write(output: &Output, config: &Config, map: &Map, args: &RegimesArgs) -> Result<(), Failure> {
+    let pictures = output.draw(&[winners(map)])?;
+    output.write("map.csv", map_csv(map).as_bytes())?;
+    output.write("map.md", map_markdown(map, &pictures).as_bytes())?;
     let record = json!({
         "hash": output.hash,
         "version": env!("CARGO_PKG_VERSION"),
@@ -75,8 +74,8 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
         "axes": map.axes,
         "cells": map.cells,
     });
-    output.write("map.json", format!("{record:#}\n").as_bytes())?;
-    print(&if args.run.to.json { format!("{record:#}\n") } else { table })?;
+    output.write_json(RECORD, &record)?;
+    print(&if args.run.to.json { format!("{record:#}\n") } else { map_table(map) })?;
     if !args.run.to.quiet {
         say(&format!("written to {}: map.md, map.csv, map.json, figures/", output.path()));
     }

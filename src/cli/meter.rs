@@ -1,8 +1,10 @@
-//! How far many short runs have come: rate, share, time left.
+//! How far runs in chunks have come: rate, share, time left.
 
 use std::io::{IsTerminal as _, stderr};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
+
+use deltazero::chunks::Made;
 
 use super::progress::{Bar, spoken};
 
@@ -12,8 +14,12 @@ const PAUSE: u64 = 200;
 const PAUSE_OF_LINES: u64 = 60_000;
 
 /// Counts runs, and shows them.
-pub(super) struct Meter {
+pub(super) struct Meter<'a> {
     bar: Bar,
+    /// What a run is called, of several.
+    what: &'static str,
+    /// The time left, where that does not follow from the rate.
+    left: &'a (dyn Fn() -> Option<Duration> + Sync),
     quiet: bool,
     has_terminal: bool,
     start: Instant,
@@ -26,25 +32,29 @@ pub(super) struct Meter {
     due: AtomicU64,
 }
 
-impl Meter {
-    /// `known` of `of` runs are there; the others are made from now on.
-    pub(super) fn new(quiet: bool, known: u64, of: u64) -> Self {
+impl<'a> Meter<'a> {
+    /// `known` of `of` runs are there; `left` tells the time left of runs that differ much in length.
+    pub(super) fn new(
+        what: &'static str,
+        (known, of): (u64, u64),
+        left: &'a (dyn Fn() -> Option<Duration> + Sync),
+        quiet: bool,
+    ) -> Self {
         let bar = Bar::new(quiet);
         bar.tick();
         let has_terminal = stderr().is_terminal();
-        let (known, made) = (AtomicU64::new(known), AtomicU64::new(0));
         let due = AtomicU64::new(if has_terminal { PAUSE } else { PAUSE_OF_LINES });
-        Self { bar, quiet, has_terminal, start: Instant::now(), known, made, of, due }
+        let (known, made) = (AtomicU64::new(known), AtomicU64::new(0));
+        let start = Instant::now();
+        Self { bar, what, left, quiet, has_terminal, start, known, made, of, due }
     }
 
-    /// So many more were there before.
-    pub(super) fn known(&self, n: u64) {
-        self.known.fetch_add(n, Ordering::Relaxed);
-    }
-
-    /// One more was made.
-    pub(super) fn made(&self) {
-        self.made.fetch_add(1, Ordering::Relaxed);
+    /// Counts what was done.
+    pub(super) fn count(&self, made: Made) {
+        match made {
+            Made::Known(n) => self.known.fetch_add(n, Ordering::Relaxed),
+            Made::Run(_) => self.made.fetch_add(1, Ordering::Relaxed),
+        };
         if self.quiet {
             return;
         }
@@ -59,27 +69,37 @@ impl Meter {
     }
 
     fn show(&self) {
-        let (made, elapsed) = (self.made.load(Ordering::Relaxed), self.start.elapsed());
+        let made = self.made.load(Ordering::Relaxed);
         let done = made + self.known.load(Ordering::Relaxed);
-        let rate = made as f64 / elapsed.as_secs_f64();
-        let left = Duration::try_from_secs_f64(self.of.saturating_sub(done) as f64 / rate);
-        let left =
-            left.map_or_else(|_| String::new(), |left| format!(", some {} left", spoken(left)));
-        let text = format!("{rate:.0} runs/s{left}");
+        let per_second = made as f64 / self.start.elapsed().as_secs_f64();
+        let at_rate =
+            || Duration::try_from_secs_f64(self.of.saturating_sub(done) as f64 / per_second).ok();
+        let left = (self.left)().or_else(at_rate);
+        let left = left.map_or_else(String::new, |left| format!(", some {} left", spoken(left)));
+        let text = format!("{}{left}", self.rate(per_second));
         if self.has_terminal {
             self.bar.show_part(done as usize, self.of as usize, text);
         } else {
             let share = 100.0 * done as f64 / self.of as f64;
-            self.bar.line(&format!("{done} of {} runs ({share:.1} %), {text}", self.of));
+            self.bar.line(&format!("{done} of {} {} ({share:.1} %), {text}", self.of, self.what));
         }
     }
 
-    /// Says how fast it went.
+    /// Says how fast it went, if there was anything to be made.
     pub(super) fn end(self, threads: usize) {
-        let (made, seconds) = (self.made.into_inner(), self.start.elapsed().as_secs_f64());
-        let rate = made as f64 / seconds;
+        let (made, seconds) =
+            (self.made.load(Ordering::Relaxed), self.start.elapsed().as_secs_f64());
+        if made == 0 {
+            return;
+        }
+        let rate = self.rate(made as f64 / seconds);
         let threads =
             if threads == 1 { "1 thread".to_owned() } else { format!("{threads} threads") };
-        self.bar.line(&format!("{made} runs in {seconds:.2} s: {rate:.0} runs/s on {threads}"));
+        self.bar.line(&format!("{made} {} in {seconds:.2} s: {rate} on {threads}", self.what));
+    }
+
+    fn rate(&self, per_second: f64) -> String {
+        let digits = if per_second < 10.0 { 2 } else { 0 };
+        format!("{per_second:.digits$} {}/s", self.what)
     }
 }

@@ -4,6 +4,7 @@ mod audit;
 mod axes;
 mod completions;
 mod config;
+mod contests;
 mod kept;
 mod laws;
 mod meter;
@@ -30,6 +31,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use deltazero::config::{Config, ConfigError};
 use deltazero::mechanisms::MECHANISMS;
+use deltazero::study::machine::Machine;
 use deltazero::whole::FileError;
 use deltazero_study::setting::Events;
 use deltazero_study::warning::Warning;
@@ -163,6 +165,14 @@ fn default_only(config: Config, why: &str) -> Result<Config, Failure> {
     }
     let way_out = "`simulate`, `study`, `recommend`, `sweep` and `regimes --axis` take it";
     Err(Failure::Usage(format!("mechanism = {name}: {why}; {way_out}")))
+}
+
+/// What an interrupted command leaves.
+const RESUMED: &str = "what was finished is on disk, the same command goes on from there";
+
+/// Runs at the same time: so many, or one a core.
+fn or_cores(threads: Option<u16>) -> usize {
+    threads.map_or_else(|| Machine::here().cores, usize::from)
 }
 
 /// Why a command did not succeed, and with it the exit code.

@@ -115,7 +115,12 @@ impl Output {
         self.write_by(name, |out| out.write_all(content))
     }
 
-    /// The same, of what need not fit into memory.
+    /// Writes a record.
+    pub(super) fn write_json(&self, name: &str, record: &Value) -> Result<(), Failure> {
+        self.write(name, format!("{record:#}\n").as_bytes())
+    }
+
+    /// Writes what need not fit into memory.
     pub(super) fn write_by(
         &self,
         name: &str,

@@ -1,22 +1,27 @@
 //! `deltazero regimes`.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
+use deltazero::chunks::Chunks;
 use deltazero::config::Config;
 use deltazero::figures;
 use deltazero::report::html::regimes_page;
 use deltazero::report::regimes::{csv, markdown};
-use deltazero::study::regimes::{Cell, Done, estimate, quick, regimes, sites};
+use deltazero::study::contests::keep;
+use deltazero::study::regimes::{Cell, Site, cells, estimate, quick, sites};
 use deltazero_study::forecast::Forecast;
 use deltazero_study::reference::RECIPE;
 use serde_json::{Value, json};
 
 use super::axes;
+use super::contests;
 use super::output::{Output, hash, is_current};
 use super::progress::{Bar, spoken};
-use super::{Failure, RunArgs, default_only, note_left_out, print, say};
+use super::{Failure, RESUMED, RunArgs, default_only, note_left_out, print, say};
+
+/// The record of a map.
+const RECORD: &str = "regimes.json";
 
 #[derive(Args)]
 pub(super) struct RegimesArgs {
@@ -51,46 +56,43 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     if let Some(threads) = args.threads {
         config.regimes.threads = usize::from(threads);
     }
-    let known = known(&output);
     note_left_out(&config, &config.contest.events, args.run.to.quiet);
-    let forecast = Mutex::new(announce(&config, &known, args.run.to.quiet, stop));
-
-    let n_sites = sites(&config).len();
-    let failed: Mutex<Option<Failure>> = Mutex::new(None);
-    let n_accuracies = config.regimes.accuracy.len();
-    let bar = Bar::new(args.run.to.quiet);
-    bar.show_part(known.len() / n_accuracies, n_sites, String::new());
-    bar.tick();
-    let done = |&Done { site, place, took, cells }: &Done<'_>| {
-        let n = cells.len() / n_accuracies;
-        let left = forecast.lock().ok().and_then(|mut forecast| {
-            let forecast = forecast.as_mut()?;
-            forecast.done(place, took);
-            Some(format!("some {} left", spoken(forecast.left())))
-        });
-        let left = left.filter(|_| n < n_sites).unwrap_or_default();
-        let comma = if left.is_empty() { "" } else { "; " };
-        bar.line(&format!("{n} of {n_sites}: {site}{comma}{left}"));
-        bar.show_part(n, n_sites, left);
-        if let Err(error) = write_json(&output, &config, cells) {
-            stop.store(true, Ordering::Relaxed);
-            if let Ok(mut failed) = failed.lock() {
-                *failed = Some(error);
-            }
-        }
-    };
-    let cells = regimes(&config, known, stop, &done);
-    drop(bar);
-    if let Some(error) = failed.into_inner().ok().flatten() {
-        return Err(error);
-    }
+    let sites = sites(&config);
+    let chunks = contests::chunks(&dir, &output, RECORD, sites.len())?;
+    take_up(&output, &config, &sites, &chunks)?;
+    let site = |number: &u64| sites[*number as usize];
+    // The stiffest first: they take longest, and none of them is left for the end.
+    let mut order = contests::missing(&chunks)?;
+    order.sort_by(|a, b| site(b).stiffness.total_cmp(&site(a).stiffness));
+    let missing: Vec<Site> = order.iter().map(site).collect();
+    let told = (args.run.to.quiet, stop);
+    let forecast = announce(&config, &missing, told);
+    let subject = |number| site(&number).subject(&config);
+    let contests = contests::run(&config, &chunks, &order, &subject, forecast, told)?;
+    let cells = cells(&config, &sites, &contests);
     output.write("regimes.csv", csv(&cells).as_bytes())?;
     if stop.load(Ordering::Relaxed) {
-        return Err(Failure::Interrupted(
-            "what was finished is on disk, the same command goes on from there",
-        ));
+        write_json(&output, &config, &cells)?;
+        return Err(Failure::Interrupted(RESUMED));
     }
-    write(&output, &config, &cells, args)
+    write(&output, &config, &cells, args)?;
+    Ok(chunks.clear()?)
+}
+
+/// Takes up the cells of a map that is finished, or that a version without chunks began.
+fn take_up(
+    output: &Output,
+    config: &Config,
+    sites: &[Site],
+    chunks: &Chunks,
+) -> Result<(), Failure> {
+    let known = known(output);
+    for (number, site) in (0..).zip(sites) {
+        if let Some(contests) = site.contests(config, &known) {
+            keep(chunks, number, &contests)?;
+        }
+    }
+    Ok(())
 }
 
 /// Writes the files of a finished map, and prints it.
@@ -126,24 +128,28 @@ fn json_without_threads(config: &Config) -> Value {
 }
 
 /// Says how long it will take, after short trials; none where nobody is told, or it was interrupted.
-fn announce(config: &Config, known: &[Cell], quiet: bool, stop: &AtomicBool) -> Option<Forecast> {
-    if quiet {
+fn announce(
+    config: &Config,
+    missing: &[Site],
+    (quiet, stop): (bool, &AtomicBool),
+) -> Option<Forecast> {
+    if quiet || missing.is_empty() {
         return None;
     }
     let grid = &config.regimes;
     say(&format!(
-        "{} stiffnesses x {} damping ratios x {} accuracies, {} readings, to {} s; {} cells are known",
+        "{} stiffnesses x {} damping ratios x {} accuracies, {} readings, to {} s; {} sites are missing",
         grid.stiffness.len(),
         grid.damping_ratio.len(),
         grid.accuracy.len(),
         grid.readings.as_ref().map_or(1, Vec::len),
         config.run.t_end,
-        known.len()
+        missing.len()
     ));
     say("short trials, to tell how long it will take");
     let bar = Bar::new(quiet);
     let shown = |n, of| bar.show_part(n, of, "short trials".to_owned());
-    let forecast = estimate(config, known, stop, &shown)?;
+    let forecast = estimate(config, missing, stop, &shown)?;
     drop(bar);
     let time = spoken(forecast.left());
     say(&format!("it will take some {time} on {} threads", grid.threads));
@@ -152,7 +158,7 @@ fn announce(config: &Config, known: &[Cell], quiet: bool, stop: &AtomicBool) -> 
 
 /// The cells of an earlier run of the same configuration.
 fn known(output: &Output) -> Vec<Cell> {
-    let cells = output.own("regimes.json").and_then(|mut map| {
+    let cells = output.own(RECORD).and_then(|mut map| {
         if !is_current(&map) {
             return None;
         }
@@ -169,5 +175,5 @@ fn write_json(output: &Output, config: &Config, cells: &[Cell]) -> Result<(), Fa
         "config": config.to_json(),
         "cells": cells,
     });
-    output.write("regimes.json", format!("{map:#}\n").as_bytes())
+    output.write_json(RECORD, &map)
 }

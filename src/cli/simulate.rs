@@ -86,7 +86,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     let sites: Vec<_> = parts.iter().flat_map(|part| &part.own.sites).collect();
     output.write_by("trajectory.csv", |out| trajectory_csv(out, &sites))?;
     output.write("events.csv", events_csv(&sites).as_bytes())?;
-    output.write("run.json", format!("{summary:#}\n").as_bytes())?;
+    output.write_json("run.json", &summary)?;
 
     if args.run.to.json {
         print(&format!("{summary:#}\n"))?;

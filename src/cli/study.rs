@@ -24,10 +24,7 @@ use super::kept::Kept;
 use super::output::{Output, hash, is_current};
 use super::progress::Bar;
 use super::reference::reference;
-use super::{Failure, RunArgs, note_left_out, print, say, warn};
-
-/// What an interrupted study leaves.
-const RESUMED: &str = "what was finished is on disk, the same command goes on from there";
+use super::{Failure, RESUMED, RunArgs, note_left_out, print, say, warn};
 
 #[derive(Args)]
 pub(super) struct StudyArgs {
@@ -149,7 +146,7 @@ fn unfinished_rows(output: &Output) -> Vec<Row> {
 
 /// `study.json`; `finished` once figures and report are on disk too.
 pub(super) fn write_json(output: &Output, study: &StudyRecord) -> Result<(), Failure> {
-    output.write("study.json", format!("{:#}\n", study.to_json()).as_bytes())
+    output.write_json("study.json", &study.to_json())
 }
 
 /// The figures with the data behind them, and the reports: all that follows from `study.json`.

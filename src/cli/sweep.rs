@@ -6,22 +6,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use clap::Args;
+use deltazero::chunks::{Chunks, Work, work};
 use deltazero::study::machine::Machine;
-use deltazero::sweep::chunks::Chunks;
-use deltazero::sweep::{
-    Joined, Made, Over, RECORD, ROWS, SHARDS, Sweep, SweepError, Work, join, work,
-};
+use deltazero::sweep::{Joined, Over, RECORD, ROWS, SHARDS, Sweep, SweepError, join};
 use serde_json::{Value, json};
 
 use super::meter::Meter;
 use super::output::{Output, hash};
-use super::{Failure, ResultsTo, print, say, warn};
+use super::{Failure, RESUMED, ResultsTo, or_cores, print, say, warn};
 
 /// All rows by column.
 const BY_COLUMN: &str = "runs.parquet";
 /// Times that chunks found altered are made again.
 const REPAIRS: usize = 3;
-const RESUME: &str = "what was finished is on disk, the same command goes on from there";
 
 #[derive(Args)]
 pub(super) struct SweepArgs {
@@ -144,7 +141,7 @@ pub(super) fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
             return command.tell(&known);
         }
         Some(_) => {}
-        None => command.write_record(&command.record(None))?,
+        None => command.output.write_json(RECORD, &command.record(None))?,
     }
     match args.shard {
         Some(shard) => command.shard(shard),
@@ -230,10 +227,10 @@ impl Command<'_> {
             })
         };
         let name = format!("{SHARDS}/{}.json", shard.name());
-        self.write(&name, &record(false, 0))?;
+        self.output.write_json(&name, &record(false, 0))?;
         self.make(&missing, n_runs)?;
         let failed = own.iter().filter_map(|chunk| self.chunks.failed(*chunk)).sum();
-        self.write(&name, &record(true, failed))?;
+        self.output.write_json(&name, &record(true, failed))?;
         if self.args.to.json {
             print(&format!("{:#}\n", record(true, failed)))?;
         } else {
@@ -300,23 +297,15 @@ impl Command<'_> {
     fn make(&self, numbers: &[u64], n_runs: u64) -> Result<(), Failure> {
         let left = numbers.iter().map(|chunk| self.chunks.runs(*chunk));
         let left: u64 = left.map(|runs| runs.end - runs.start).sum();
-        if left == 0 {
-            return Ok(());
-        }
-        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-        let threads = self.args.threads.map_or_else(cores, usize::from);
-        let meter = Meter::new(self.args.to.quiet, n_runs - left, n_runs);
-        let made = |made| match made {
-            Made::Run(_) => meter.made(),
-            Made::Known(n) => meter.known(n),
-        };
-        let (sweep, chunks, stop) = (&self.sweep, &self.chunks, self.stop);
-        work(&Work { sweep, chunks, threads, stop, made: &made }, numbers)
+        let (chunks, stop, threads) = (&self.chunks, self.stop, or_cores(self.args.threads));
+        let meter = Meter::new("runs", (n_runs - left, n_runs), &|| None, self.args.to.quiet);
+        let made = |made| meter.count(made);
+        work(&Work { chunks, threads, stop, made: &made }, numbers, || self.sweep.runner())
             .map_err(SweepError::from)?;
         meter.end(threads);
         if stop.load(Ordering::Relaxed) {
-            self.write_record(&self.record(None))?;
-            return Err(Failure::Interrupted(RESUME));
+            self.output.write_json(RECORD, &self.record(None))?;
+            return Err(Failure::Interrupted(RESUMED));
         }
         Ok(())
     }
@@ -329,7 +318,7 @@ impl Command<'_> {
     /// Records that all rows are in `runs.csv`, and removes the chunks.
     fn finish(&self, joined: &Joined) -> Result<(), Failure> {
         let record = self.record(Some(joined));
-        self.write_record(&record)?;
+        self.output.write_json(RECORD, &record)?;
         self.chunks.clear()?;
         self.tell(&record)
     }
@@ -386,14 +375,6 @@ impl Command<'_> {
             record["bytes"] = joined.bytes.into();
         }
         record
-    }
-
-    fn write_record(&self, record: &Value) -> Result<(), Failure> {
-        self.write(RECORD, record)
-    }
-
-    fn write(&self, name: &str, record: &Value) -> Result<(), Failure> {
-        self.output.write(name, format!("{record:#}\n").as_bytes())
     }
 
     fn say(&self, text: &str) {

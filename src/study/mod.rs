@@ -2,6 +2,7 @@
 
 pub mod audit;
 pub mod claims;
+pub mod contests;
 pub mod course;
 pub mod friction;
 pub mod ideal;

@@ -1,13 +1,12 @@
 //! Where does which method win? The contest over a grid of contact stiffness × damping × accuracy.
 
 use std::ops::Deref;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use deltazero_study::Subject;
 use deltazero_study::forecast::Forecast;
-use deltazero_study::map::{Contested, MapPlan, contested, contests};
+use deltazero_study::map::{Contested, MapPlan, contested};
 use serde::{Deserialize, Serialize};
 
 use super::plan::{rules, sample_times};
@@ -75,15 +74,15 @@ impl Site {
     }
 
     /// What is studied there.
-    fn subject(&self, config: &Config) -> Subject {
+    pub fn subject(&self, config: &Config) -> Subject {
         let own = self.config(config);
         own.mechanism.subject(&own)
     }
 
-    /// Its cells with these contests, one an accuracy.
-    fn cells(&self, contests: Vec<Contested>) -> impl Iterator<Item = Cell> {
-        let Self { reading, stiffness, damping_ratio } = *self;
-        contests.into_iter().map(move |contest| Cell { reading, stiffness, damping_ratio, contest })
+    /// Its contests among `cells`, one an accuracy, if all are there.
+    pub fn contests(&self, config: &Config, cells: &[Cell]) -> Option<Vec<Contested>> {
+        let own = |e| cells.iter().find(|cell| self.holds(cell) && cell.accuracy == e);
+        config.regimes.accuracy.iter().map(|e| Some(own(*e)?.contest.clone())).collect()
     }
 
     fn holds(&self, cell: &Cell) -> bool {
@@ -127,15 +126,14 @@ pub fn quick(config: &Config) -> Config {
 /// Shown how far something has come: so many of so many.
 pub type Shown<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
-/// What the sites not in `known` will take: from short runs at both ends of the stiffness, every damping ratio,
+/// What these sites will take, begun in this order: from short runs at both ends of the stiffness, every damping ratio,
 /// interpolated by a power law between them. None once `stop` is set; `shown` hears of each short run.
 pub fn estimate(
     config: &Config,
-    known: &[Cell],
+    missing: &[Site],
     stop: &AtomicBool,
     shown: Shown<'_>,
 ) -> Option<Forecast> {
-    let missing: Vec<Site> = missing(config, known);
     let mut short = config.clone();
     short.run.t_end = (TRIAL_PART * config.run.t_end).max(TRIAL_LEAST_S).min(config.run.t_end);
     let times = config.run.t_end / short.run.t_end;
@@ -170,57 +168,17 @@ pub fn estimate(
     Some(Forecast::new(expected, config.regimes.threads))
 }
 
-/// The sites of which a cell is not known, the stiffest first: they take longest, and none of them is left for the end.
-fn missing(config: &Config, known: &[Cell]) -> Vec<Site> {
-    let n = config.regimes.accuracy.len();
-    let is_missing = |site: &Site| known.iter().filter(|cell| site.holds(cell)).count() < n;
-    let mut missing: Vec<Site> = sites(config).into_iter().filter(is_missing).collect();
-    missing.sort_by(|a, b| b.stiffness.total_cmp(&a.stiffness));
-    missing
-}
-
-/// A site that is done.
-pub struct Done<'a> {
-    /// Which.
-    pub site: &'a Site,
-    /// Its place among those that were to be done.
-    pub place: usize,
-    /// What it took.
-    pub took: Duration,
-    /// All cells so far.
-    pub cells: &'a [Cell],
-}
-
-/// Runs the contest in every cell that is not `known`; `done` is shown each site that is. Returns the cells in the order of
-/// the grid; once `stop` is set, those that were finished.
-pub fn regimes(
-    config: &Config,
-    known: Vec<Cell>,
-    stop: &AtomicBool,
-    done: &(dyn Fn(&Done<'_>) + Sync),
-) -> Vec<Cell> {
-    let missing = missing(config, &known);
-    let cells_so_far = Mutex::new(known);
-    let (plan, threads) = (map_plan(config), config.regimes.threads);
-    let subject = |site: &Site| site.subject(config);
-    contests(&missing, subject, &plan, threads, stop, |place, own, took| {
-        let (Some(site), Ok(mut all)) = (missing.get(place), cells_so_far.lock()) else { return };
-        all.retain(|cell| !site.holds(cell));
-        all.extend(site.cells(own));
-        sort(config, &mut all);
-        done(&Done { site, place, took, cells: &all });
-    });
-    cells_so_far.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
-}
-
-/// Puts cells into the order of the grid.
-fn sort(config: &Config, cells: &mut [Cell]) {
-    let sites = sites(config);
-    let place = |cell: &Cell| {
-        let accuracy = config.regimes.accuracy.iter().position(|e| *e == cell.accuracy);
-        (accuracy, sites.iter().position(|site| site.holds(cell)))
+/// The cells of `sites` that have contests, accuracy by accuracy.
+pub fn cells(config: &Config, sites: &[Site], contests: &[Option<Vec<Contested>>]) -> Vec<Cell> {
+    let cell = |i: usize, site: &Site, own: &Option<Vec<Contested>>| {
+        let Site { reading, stiffness, damping_ratio } = *site;
+        let contest = own.as_ref()?.get(i)?.clone();
+        Some(Cell { reading, stiffness, damping_ratio, contest })
     };
-    cells.sort_by_key(place);
+    let pairs = || sites.iter().zip(contests);
+    let of_accuracy =
+        |i: usize| pairs().filter_map(move |(site, contests)| cell(i, site, contests));
+    (0..config.regimes.accuracy.len()).flat_map(of_accuracy).collect()
 }
 
 /// The maps that the cells make up: a reading and an accuracy each.

@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::chunks::{Chunks, Rows};
 use super::runner::OK;
+use crate::chunks::{Chunks, Rows};
 use crate::csv::fields;
 use crate::whole::{self, FileError};
 

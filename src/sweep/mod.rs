@@ -9,9 +9,8 @@
 //! | `read`, `keys`, `table` | a plan's file, every complaint with its place |
 //! | [`plan`], [`draw`], [`saltelli`] | the values of a run, from its number alone |
 //! | `columns`, `layout` | what a run tells, and which columns the runs of a plan have |
-//! | `runner`, `course` | some runs together: their rows, and the runs with parts of a kind at once |
-//! | [`chunks`] | rows on disk, with their checksums |
-//! | `work`, `join` | chunks over threads; `runs.csv` of all of them |
+//! | `runner`, `course` | some runs together, [as chunks are made](crate::chunks): their rows, and the runs with parts of a kind at once |
+//! | `join` | `runs.csv` of all [chunks](crate::chunks) |
 //! | `parquet_file` | the same rows by column, with types |
 //! | [`results`] | the columns of a finished sweep, as they are asked for |
 //! | `reasons`, [`ranks`], [`summary`] | why runs failed; rank correlation; what the runs say and what it follows |
@@ -19,7 +18,6 @@
 //! | [`origin`], [`plan_toml`] | what a finished sweep was made of; its plan as a file again |
 //! | [`sensitivity`], [`sobol`] | Sobol indices from samples, and of a column at each grid point |
 
-pub mod chunks;
 mod columns;
 mod course;
 mod default_columns;
@@ -46,7 +44,6 @@ pub mod summary;
 mod table;
 #[cfg(test)]
 mod tests;
-mod work;
 
 use std::fs::File;
 use std::io::BufReader;
@@ -64,7 +61,6 @@ pub use error::SweepError;
 pub use join::{Failed, Joined, join};
 pub use read::Over;
 pub use runner::Runner;
-pub use work::{Made, Work, work};
 
 use columns::{Head, heads_of_rows};
 use layout::Layout;

@@ -9,6 +9,7 @@ use serde_json::Value;
 use super::Sweep;
 use super::columns::{Cell, cells, estimated};
 use super::course::{Course, caught, make_at_once};
+use crate::chunks::Maker;
 use crate::config::Variants;
 use crate::csv::{exact, field};
 
@@ -43,17 +44,10 @@ struct Begun {
     course: Result<Course, String>,
 }
 
-impl<'a> Runner<'a> {
-    pub(super) fn new(sweep: &'a Sweep) -> Self {
-        let variants = sweep.variants.clone();
-        let (cells, n_together, took) = (Vec::new(), 1, Duration::ZERO);
-        Self { sweep, variants, cells, n_together, patience: PATIENCE, took }
-    }
-
-    /// Makes the first few of `runs`, as many as take little time together, and adds their rows to `rows`. Returns of
-    /// each whether it came to its end. Once `is_over` says so, the first run has its row, and others only if nothing of them
-    /// is left to be made or checked.
-    pub fn some(
+impl Maker for Runner<'_> {
+    /// As many as take little time together. Once `is_over` says so, the first run has its row, and others only if nothing of
+    /// them is left to be made or checked.
+    fn some(
         &mut self,
         runs: Range<u64>,
         rows: &mut String,
@@ -80,6 +74,14 @@ impl<'a> Runner<'a> {
         let most = MOST_TOGETHER.min(2 * self.n_together);
         self.n_together = ((TOGETHER.as_secs_f64() / each) as u64).clamp(1, most);
         ends
+    }
+}
+
+impl<'a> Runner<'a> {
+    pub(super) fn new(sweep: &'a Sweep) -> Self {
+        let variants = sweep.variants.clone();
+        let (cells, n_together, took) = (Vec::new(), 1, Duration::ZERO);
+        Self { sweep, variants, cells, n_together, patience: PATIENCE, took }
     }
 
     fn begin(&mut self, run: u64) -> Begun {

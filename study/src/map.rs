@@ -1,12 +1,10 @@
 //! Where does which method win? The contest over a grid of two parameters of a model, at several accuracies.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
 
-use crate::parallel::on_threads;
+use crate::parallel::in_parallel;
 use crate::part::Subject;
 use crate::plan::sample_times;
 use crate::run::Limits;
@@ -191,33 +189,6 @@ pub fn contested(subject: Subject, plan: &MapPlan, stop: &AtomicBool) -> Vec<Con
     plan.accuracies.iter().map(contest).collect()
 }
 
-/// Has the contests run on the subject of each of `sites`, the first ones first, on so many threads. `done` is told of each
-/// site by its number, with its contests and what they took; once `stop` is set, of none any more.
-pub fn contests<J: Sync>(
-    sites: &[J],
-    subject: impl Fn(&J) -> Subject + Sync,
-    plan: &MapPlan,
-    threads: usize,
-    stop: &AtomicBool,
-    done: impl Fn(usize, Vec<Contested>, Duration) + Sync,
-) {
-    on_threads(
-        sites,
-        threads,
-        || (),
-        |(), i, site| {
-            if stop.load(Ordering::Relaxed) {
-                return;
-            }
-            let start = Instant::now();
-            let contests = contested(subject(site), plan, stop);
-            if !stop.load(Ordering::Relaxed) {
-                done(i, contests, start.elapsed());
-            }
-        },
-    );
-}
-
 /// A parameter of a model with the values that a map has of it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MapAxis {
@@ -272,36 +243,24 @@ impl Map {
         threads: usize,
         of: impl Fn([f64; 2]) -> Subject,
     ) -> Self {
-        let up = &axes[1].values;
-        let pairs = axes[0].values.iter().flat_map(|x| up.iter().map(move |y| [*x, *y]));
-        let subjects: Vec<_> = pairs.map(|at| (at, of(at))).collect();
-        Self::of(axes, &subjects, plan, threads, &AtomicBool::new(false), &|| ())
+        let (subjects, stop): (Vec<_>, _) =
+            (pairs(&axes).map(of).collect(), AtomicBool::new(false));
+        let contests =
+            in_parallel(&subjects, threads, |subject| contested(subject.clone(), plan, &stop));
+        Self::of(axes, contests)
     }
 
-    /// The same of subjects that are made already, each with its values of the two parameters; `shown` hears of each
-    /// that is done. Once `stop` is set, the rest is left out.
-    pub fn of(
-        axes: [MapAxis; 2],
-        subjects: &[([f64; 2], Subject)],
-        plan: &MapPlan,
-        threads: usize,
-        stop: &AtomicBool,
-        shown: &(dyn Fn() + Sync),
-    ) -> Self {
-        let places: Vec<_> = subjects.iter().map(|_| Mutex::new(Vec::new())).collect();
-        let subject = |(_, subject): &([f64; 2], Subject)| subject.clone();
-        contests(subjects, subject, plan, threads, stop, |i, own, _| {
-            if let Some(Ok(mut place)) = places.get(i).map(Mutex::lock) {
-                *place = own;
-            }
-            shown();
-        });
-        let own = places.into_iter().map(|own| own.into_inner().unwrap_or_default());
-        let cells = subjects
-            .iter()
-            .zip(own)
-            .flat_map(|((at, _), own)| own.into_iter().map(|contest| MapCell { at: *at, contest }));
+    /// That of contests which were run, for each value of the first parameter, of the second.
+    pub fn of(axes: [MapAxis; 2], contests: impl IntoIterator<Item = Vec<Contested>>) -> Self {
+        let cells = pairs(&axes)
+            .zip(contests)
+            .flat_map(|(at, own)| own.into_iter().map(move |contest| MapCell { at, contest }));
         let cells = cells.collect();
         Self { axes, cells }
     }
+}
+
+/// Every pair of values of two parameters.
+pub fn pairs([right, up]: &[MapAxis; 2]) -> impl Iterator<Item = [f64; 2]> {
+    right.values.iter().flat_map(|x| up.values.iter().map(move |y| [*x, *y]))
 }

@@ -134,7 +134,7 @@ fn an_interrupted_map_keeps_its_finished_cells() {
     let sets = ["regimes.stiffness=[1e5, 1e6, 1e7]", "regimes.threads=1", "contest.repeats=1"];
     let args = with_sets(&["regimes", "--quiet", "--out", "out"], &sets);
     let run = Running::start(&scratch, &args);
-    run.until(&scratch.path("out/regimes.json"), Duration::ZERO);
+    run.until(&scratch.path("out/chunks/0000010.rows"), Duration::ZERO);
     let output = run.interrupt();
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(130), "{stderr}");

@@ -1,9 +1,13 @@
 //! `regimes`: one row a cell, whatever the threads, and going on after an interruption.
 
 use std::fs;
+#[cfg(unix)]
+use std::time::Duration;
 
 use serde_json::{Value, json};
 
+#[cfg(unix)]
+use crate::interrupt::Running;
 use crate::{Scratch, Table, number, with_sets};
 
 pub(crate) const SMALL: [&str; 6] = [
@@ -73,11 +77,11 @@ fn every_cell_is_a_row_with_its_winner_and_threads_change_nothing_but_times() {
 }
 
 #[test]
-fn an_interrupted_map_takes_what_was_finished_and_does_the_rest() {
+fn a_map_of_a_version_without_chunks_is_taken_up() {
     let scratch = Scratch::new();
     regimes(&scratch, "out", &["--quiet"]);
     let whole = settings(&scratch, "out");
-    // As an interruption leaves it; the errors of the finished cells tell that they are not redone.
+    // As an interruption left it; the errors of the finished cells tell that they are not redone.
     let mut map = scratch.json("out/regimes.json");
     let cells = map["cells"].as_array_mut().unwrap();
     cells.retain(|cell| cell["stiffness"] == 1e7);
@@ -90,6 +94,76 @@ fn an_interrupted_map_takes_what_was_finished_and_does_the_rest() {
     for cell in scratch.json("out/regimes.json")["cells"].as_array().unwrap() {
         assert_eq!(cell["error"] != Value::Null, cell["stiffness"] == 1e7, "{cell}");
     }
+}
+
+/// Kills a map of so many sites once the chunk `first` is there, alters that one if asked, and lets the same command go on,
+/// which runs what is missing and no more.
+#[cfg(unix)]
+fn killed_and_gone_on(scratch: &Scratch, args: &[&str], n_sites: usize, first: &str, alter: bool) {
+    let run = Running::start(scratch, args);
+    let first = scratch.path("out/chunks").join(first);
+    run.until(&first, Duration::ZERO);
+    run.kill();
+    let other = scratch.run(&[args, &["--set", "regimes.max_events=99"]].concat());
+    assert_eq!(other.code, Some(2), "{}", other.stderr);
+    assert!(other.stderr.contains("results of another configuration"), "{}", other.stderr);
+    let kept = scratch.files("out/chunks");
+    let mut missing = n_sites - kept.iter().filter(|name| name.ends_with(".rows")).count();
+    if alter {
+        let text = fs::read_to_string(&first).unwrap();
+        fs::write(&first, text.replacen("0.001", "0.002", 1)).unwrap();
+        missing += 1;
+    }
+    let said = scratch.succeed(args).stderr;
+    let line = format!("{missing} sites in ");
+    assert!(said.lines().any(|own| own.starts_with(&line)), "{missing} missing of {said}");
+    let left = scratch.files("out");
+    let is_left = |name: &String| name.starts_with("chunks") || name.ends_with(".partial");
+    assert!(!left.iter().any(is_left), "{left:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_map_keeps_its_finished_sites_and_makes_altered_ones_again() {
+    let sets = ["regimes.stiffness=[1e5, 1e6, 1e7]", "regimes.threads=1", "run.t_end=0.1"];
+    let sets = with_sets(&["regimes"], &[&sets[..], &SMALL[4..]].concat());
+    let scratch = Scratch::new();
+    scratch.succeed(&[&sets[..], &["--quiet", "--out", "whole"]].concat());
+    let whole = settings(&scratch, "whole");
+    for alter in [false, true] {
+        // The stiffest comes first.
+        let args = [&sets[..], &["--out", "out"]].concat();
+        killed_and_gone_on(&scratch, &args, 15, "0000010.rows", alter);
+        assert_eq!(settings(&scratch, "out"), whole);
+        fs::remove_dir_all(scratch.path("out")).unwrap();
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_map_over_any_axes_goes_on() {
+    let axes =
+        ["--axis", "contact.stiffness=1e5:1e7:10", "--axis", "friction.coefficient=0.05,0.1,0.2"];
+    let sets = with_sets(&["regimes"], &[&["regimes.threads=1"], &SMALL[4..]].concat());
+    let sets = [&sets[..], &axes, &["--set", "run.t_end=0.1"]].concat();
+    let scratch = Scratch::new();
+    scratch.succeed(&[&sets[..], &["--quiet", "--out", "whole"]].concat());
+    let settings = |dir: &str| -> Vec<Vec<String>> {
+        let rows = scratch.table(&format!("{dir}/map.csv")).rows;
+        let keys = [
+            "contact.stiffness",
+            "friction.coefficient",
+            "accuracy",
+            "status",
+            "horizon_s",
+            "n_events",
+        ];
+        rows.iter().map(|row| keys.map(|key| row[key].clone()).to_vec()).collect()
+    };
+    let args = [&sets[..], &["--out", "out"]].concat();
+    killed_and_gone_on(&scratch, &args, 30, "0000000.rows", false);
+    assert_eq!(settings("out"), settings("whole"));
+    assert_eq!(settings("out").len(), 60);
 }
 
 #[test]

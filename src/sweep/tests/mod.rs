@@ -10,9 +10,9 @@ use std::time::Duration;
 use deltazero_study::run::Stopwatch;
 use tempfile::TempDir;
 
-use super::chunks::Chunks;
 use super::columns::CellKind;
 use super::*;
+use crate::chunks::{self, Chunks, Made, Maker as _, Work};
 
 /// A plan of 60 runs of some 0.1 ms with draws, in chunks of 7.
 const PLAN: &str = r#"
@@ -69,8 +69,8 @@ impl Scratch {
         for (i, n) in shards {
             let numbers: Vec<u64> = (0..chunks.n()).filter(|chunk| chunk % n == i - 1).collect();
             let (stop, made) = (AtomicBool::new(false), |_| {});
-            let work = Work { sweep, chunks: &chunks, threads, stop: &stop, made: &made };
-            super::work(&work, &numbers).unwrap();
+            let work = Work { chunks: &chunks, threads, stop: &stop, made: &made };
+            chunks::work(&work, &numbers, || sweep.runner()).unwrap();
         }
         joined(sweep, &chunks, &dir)
     }
@@ -108,8 +108,8 @@ fn a_stopped_sweep_keeps_the_rows_of_its_chunks_under_way() {
     let stop = AtomicBool::new(false);
     // The first run is made alone.
     let made = |made| stop.store(made == Made::Run(true), Ordering::Relaxed);
-    let work = Work { sweep: &sweep, chunks: &chunks, threads: 1, stop: &stop, made: &made };
-    super::work(&work, &(0..chunks.n()).collect::<Vec<_>>()).unwrap();
+    let work = Work { chunks: &chunks, threads: 1, stop: &stop, made: &made };
+    chunks::work(&work, &(0..chunks.n()).collect::<Vec<_>>(), || sweep.runner()).unwrap();
     assert!(!chunks.is_there(0));
     assert_eq!(chunks.read_begun(0).unwrap().unwrap().n, 1);
     stop.store(false, Ordering::Relaxed);
@@ -120,7 +120,7 @@ fn a_stopped_sweep_keeps_the_rows_of_its_chunks_under_way() {
         }
     };
     let rest = Work { made: &count, threads: 2, ..work };
-    super::work(&rest, &(0..chunks.n()).collect::<Vec<_>>()).unwrap();
+    chunks::work(&rest, &(0..chunks.n()).collect::<Vec<_>>(), || sweep.runner()).unwrap();
     assert_eq!(known.into_inner(), 1);
     assert_eq!(joined(&sweep, &chunks, &dir), whole);
 }

@@ -1,13 +1,18 @@
-//! The chunks of a sweep on disk: rows, then a line that tells whose they are and their checksum.
+//! Many runs, kept on disk as they are made, in chunks: rows, then a line that tells whose they are and their checksum.
 //!
 //! ```text
-//! DIR/chunks/0000012.rows     rows 12000 … 12999 of the plan, whole
+//! DIR/chunks/0000012.rows     rows 12000 … 12999, whole
 //! DIR/chunks/0000013.begun    the first rows of a chunk under way, where its runs are slow
 //! ```
 //!
-//! Each is written under another name, put on the disk, and renamed, so a kill leaves it as it was. When a sweep
-//! goes on, the last line of each chunk is read: that it is of this plan, of this number, of so many rows and bytes. The
-//! checksum over all of it is verified when it is joined to the others, and when a begun one is taken up.
+//! Each is written under another name, put on the disk, and renamed, so a kill leaves it as it was. When the
+//! command goes on, the last line of each chunk is read: that it is of these runs, of this number, of so many rows and bytes.
+//! The checksum over all of it is verified when it is read, and when a begun one is taken up.
+//!
+//! What a run is and how its row is made is known to its [`Maker`] alone: a run of a [sweep](crate::sweep), or all contests on a
+//! site of a [map](crate::study::contests).
+
+mod work;
 
 use std::fs::{self, File};
 use std::io::{self, Read as _, Seek as _, SeekFrom};
@@ -15,17 +20,19 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
+pub use work::{Made, Maker, Work, work};
+
 use crate::whole::{self, FileError};
 
 /// Longest last line.
 const LONGEST_LINE: u64 = 512;
 
-/// The chunks of one sweep.
+/// The chunks of the runs of one plan.
 #[derive(Clone, Debug)]
 pub struct Chunks {
     dir: PathBuf,
-    /// The beginning of the hash of plan and configuration.
-    sweep: String,
+    /// The beginning of the hash of all that the rows follow from.
+    hash: String,
     /// Number of runs.
     pub n_runs: u64,
     /// Runs of a chunk; the last one may have less.
@@ -44,10 +51,10 @@ pub struct Rows {
 }
 
 impl Chunks {
-    /// Those in `dir` of the sweep with this hash.
+    /// Those in `dir` of the runs with this hash.
     pub fn new(dir: &Path, hash: &str, n_runs: u64, size: u64) -> Self {
-        let sweep = hash.chars().take(16).collect();
-        Self { dir: dir.join("chunks"), sweep, n_runs, size }
+        let hash = hash.chars().take(16).collect();
+        Self { dir: dir.join("chunks"), hash, n_runs, size }
     }
 
     /// Where they are.
@@ -106,8 +113,8 @@ impl Chunks {
 
     /// The last line without the checksum.
     fn line(&self, chunk: u64, n: u64, failed: u64, bytes: u64) -> String {
-        let sweep = &self.sweep;
-        format!("#chunk {chunk} rows {n} failed {failed} bytes {bytes} sweep {sweep} sha256")
+        let hash = &self.hash;
+        format!("#chunk {chunk} rows {n} failed {failed} bytes {bytes} sweep {hash} sha256")
     }
 
     /// The rows of a chunk, its checksum verified; none where it is not there, or is not as it was written.
@@ -182,7 +189,7 @@ impl Chunks {
         let _ = fs::remove_file(self.path(chunk, "rows"));
     }
 
-    /// Removes all of them, of whatever sweep.
+    /// Removes all of them, whatever they are of.
     ///
     /// # Errors
     /// They cannot be removed.
@@ -234,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn a_chunk_of_another_sweep_or_number_is_not_there() {
+    fn a_chunk_of_other_runs_or_of_another_number_is_not_there() {
         let dir = tempfile::tempdir().unwrap();
         let chunks = Chunks::new(dir.path(), "0123456789abcdef0123", 33, 3);
         chunks.write(4, &rows()).unwrap();

@@ -1,5 +1,6 @@
-//! The chunks of a sweep over threads.
+//! Chunks over threads.
 
+use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -7,22 +8,31 @@ use std::time::{Duration, Instant};
 
 use deltazero_study::parallel::on_threads;
 
-use super::chunks::{Chunks, Rows};
-use super::{Runner, Sweep};
+use super::{Chunks, Rows};
 use crate::whole::FileError;
 
 /// The rows of a chunk under way are not written more often than this.
 const PAUSE: Duration = Duration::from_secs(10);
 
+/// What makes runs, on one thread.
+pub trait Maker {
+    /// Makes the first few of `runs`, as many as are best made together, and adds a row of each to `rows`. Returns of each
+    /// whether it came to its end. Once `is_over` says so, it makes no more than it has to, or none.
+    fn some(
+        &mut self,
+        runs: Range<u64>,
+        rows: &mut String,
+        is_over: &dyn Fn() -> bool,
+    ) -> Vec<bool>;
+}
+
 /// What is to be done.
 pub struct Work<'a> {
-    /// Of which sweep.
-    pub sweep: &'a Sweep,
-    /// Where its rows go.
+    /// Where the rows go.
     pub chunks: &'a Chunks,
     /// Threads.
     pub threads: usize,
-    /// Ends it after the runs that are under way; those that are begun together may take two seconds.
+    /// Ends it after the runs that are under way; set by a file that cannot be written.
     pub stop: &'a AtomicBool,
     /// Told of what is done.
     pub made: &'a (dyn Fn(Made) + Sync),
@@ -40,22 +50,27 @@ pub enum Made {
 /// A chunk that is whole.
 type Whole = (u64, Rows);
 
-/// Makes the chunks of these numbers, or those up to a stop, of which the rows so far are kept.
+/// Has the chunks of these numbers made, each thread by a `maker` of its own, or those up to a stop, of which the rows so far
+/// are kept.
 ///
 /// A thread takes one chunk after the other; a further thread writes them, so that no run waits for the disk.
 ///
 /// # Errors
-/// The first file that could not be written; the threads then end as at a stop.
-pub fn work(work: &Work<'_>, numbers: &[u64]) -> Result<(), FileError> {
-    let (failed, refused) = (AtomicBool::new(false), Mutex::new(None));
+/// The first file that could not be written.
+pub fn work<M: Maker>(
+    work: &Work<'_>,
+    numbers: &[u64],
+    maker: impl Fn() -> M + Sync,
+) -> Result<(), FileError> {
+    let refused = Mutex::new(None);
     let written = std::thread::scope(|scope| {
         let (send, receive) = sync_channel(1);
-        let writer = scope.spawn(|| write(work.chunks, receive, &failed));
-        let init = || (work.sweep.runner(), send.clone());
-        on_threads(numbers, work.threads, init, |(runner, send), _, chunk| {
-            let made = make(work, runner, *chunk, &failed, send);
+        let writer = scope.spawn(|| write(work, receive));
+        let init = || (maker(), send.clone());
+        on_threads(numbers, work.threads, init, |(maker, send), _, chunk| {
+            let made = make(work, maker, *chunk, send);
             if let (Err(error), Ok(mut first)) = (made, refused.lock()) {
-                failed.store(true, Ordering::Relaxed);
+                work.stop.store(true, Ordering::Relaxed);
                 first.get_or_insert(error);
             }
         });
@@ -67,9 +82,10 @@ pub fn work(work: &Work<'_>, numbers: &[u64]) -> Result<(), FileError> {
 }
 
 /// Writes what comes.
-fn write(chunks: &Chunks, receive: Receiver<Whole>, failed: &AtomicBool) -> Result<(), FileError> {
+fn write(work: &Work<'_>, receive: Receiver<Whole>) -> Result<(), FileError> {
     for (chunk, rows) in receive {
-        chunks.write(chunk, &rows).inspect_err(|_| failed.store(true, Ordering::Relaxed))?;
+        let written = work.chunks.write(chunk, &rows);
+        written.inspect_err(|_| work.stop.store(true, Ordering::Relaxed))?;
     }
     Ok(())
 }
@@ -77,12 +93,11 @@ fn write(chunks: &Chunks, receive: Receiver<Whole>, failed: &AtomicBool) -> Resu
 /// Makes the rest of a chunk.
 fn make(
     work: &Work<'_>,
-    runner: &mut Runner<'_>,
+    maker: &mut impl Maker,
     chunk: u64,
-    failed: &AtomicBool,
     send: &SyncSender<Whole>,
 ) -> Result<(), FileError> {
-    let is_over = || work.stop.load(Ordering::Relaxed) || failed.load(Ordering::Relaxed);
+    let is_over = || work.stop.load(Ordering::Relaxed);
     if is_over() {
         return Ok(());
     }
@@ -91,7 +106,7 @@ fn make(
     let (mut n_written, mut written) = (rows.n, Instant::now());
     let runs = work.chunks.runs(chunk);
     while runs.start + rows.n < runs.end && !is_over() {
-        for is_ok in runner.some(runs.start + rows.n..runs.end, &mut rows.text, &is_over) {
+        for is_ok in maker.some(runs.start + rows.n..runs.end, &mut rows.text, &is_over) {
             rows.n += 1;
             rows.failed += u64::from(!is_ok);
             (work.made)(Made::Run(is_ok));
