@@ -43,13 +43,16 @@ key = "drive.m1"
 log_uniform = [0.5, 2]
 "#;
 
+/// What keeps a sweep short.
+pub(crate) const SETS: [&str; 5] =
+    ["--set", "run.t_end=0.05", "--set", "solver.rtol=1e-6", "--quiet"];
+
 impl Scratch {
     /// With a finished sweep of a plan in `out`.
     pub(crate) fn with_sweep(plan: &str) -> Self {
         let scratch = Self::new();
         fs::write(scratch.path("plan.toml"), plan).unwrap();
-        let sets = ["--set", "run.t_end=0.05", "--set", "solver.rtol=1e-6", "--quiet"];
-        scratch.sweep("out", &sets);
+        scratch.sweep("out", &SETS);
         scratch
     }
 

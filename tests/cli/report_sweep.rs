@@ -3,6 +3,7 @@
 use std::fs;
 
 use crate::Scratch;
+use crate::plot::SETS;
 
 /// 32 runs, of which the 16 of the last value of `study.max_rhs` do not come to their end.
 const AXES: &str = r#"
@@ -55,6 +56,21 @@ key = "drive.m1"
 uniform = [0.5, 2]
 "#;
 
+/// 12 runs.
+const OF_MODEL: &str = r#"
+[[axis]]
+key = "K"
+log = [1e5, 1e7]
+points = 3
+
+[random]
+samples = 4
+
+[[random.key]]
+key = "zeta"
+uniform = [0.02, 0.3]
+"#;
+
 /// With the sweep of a plan in `out`, and its report.
 fn reported(plan: &str, more: &[&str]) -> (Scratch, String) {
     let scratch = Scratch::with_sweep(plan);
@@ -80,6 +96,13 @@ fn folded(page: &str, line: &str) -> String {
     let at = page.find(&format!("<summary>{line}</summary>")).unwrap();
     let code = page[at..].split_once("<code>").unwrap().1.split_once("</code>").unwrap().0;
     unescaped(code)
+}
+
+/// The time that a sweep took, as its page tells it, and what stands before and after that.
+fn around_time(text: &str) -> (&str, &str, &str) {
+    let (before, rest) = text.split_once("\nTook\n").unwrap();
+    let (time, after) = rest.split_once('\n').unwrap();
+    (before, time, after)
 }
 
 fn figures(scratch: &Scratch) -> Vec<String> {
@@ -165,6 +188,64 @@ fn a_design_for_sobol_indices_has_these_and_no_ranks() {
         assert!(text.contains(part), "no {part:?} in: {text}");
     }
     assert!(!text.contains('ρ'), "{text}");
+}
+
+#[test]
+fn shards_have_the_page_of_one_command_once_they_are_merged() {
+    let (scratch, one) = reported(DRAWS, &[]);
+    for (i, shard) in ["2/3", "1/3", "3/3"].into_iter().enumerate() {
+        let sweep = ["sweep", "plan.toml", "--out", "three", "--shard", shard];
+        scratch.succeed(&[&sweep[..], &SETS].concat());
+        let ran = scratch.run(&["report", "three"]);
+        assert_eq!(ran.code, Some(2), "{i}: {}", ran.stderr);
+        let why = "three: the sweep is not finished; `deltazero sweep` with its plan goes on";
+        assert!(ran.stderr.contains(why), "{i}: {}", ran.stderr);
+        assert!(!scratch.path("three/sweep.html").exists());
+    }
+    scratch.sweep("three", &[&["--merge"][..], &SETS].concat());
+    scratch.succeed(&["report", "three"]);
+    let three = scratch.text("three/sweep.html");
+    // Of all that the pages say, the time alone tells how the runs were made.
+    let (one, three) = (text(&one), text(&three));
+    let [(before, _, after), (before_merged, took, after_merged)] =
+        [&one, &three].map(|page| around_time(page));
+    assert_eq!((before, after), (before_merged, after_merged));
+    let seconds = took.strip_suffix(" s, 3 shards and the merge together").unwrap();
+    let shards = ["1-of-3", "2-of-3", "3-of-3"].map(|name| format!("three/shards/{name}.json"));
+    let records = shards.iter().map(String::as_str).chain(["three/sweep.json"]);
+    let all: f64 = records.map(|name| scratch.json(name)["wall_s"].as_f64().unwrap()).sum();
+    assert!((seconds.parse::<f64>().unwrap() - all).abs() <= 0.05 + 1e-9, "{seconds} s, {all} s");
+    for name in figures(&scratch) {
+        let of = |dir: &str| scratch.text(&format!("{dir}/figures/{name}.svg"));
+        assert_eq!(of("three"), of("out"), "{name}");
+    }
+}
+
+#[test]
+fn a_sweep_of_a_model_has_the_page_of_its_parameters_without_its_file() {
+    let scratch = Scratch::with_model_and_plan("mass_against_stop", OF_MODEL);
+    scratch.sweep("out", &["--model", "stop.toml"]);
+    fs::remove_file(scratch.path("stop.toml")).unwrap();
+    scratch.succeed(&["report", "out", "--y", "peak_force_n"]);
+    let page = scratch.text("out/sweep.html");
+    let text = text(&page);
+    for part in [
+        "1e5 to 1e7 N/m, 3 values at equal ratios",
+        "drawn, uniform from 0.02 to 0.3",
+        "12: 3 grid points, at each 4 draws (random, seed 0)",
+        "12 ok, 0 failed",
+        "Rank correlations, the strongest first",
+    ] {
+        assert!(text.contains(part), "no {part:?} in: {text}");
+    }
+    assert_eq!(figures(&scratch).len(), page.matches("<figure id").count());
+    // The configuration has the text of the model in it.
+    fs::write(scratch.path("plan.toml"), folded(&page, "The plan")).unwrap();
+    fs::write(scratch.path("config.toml"), folded(&page, "The configuration")).unwrap();
+    let rows = scratch.text("out/runs.csv");
+    assert_eq!(scratch.sweep("redone", &[]), rows);
+    let [one, two] = ["out", "redone"].map(|dir| scratch.json(&format!("{dir}/sweep.json")));
+    assert_eq!(one["hash"], two["hash"]);
 }
 
 #[test]

@@ -29,7 +29,7 @@ uniform = [0.02, 0.3]
 
 impl Scratch {
     /// With `text` as the plan and a model of the program as `stop.toml`.
-    fn with_model_and_plan(model: &str, text: &str) -> Self {
+    pub(crate) fn with_model_and_plan(model: &str, text: &str) -> Self {
         let scratch = Self::new();
         let model = scratch.succeed(&["model", "new", model]).stdout;
         fs::write(scratch.path("stop.toml"), model).unwrap();
