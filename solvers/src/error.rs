@@ -195,4 +195,16 @@ pub enum Error {
         /// The message of the library.
         message: String,
     },
+    /// A solution cannot be [enclosed](crate::enclosure) further.
+    #[error(
+        "nothing is proven beyond t = {t} in mode {mode}: {doubt}; begin with a smaller set, or ask for less"
+    )]
+    NotProven {
+        /// Time to which the solution is enclosed.
+        t: f64,
+        /// Mode.
+        mode: String,
+        /// Why.
+        doubt: crate::enclosure::Doubt,
+    },
 }

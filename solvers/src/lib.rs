@@ -85,6 +85,7 @@
 //! - The run: [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in an outcome or an
 //!   [`error`]. Runs of systems of a kind are computed several at once by [`Method::run_batch`], in a [`batch`].
 //! - Derivatives by start values and parameters, through events: [`sensitivity`].
+//! - Proofs: intervals that contain the exact solution and the times of its events ([`enclosure`]).
 //! - Results: a recorder ([`record`]) sees each event, and each step that it needs; [`trajectory`] keeps them.
 //!   Functions are [observed](observe) along a run without a change of it.
 //!
@@ -102,6 +103,7 @@ pub mod diffsol;
 mod diffsol;
 #[cfg(feature = "extended")]
 pub mod double_double;
+pub mod enclosure;
 pub mod erk;
 pub mod error;
 pub mod event;

@@ -54,7 +54,7 @@ use crate::error::Error;
 use crate::real::Real;
 use crate::system::{Next, System, Vector};
 use crate::tolerance::Tolerance;
-use tangent::Tangent;
+pub(crate) use tangent::Tangent;
 
 /// Why a solution has no derivatives from an event on.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

@@ -7,19 +7,19 @@ use crate::real::Real;
 /// A number and its derivative along one direction. The scalar may be a Taylor series, or such a number again, for
 /// which there are no dual numbers in `num-dual`. The number itself is computed as without the derivative, to the bit.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tangent<S> {
+pub(crate) struct Tangent<S> {
     /// The number.
-    pub(super) re: S,
+    pub(crate) re: S,
     /// Its derivative.
-    pub(super) eps: S,
+    pub(crate) eps: S,
 }
 
 impl<S: Real> Tangent<S> {
-    pub(super) fn new(re: S, eps: S) -> Self {
+    pub(crate) fn new(re: S, eps: S) -> Self {
         Self { re, eps }
     }
 
-    pub(super) fn constant(re: S) -> Self {
+    pub(crate) fn constant(re: S) -> Self {
         Self { re, eps: S::cst(0.0) }
     }
 }

@@ -87,7 +87,7 @@ impl<B: Coefficient> Rows<B> {
     /// Makes room for a run that takes `n` rows. Returns whether there were too few rows, so that the run is invalid
     /// and must be repeated.
     #[inline]
-    pub(super) fn grow(&mut self, n: usize) -> bool {
+    pub(crate) fn grow(&mut self, n: usize) -> bool {
         let is_short = self.rows.len() < n;
         if is_short {
             self.rows.resize_with(n.next_power_of_two(), Row::new);
@@ -100,7 +100,7 @@ impl<B: Coefficient> Rows<B> {
     /// The counter is a local variable of the caller and not a field here, because the compiler can keep a local
     /// variable in a register where all operations are inlined.
     #[inline(always)]
-    pub(super) fn table<'a>(&'a self, n: &'a Cell<usize>, k: usize) -> Table<'a, B> {
+    pub(crate) fn table<'a>(&'a self, n: &'a Cell<usize>, k: usize) -> Table<'a, B> {
         let rows = &self.rows[..];
         // Always true; it lets the compiler omit the bounds checks of rows with constant indices.
         assert!(rows.len() >= N_ROWS, "a table of rows never shrinks");
@@ -110,11 +110,11 @@ impl<B: Coefficient> Rows<B> {
 
 /// The table, borrowed by one run.
 #[derive(Clone, Copy)]
-pub(super) struct Table<'a, B: Copy> {
+pub(crate) struct Table<'a, B: Copy> {
     rows: &'a [Row<B>],
     n: &'a Cell<usize>,
     /// Order of the run.
-    pub(super) k: usize,
+    pub(crate) k: usize,
 }
 
 impl<'a, B: Coefficient> Table<'a, B> {

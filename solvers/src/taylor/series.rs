@@ -42,14 +42,14 @@ struct Place<'a, B: Copy> {
 impl<'a, B: Coefficient> Series<'a, B> {
     /// A constant.
     #[inline(always)]
-    pub(super) fn constant(x: B) -> Self {
+    pub(crate) fn constant(x: B) -> Self {
         Self { place: None, coefficient: x }
     }
 
     /// A series in a new row with this coefficient. The coefficient is written to the row at order zero, and at
     /// higher orders only by [`kept`](Self::kept).
     #[inline(always)]
-    pub(super) fn new(table: Table<'a, B>, coefficient: B) -> Self {
+    pub(crate) fn new(table: Table<'a, B>, coefficient: B) -> Self {
         let row = table.next();
         if table.k == 0 {
             row.set(0, coefficient);
@@ -76,7 +76,7 @@ impl<'a, B: Coefficient> Series<'a, B> {
 
     /// The coefficient of order `k`, which must be the order of the run.
     #[inline(always)]
-    pub(super) fn coefficient(self, k: usize) -> B {
+    pub(crate) fn coefficient(self, k: usize) -> B {
         if self.place.is_some() || k == 0 { self.coefficient } else { B::cst(0.0) }
     }
 
@@ -312,7 +312,7 @@ impl<B: Coefficient> Real for Series<'_, B> {
         // ρ ρ̇ = d·v and ρ_(k+1) = ρ̇_k/(k + 1), so orders above zero need neither squares nor a root.
         let rate_k = if k == 0 {
             let d = [x.coefficient, y.coefficient];
-            let length = length_of_values(d, [v_x.coefficient, v_y.coefficient]);
+            let length = B::length(d, [v_x.coefficient, v_y.coefficient]);
             rate.kept.set(length.rho.reciprocal);
             rho.set(0, length.rho.value);
             length.rate
