@@ -38,8 +38,8 @@
 //! # What hardly is an event
 //!
 //! A guard that turns, or falls, within the error of the method of its surface is [told](crate::Grazing). It is looked
-//! for in accepted steps whose guards were searched, in those on which a guard turns low above its surface, and after
-//! landings: a guard that falls with the rate ġ and the curvature g̈ > 0 would fall by ġ²/(2 g̈).
+//! for in accepted steps whose guards were searched, in those on which a guard turns low above its surface (by `taylor` only
+//! where the first terms of its series do not keep it above), and after landings: a guard that falls with the rate ġ and the curvature g̈ > 0 would fall by ġ²/(2 g̈).
 
 mod dip;
 mod follow;
@@ -73,6 +73,8 @@ pub struct GuardCrossing {
 
 /// The guards of one system along a run, with the workspace of the search.
 pub struct GuardWatch<P: System> {
+    /// The mode of the last phase that began.
+    of: Option<P::Mode>,
     /// Values and rates at the start of a step.
     start: P::Guards<Dual64>,
     /// Values and rates at its end.
@@ -116,6 +118,7 @@ impl<P: System> GuardWatch<P> {
         let zeros = || Vector::from_fn(n, |_| 0.0);
         let duals = || Vector::from_fn(n, |_| Dual64::from_re(0.0));
         Self {
+            of: None,
             start: duals(),
             end: duals(),
             values: zeros(),
@@ -249,6 +252,10 @@ impl<P: System> GuardWatch<P> {
         y: &P::State<f64>,
         dydt: &P::State<f64>,
     ) {
+        if self.of.as_ref() != Some(&mode) {
+            self.forget_lows();
+            self.of = Some(mode.clone());
+        }
         self.start_at(problem, mode, t, y, dydt);
         self.forget_dips();
         self.followed = 0.0;
@@ -334,6 +341,9 @@ impl<P: System> GuardWatch<P> {
         let is_clear = (0..self.end.as_ref().len())
             .all(|i| (0.0..f64::INFINITY).contains(&self.end.as_ref()[i].re) && self.holds(i, h));
         if is_clear {
+            if !high {
+                self.note_searched();
+            }
             self.keep();
         }
         is_clear

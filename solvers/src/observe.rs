@@ -43,7 +43,9 @@
 
 use std::ops::ControlFlow;
 
+use crate::error::Error;
 use crate::event::march::{Found, first_fall, first_width};
+use crate::phase::Point;
 use crate::record::{Accepted, Event, Record};
 use crate::root::{Bracket, find_root};
 use crate::step::Step;
@@ -51,6 +53,9 @@ use crate::system::System;
 
 /// Fraction of the step over which the slopes at both ends are differences.
 const NEXT: f64 = 1e-6;
+/// Zeros of a function in one step beyond which it is not followed: one that is rounded by more than its bound has as many
+/// as are looked for.
+const MOST_ZEROS: usize = 10_000;
 /// Fractions of a step at which a function without a side is looked at.
 const FIRST_LOOKS: [f64; 5] = [1e-6, 1e-4, 1e-2, 0.2, 1.0];
 
@@ -131,6 +136,14 @@ impl<'f, P: System> Observations<'f, P> {
 }
 
 impl<P: System> Record<P> for Observations<'_, P> {
+    fn begin(&mut self, start: &Point<P>, _t_end: f64) -> Result<(), Error> {
+        if self.t != Some(start.t) {
+            self.t = None;
+            self.observed.iter_mut().for_each(|observed| observed.side.sign = 0.0);
+        }
+        Ok(())
+    }
+
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         let step = accepted.step;
         let (t0, t1) = (step.t0(), step.t1());
@@ -186,13 +199,18 @@ impl Side {
         let ends = [0.0, NEXT, 1.0 - NEXT, 1.0].map(|theta| along.value(theta, y));
         let slopes = [ends[1] - ends[0], ends[3] - ends[2]].map(|change| change / NEXT);
         let width = first_width([ends[0], ends[3]], slopes);
-        let (mut from, bound) = (0.0, self.bound);
+        let (mut from, bound, mut n_zeros) = (0.0, self.bound, 0);
         // Dense output may begin off the end of the step before.
         if self.sign * ends[0] < -bound {
             zero(0.0, self.sign < 0.0, y);
             self.sign = -self.sign;
         }
         while from < 1.0 {
+            n_zeros += 1;
+            if n_zeros > MOST_ZEROS {
+                self.look(ends[3]);
+                return false;
+            }
             let sign = self.sign;
             let falls = from == 0.0 && sign * slopes[0] < 0.0;
             let raised = |theta| sign * along.value(theta, y) + bound;

@@ -122,14 +122,14 @@
 //! **A touch without crossing, and a dip that hardly is one.** Where a guard comes within the error of the method of its
 //! surface, the run may have an event or none: either may be right. The run goes on, and its recorder is told of a
 //! [`Grazing`](crate::Grazing), counted in [`Stats::n_grazing`](crate::Stats::n_grazing) and kept by a
-//! [`Trajectory`](crate::Trajectory). The error is 100 times what the tolerance allows the states in a step, or the
+//! [`Trajectory`](crate::Trajectory). The error is 100 times what the tolerance allows the states in a step, or 100 times the
 //! estimated error of a fixed step, and for methods of diffsol as many times as steps were taken if that is more; a guard
 //! changes by its derivatives times that, and by its rounding bound. What is deeper is an event. In 20 250 runs of every
 //! method, with touches and dips of 1e-12 to 1e-3 at tolerances of 1e-6 and 1e-10, of guards with sines of 1 to 1000 times
 //! the frequency of the states, no event was made up, none lost beyond that error, and one within it, of `tr_bdf2` after
-//! 9000 steps, neither found nor told. A guard that stays near its surface is told once in a phase. *Not promised:* errors
+//! 9000 steps, neither found nor told. A guard that stays near its surface is told once in a phase, or once more for each further turn in a step. The work of looking is not counted. *Not promised:* errors
 //! that grow beyond 100 tolerances in a long or unstable run, or tenfold in that of one guard from one turn of it to the
-//! next; and [extended precision](crate::taylor::extended), which tells none.
+//! next; a turn near its surface by `taylor` where the whole series, summed by size, stays above zero; guards whose derivatives are not finite; and [extended precision](crate::taylor::extended), which tells none.
 //! `every_event_is_found_or_told_as_grazing`, `cases::a_touch_is_told_also_at_the_end_of_a_step_where_the_rate_is_zero`,
 //! `cases::a_shallow_dip_after_a_steep_fall_is_told` of `tests/grazing`,
 //! `dips::a_grazing_touch_without_crossing_gives_no_event` (to rounding),

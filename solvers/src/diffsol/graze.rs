@@ -18,10 +18,24 @@ pub(super) struct Place {
 }
 
 impl<P: System> DiffsolSolver<P> {
+    /// Tells `record` of the guards that graze in `step`, if one came near, and returns their number. The next step goes on
+    /// with their arcs.
+    pub(super) fn tell_grazing(
+        &mut self,
+        of: (&P, &P::Mode),
+        step: &SolverStep<'_, impl Fn(f64, &mut P::State<f64>), P::State<f64>>,
+        at: Place,
+        record: &mut dyn Record<P>,
+    ) -> u64 {
+        let told = if self.watch.came_near() { self.graze(of, step, at, record) } else { 0 };
+        self.watch.follow_arcs();
+        told
+    }
+
     /// Tells `record` of the guards that graze in `step`, and returns their number. The methods do not extrapolate, so
     /// that their errors add up: they were up to half of what the tolerance allows in each step so far.
     #[cold]
-    pub(super) fn graze(
+    fn graze(
         &mut self,
         (problem, mode): (&P, &P::Mode),
         step: &SolverStep<'_, impl Fn(f64, &mut P::State<f64>), P::State<f64>>,

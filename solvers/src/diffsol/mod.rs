@@ -187,13 +187,9 @@ impl<P: System> DiffsolSolver<P> {
             let mut step = SolverStep { interpolant, t0, t1, y0, y1, slope0, slope1 };
             let h = step.t1 - step.t0;
             let landed_on = self.cut_at_event(problem, point, &mut step, reached, slope)?;
-            if self.watch.came_near() {
-                let at = Place { landed_on, h, n_steps: stats.n_accepted };
-                let told = self.graze((problem, &mode), &step, at, record);
-                before.n_grazing += told;
-                stats.n_grazing += told;
-            }
-            self.watch.follow_arcs();
+            let at = Place { landed_on, h, n_steps: stats.n_accepted };
+            let told = self.tell_grazing((problem, &mode), &step, at, record);
+            (before.n_grazing, stats.n_grazing) = (before.n_grazing + told, stats.n_grazing + told);
             let go_on =
                 record.step(&Accepted { mode: mode.clone(), step: &step, landed_on, stats });
             let SolverStep { t1, y1, slope1, .. } = step;

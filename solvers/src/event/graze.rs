@@ -151,7 +151,8 @@ impl<P: System> GuardWatch<P> {
 
     /// Tells `told` of the guards that graze in a step that [may have such](Self::may_graze), whose dense output is
     /// complete; a full step has the size `h`. `error` is the error that the run may have made in a state. A guard that
-    /// stays near its surface is told once in a phase.
+    /// stays near its surface, turning at most once in a step, is told once in a phase. Where the derivatives of a guard are
+    /// not finite nothing is told of it.
     pub(crate) fn graze(
         &mut self,
         problem: &P,
@@ -168,6 +169,9 @@ impl<P: System> GuardWatch<P> {
         self.evaluate(problem, mode.clone(), t1, step.y1());
         for guard in 0..self.end.as_ref().len() {
             let error = self.doubts.as_ref()[guard] + self.bounds.as_ref()[guard];
+            if !error.is_finite() {
+                continue;
+            }
             self.lows.as_mut()[guard] = LOW * error;
             if landed_on == Some(guard) {
                 let dip = self.depth_after(problem, mode.clone(), step, guard, (error, h));

@@ -186,6 +186,27 @@ fn a_function_that_is_not_a_number_is_told() {
 }
 
 #[test]
+fn a_function_that_is_noise_above_its_bound_is_not_followed_and_does_not_hang() {
+    let setting = settings().into_iter().find(|(method, _)| method.name == "taylor").unwrap();
+    // Rounded by some 1e-8, seven orders more than it says.
+    let noise = |(): &(), t: f64, _: &[f64; 2]| (1e8 + 1e8 * t).sin() * 1e-8;
+    let mut seen = Observations::default().of(1e-15, noise);
+    run(&Swing, &setting, (0.0, [1.0, 0.0]), 1.0, &mut seen);
+    assert!(!seen.unfollowed.is_empty());
+}
+
+#[test]
+fn a_second_run_begins_without_the_sides_of_the_first() {
+    for setting in settings() {
+        let mut seen = Observations::default().of(1e-15, |(), _t, &[x, _]: &[f64; 2]| x);
+        run(&Swing, &setting, (0.0, [-1.0, 0.0]), 1.0, &mut seen);
+        // It starts on zero and rises.
+        run(&Swing, &setting, (5.0, [0.0, 1.0]), 6.0, &mut seen);
+        assert!(seen.zeros.is_empty(), "{}: {:?}", setting.0.name, seen.zeros);
+    }
+}
+
+#[test]
 fn runs_of_a_batch_are_observed_as_each_alone() {
     let balls: Vec<_> = (0..10)
         .map(|k| BouncingBall { restitution: 0.8, gravity: 9.0 + 0.1 * f64::from(k), height: 1.0 })

@@ -118,6 +118,7 @@ fn bounces_too_low_to_resolve_are_told() {
             assert!(run.grazings.is_empty(), "{}: {:?}", method.name, run.grazings);
             continue;
         }
+        assert!(!run.grazings.is_empty() && run.grazings.iter().all(|graze| graze.is_event));
         // What is not told is true. Measured: 5e-6 s.
         let first = run.grazings.first().map_or(2.0, |graze| graze.t);
         let sure = run.events.iter().filter(|event| event.t < first).enumerate();
