@@ -32,7 +32,7 @@
 //! let mut enclosure = Enclosure::new(&ball, mode, 0.0, &ball.start(), tolerance)?;
 //! let mut n = 0;
 //! while let Some(bounce) = enclosure.advance(1.2)? {
-//!     assert!(bounce.t.distance(ball.bounce_time(n)) < 1e-15 && bounce.t.width() < 1e-14);
+//!     assert!(bounce.t.distance(ball.bounce_time(n)) < 1e-15 && bounce.t.width() < 1e-13);
 //!     n += 1;
 //! }
 //! assert_eq!(n, 3);
