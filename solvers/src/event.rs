@@ -11,9 +11,9 @@
 //!
 //! 0. Does the guard move as slowly as the states? Steps are as long as the states allow, and a guard such as
 //!    `sin(1000 t)` may turn many times within one. Five values between the ends are compared with the cubic through
-//!    values and rates at both ends. That is done in the first step of a phase, where a step is longer by a third
-//!    than the longest on which the guards were seen to follow their cubics, and where a guard is near its surface. A
-//!    guard that strays from its cubic is searched for by stage 4 alone.
+//!    values and rates at both ends. That is done in the first step of a phase, and where a step is longer by a third
+//!    than the longest on which the guards were seen to follow their cubics. A guard that strays from its cubic is
+//!    searched for by stage 4 alone.
 //! 1. Values and rates at both ends determine a cubic. If the cubic has no minimum inside the step, or one far above
 //!    zero, the guard is taken to hold. Every step pays for this stage: one evaluation of the guards and their rates,
 //!    a few operations per guard, and a square root for a guard near its surface.
@@ -34,16 +34,9 @@
 //! the deepest point, and discards the dip if the retaken step does not show it. Where a stiff force holds a guard near
 //! its surface, the dense output shows such a dip in almost every step; a Radau method looks only for dips deeper than
 //! the error that the tolerance allows where its stages show none.
-//!
-//! # What hardly is an event
-//!
-//! A guard that turns, or falls, within the error of the method of its surface is [told](crate::Grazing). It is looked
-//! for in accepted steps whose guards were searched, in those on which a guard turns low above its surface (by `taylor` only
-//! where the first terms of its series do not keep it above), and after landings: a guard that falls with the rate ġ and the curvature g̈ > 0 would fall by ġ²/(2 g̈).
 
 mod dip;
 mod follow;
-mod graze;
 pub(crate) mod march;
 mod shape;
 
@@ -51,8 +44,7 @@ use num_dual::Dual64;
 
 use shape::{has_no_dip, stays_above_zero};
 
-pub(crate) use graze::{Graze, STEPS};
-pub(crate) use shape::{is_far, turns_above};
+pub(crate) use shape::is_far;
 
 use crate::error::Error;
 use crate::root::{Bracket, find_root};
@@ -73,15 +65,13 @@ pub struct GuardCrossing {
 
 /// The guards of one system along a run, with the workspace of the search.
 pub struct GuardWatch<P: System> {
-    /// The mode of the last phase that began.
-    of: Option<P::Mode>,
     /// Values and rates at the start of a step.
     start: P::Guards<Dual64>,
     /// Values and rates at its end.
     end: P::Guards<Dual64>,
     values: P::Guards<f64>,
     bounds: P::Guards<f64>,
-    /// Depth beyond the bound that a dip must have to count; below zero, height up to which it counts.
+    /// Depth beyond the bound that a dip must have to count.
     doubts: P::Guards<f64>,
     y: P::State<f64>,
     /// Values at the quarters of a step on its dense output.
@@ -97,18 +87,6 @@ pub struct GuardWatch<P: System> {
     followed: f64,
     /// Guards that were seen to stray from their cubics on the present step.
     strays: Vec<bool>,
-    /// Whether that is so, and not a fact of an earlier step.
-    knows_strays: bool,
-    /// Whether guards were searched on the present step, or turned low.
-    is_near: bool,
-    /// Heights below which a turn is looked at: some times the error of the guard, as found last.
-    lows: P::Guards<f64>,
-    /// Largest values at the ends of steps of this arc of each guard; infinite where it did not rise at first.
-    tops: P::Guards<f64>,
-    /// Guards that graze, or stay as near since they did in this phase.
-    grazes: Vec<bool>,
-    /// End of the last step in which one might.
-    near_until: f64,
 }
 
 impl<P: System> GuardWatch<P> {
@@ -118,7 +96,6 @@ impl<P: System> GuardWatch<P> {
         let zeros = || Vector::from_fn(n, |_| 0.0);
         let duals = || Vector::from_fn(n, |_| Dual64::from_re(0.0));
         Self {
-            of: None,
             start: duals(),
             end: duals(),
             values: zeros(),
@@ -132,12 +109,6 @@ impl<P: System> GuardWatch<P> {
             n_disproved: 0,
             followed: 0.0,
             strays: vec![false; n],
-            knows_strays: false,
-            is_near: false,
-            lows: Vector::from_fn(n, |_| f64::INFINITY),
-            tops: zeros(),
-            grazes: vec![false; n],
-            near_until: f64::NAN,
         }
     }
 
@@ -252,14 +223,9 @@ impl<P: System> GuardWatch<P> {
         y: &P::State<f64>,
         dydt: &P::State<f64>,
     ) {
-        if self.of.as_ref() != Some(&mode) {
-            self.forget_lows();
-            self.of = Some(mode.clone());
-        }
         self.start_at(problem, mode, t, y, dydt);
         self.forget_dips();
         self.followed = 0.0;
-        self.grazes.fill(false);
     }
 
     /// Evaluates values and rates at the start of a step. Needed where they do not carry over from the end of the
@@ -273,12 +239,6 @@ impl<P: System> GuardWatch<P> {
         dydt: &P::State<f64>,
     ) {
         along_flow(problem, mode, t, y, dydt, &mut self.start);
-    }
-
-    /// Forgets what was found on a step that is not accepted.
-    pub(crate) fn forget_step(&mut self) {
-        self.forget_dips();
-        self.is_near = false;
     }
 
     /// Forgets the dips that were discarded in a step that is over.
@@ -316,34 +276,18 @@ impl<P: System> GuardWatch<P> {
     ) -> bool {
         self.rates(problem, mode.clone(), step.t1(), step.y1(), step.slope1());
         let h = step.t1() - step.t0();
-        let is_known = self.knows(h);
-        if !is_known && !self.all_follow(problem, mode.clone(), step) {
+        if !self.knows(h) && !self.all_follow(problem, mode, step) {
             return false;
         }
         // All guards are tested without a branch between them, so that the tests run as vector instructions.
-        let ends = self.start.as_ref().iter().zip(self.end.as_ref()).zip(self.lows.as_ref());
-        let (far, high) = ends.fold((true, true), |(far, high), ((g0, g1), low)| {
-            let (from, to) = ([g0.re, g0.eps], [g1.re, g1.eps]);
-            (far & is_far(from, to, h), high & turns_above(from, to, h, *low))
-        });
-        if far {
-            if !high {
-                self.note_searched();
-            }
+        let ends = self.start.as_ref().iter().zip(self.end.as_ref());
+        if ends.fold(true, |all, (g0, g1)| all & is_far([g0.re, g0.eps], [g1.re, g1.eps], h)) {
             self.keep();
             return true;
-        }
-        // A guard near its surface is small, and may stray beside its size from a cubic that it followed at a distance.
-        if is_known && !self.all_follow(problem, mode, step) {
-            self.followed = 0.0;
-            return false;
         }
         let is_clear = (0..self.end.as_ref().len())
             .all(|i| (0.0..f64::INFINITY).contains(&self.end.as_ref()[i].re) && self.holds(i, h));
         if is_clear {
-            if !high {
-                self.note_searched();
-            }
             self.keep();
         }
         is_clear
@@ -366,13 +310,14 @@ impl<P: System> GuardWatch<P> {
     ) -> Result<Option<GuardCrossing>, Error> {
         let (t0, t1) = (step.t0(), step.t1());
         let h = t1 - t0;
-        self.is_near = true;
         self.doubts.as_mut().fill(0.0);
-        if let Some(Tolerance { rtol, atol }) = doubt {
-            let y = step.y1().as_ref();
-            self.doubt(problem, mode.clone(), step, |i| atol[i] + rtol * y[i].abs());
+        if let Some(tolerance) = doubt {
+            self.doubt(problem, mode.clone(), step, tolerance);
         }
-        self.look_at_quarters(problem, mode.clone(), step);
+        for (quarter, values) in (1..).zip(&mut self.quarters) {
+            step.interpolate(t0 + 0.25 * f64::from(quarter) * h, &mut self.y);
+            problem.guards(mode.clone(), t0 + 0.25 * f64::from(quarter) * h, &self.y, values);
+        }
         self.violated(problem, mode.clone(), t1, step.y1())?;
         let mut first: Option<GuardCrossing> = None;
         let mut knows_first = false;
@@ -433,13 +378,27 @@ impl<P: System> GuardWatch<P> {
         })
     }
 
-    /// Evaluates all guards at the quarters of `step` on its dense output.
-    fn look_at_quarters(&mut self, problem: &P, mode: P::Mode, step: &dyn Step<P::State<f64>>) {
-        let (t0, h) = (step.t0(), step.t1() - step.t0());
-        for (quarter, values) in (1..).zip(&mut self.quarters) {
-            let t = t0 + 0.25 * f64::from(quarter) * h;
-            step.interpolate(t, &mut self.y);
-            problem.guards(mode.clone(), t, &self.y, values);
+    /// Writes `Σ_j |∂g_i/∂y_j| (atol_j + rtol |y_j|)` at the end of `step` to `doubts`: a bound of the change of each
+    /// guard by errors of the states that `tolerance` allows.
+    fn doubt(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        tolerance: &Tolerance,
+    ) {
+        let y = step.y1().as_ref();
+        let mut g = self.end.clone();
+        let span = problem.guard_span();
+        let error = |i: usize| tolerance.atol[i] + tolerance.rtol * y[i].abs();
+        for j in 0..span.min(y.len()) {
+            let seeded = P::State::<Dual64>::from_fn(y.len(), |i| {
+                Dual64::new(y[i], if i % span == j { error(i) } else { 0.0 })
+            });
+            problem.guards(mode.clone(), Dual64::from_re(step.t1()), &seeded, &mut g);
+            for (doubt, g) in self.doubts.as_mut().iter_mut().zip(g.as_ref()) {
+                *doubt += g.eps.abs();
+            }
         }
     }
 

@@ -1,7 +1,6 @@
 //! One-step methods and the phase solver that they share: take a step, judge its error, land on the first violated
 //! guard.
 
-mod graze;
 mod land;
 mod paced;
 mod state;
@@ -137,8 +136,6 @@ pub struct OneStepSolver<P: System, M> {
     /// Whether the method proposed the size of the step from the present start; the controller then only accepts or
     /// rejects it.
     pub(crate) is_proposed: bool,
-    /// Estimated error of the last fixed step whose guards were searched.
-    error_of_full: P::State<f64>,
 }
 
 impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
@@ -156,7 +153,6 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             is_proposed: false,
             controller: StepController::new(control, embedded_order),
             watch: GuardWatch::new(problem),
-            error_of_full: Vector::from_fn(problem.dim(), |_| 0.0),
             error_order: embedded_order + 1,
         }
     }
@@ -410,7 +406,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
                 | Error::UnresolvedGuard { .. }
                 | Error::NoConvergence { .. }),
             ) => {
-                self.watch.forget_step();
+                self.watch.forget_dips();
                 return self.shortened(context, phase, h, || error);
             }
             landed_on => landed_on?,
@@ -421,7 +417,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             let h_landed = self.method.step().t1() - point.t;
             let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
             if let Some(smaller) = self.controller.refusal(h_landed, error_sq) {
-                self.watch.forget_step();
+                self.watch.forget_dips();
                 return self.rejected(context, phase, smaller);
             }
         }
@@ -430,7 +426,6 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             // The work of sampling is not counted.
             self.method.densify(problem, mode, &mut Stats::default());
         }
-        self.tell_grazing(context, landed_on, h);
         Ok(self.accept(context, phase, landed_on, needs))
     }
 

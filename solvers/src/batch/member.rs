@@ -86,7 +86,7 @@ impl<'r, 'a, P: Alike, R: Record<P>, M: OneStep<P>> Member<'r, 'a, P, R, M> {
     ) {
         field.set(lane, &self.parameters);
         steps.judgement_mut().tolerate(lane, self.solver.controller.control());
-        steps.load(lane, &self.solver.method, self.solver.watch.lows());
+        steps.load(lane, &self.solver.method);
     }
 
     /// Takes over the start in its `lane` where that is [newer](Self::is_stale) than its own.

@@ -66,7 +66,7 @@ where
         &mut self.judgement
     }
 
-    fn load(&mut self, lane: usize, method: &Self::Method, _lows: &P::Guards<f64>) {
+    fn load(&mut self, lane: usize, method: &Self::Method) {
         let (all, one) = (&mut self.method.step, &method.step);
         all.t0.set(lane, one.t0);
         set(&mut all.y[0], lane, &one.y[0]);

@@ -35,8 +35,8 @@ pub(super) trait Steps<P: Alike, V: Simd> {
     /// The same, to change it.
     fn judgement_mut(&mut self) -> &mut Judgement<V>;
 
-    /// Writes the start of the next step of `method` to `lane`, with the heights below which guards that turn are near.
-    fn load(&mut self, lane: usize, method: &Self::Method, lows: &P::Guards<f64>);
+    /// Writes the start of the next step of `method` to `lane`.
+    fn load(&mut self, lane: usize, method: &Self::Method);
 
     /// Computes what steps of any size from the present starts have in common.
     fn prepare(&mut self, field: &ByParameters<P, V>);
@@ -80,7 +80,7 @@ pub(super) struct Judgement<V> {
     is_adaptive: bool,
     /// Squares of the norms of the errors.
     pub(super) error_sq: Lanes<V>,
-    /// A bit for each lane, set where the end of the step is finite and its guards are far from falling and turn high.
+    /// A bit for each lane, set where the end of the step is finite and its guards are far from falling.
     pub(super) is_plain: u32,
 }
 

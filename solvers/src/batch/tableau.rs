@@ -3,7 +3,7 @@
 use super::parameters::{ByParameters, pick, set};
 use super::steps::{Judgement, Steps};
 use crate::erk::{ExplicitRk, sharpened};
-use crate::event::{is_far, turns_above};
+use crate::event::is_far;
 use crate::lanes::dual::DualLanes;
 use crate::lanes::{Lanes, Simd};
 use crate::real::Real;
@@ -17,8 +17,6 @@ pub(super) struct TableauSteps<P: Alike, V: Simd, const S: usize> {
     /// Values and rates of the guards at the starts and at the ends.
     start: P::Guards<DualLanes<V>>,
     end: P::Guards<DualLanes<V>>,
-    /// Heights below which a guard that turns is near its surface.
-    lows: P::Guards<Lanes<V>>,
     /// Whether those at the starts are known.
     is_prepared: bool,
 }
@@ -33,7 +31,6 @@ impl<P: Alike, V: Simd, const S: usize> TableauSteps<P, V, S> {
             judgement: Judgement::new(n),
             start: guards(),
             end: guards(),
-            lows: Vector::from_fn(n_guards, |_| Lanes::cst(f64::INFINITY)),
             is_prepared: false,
         }
     }
@@ -59,12 +56,11 @@ impl<P: Alike, V: Simd, const S: usize> Steps<P, V> for TableauSteps<P, V, S> {
         &mut self.judgement
     }
 
-    fn load(&mut self, lane: usize, method: &Self::Method, lows: &P::Guards<f64>) {
+    fn load(&mut self, lane: usize, method: &Self::Method) {
         let (all, one) = (&mut self.method.step, &method.step);
         all.t0.set(lane, one.t0);
         set(&mut all.y0, lane, &one.y0);
         set(&mut all.k[0], lane, &one.k[0]);
-        set(&mut self.lows, lane, lows);
         self.is_prepared = false;
     }
 
@@ -110,10 +106,8 @@ impl<P: Alike, V: Simd, const S: usize> Steps<P, V> for TableauSteps<P, V, S> {
         self.judgement.look_at_ends(end.0, end.1);
         field.guards_along(t1, end, &mut self.end);
         let h = t1 - step.t0;
-        let ends = self.start.as_ref().iter().zip(self.end.as_ref()).zip(self.lows.as_ref());
-        for ((g0, g1), low) in ends {
-            let (from, to) = ([g0.re, g0.eps], [g1.re, g1.eps]);
-            self.judgement.is_plain &= is_far(from, to, h) & turns_above(from, to, h, *low);
+        for (g0, g1) in self.start.as_ref().iter().zip(self.end.as_ref()) {
+            self.judgement.is_plain &= is_far([g0.re, g0.eps], [g1.re, g1.eps], h);
         }
     }
 

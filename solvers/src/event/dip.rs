@@ -42,11 +42,11 @@ impl<P: System> GuardWatch<P> {
                 top = k;
             }
             let falls_to = if k == 0 { slopes[0] < 0.0 } else { nodes[k] <= nodes[k - 1] };
-            let rises_from = if k == N_NODES { slopes[1] >= 0.0 } else { nodes[k] < nodes[k + 1] };
+            let rises_from = if k == N_NODES { slopes[1] > 0.0 } else { nodes[k] < nodes[k + 1] };
             if !(falls_to && rises_from) {
                 continue;
             }
-            if nodes[k] + self.doubts.as_ref()[i].min(0.0) < MISFIT * range {
+            if nodes[k] < MISFIT * range {
                 let (a, b) = (at(k.max(1) - 1), at((k + 1).min(N_NODES)));
                 let above = |theta: f64| {
                     self.clearance_on(problem, mode.clone(), step, i, t0 + theta * h) + margin
@@ -73,17 +73,12 @@ impl<P: System> GuardWatch<P> {
         (t, h): (f64, f64),
         mode: &P::Mode,
     ) -> Result<(), Error> {
-        self.discard_dip(i);
+        self.disproved[i] = self.deepest[i];
+        self.n_disproved += 1;
         if self.n_disproved < MOST_VAIN {
             return Ok(());
         }
         Err(Error::UnresolvedGuard { t, h, mode: format!("{mode:?}"), guard: i })
-    }
-
-    /// The same, of a dip that need not be none.
-    pub(super) fn discard_dip(&mut self, i: usize) {
-        self.disproved[i] = self.deepest[i];
-        self.n_disproved += 1;
     }
 
     /// Notes that a dip of guard `i` was found by other means than this search. Should it be disproved, then this search

@@ -30,7 +30,8 @@ impl<P: System> GuardWatch<P> {
         self.strays[i] && !self.knows(h)
     }
 
-    /// Whether all guards [follow](Self::find_strays) their cubics on `step`. If so, shorter steps need not be looked at.
+    /// Whether all guards follow their cubics on `step`: between its ends they differ from them by little. The states
+    /// between are those of the cubic of the states, so that a guard which moves with the states does not stray.
     #[cold]
     #[inline(never)]
     pub(super) fn all_follow(
@@ -39,24 +40,6 @@ impl<P: System> GuardWatch<P> {
         mode: P::Mode,
         step: &(impl Step<P::State<f64>> + ?Sized),
     ) -> bool {
-        self.find_strays(problem, mode, step);
-        let all = !self.strays.contains(&true);
-        if all {
-            self.followed = self.followed.max((step.t1() - step.t0()).abs());
-        }
-        all
-    }
-
-    /// Finds the guards that stray from their cubics on `step`: between its ends they differ from them by more than a
-    /// little. The states between are those of the cubic of the states, so that a guard which moves with the states does
-    /// not stray.
-    pub(super) fn find_strays(
-        &mut self,
-        problem: &P,
-        mode: P::Mode,
-        step: &(impl Step<P::State<f64>> + ?Sized),
-    ) {
-        self.knows_strays = true;
         let (t0, h) = (step.t0(), step.t1() - step.t0());
         problem.guard_bounds(mode.clone(), step.t1(), step.y1(), &mut self.bounds);
         self.strays.fill(false);
@@ -74,6 +57,11 @@ impl<P: System> GuardWatch<P> {
                 self.strays[i] |= !follows;
             }
         }
+        let all = !self.strays.contains(&true);
+        if all {
+            self.followed = h.abs();
+        }
+        all
     }
 
     /// Position of the maximum of guard `i` before its first dip inside the step, and of a point where it is then
@@ -108,7 +96,7 @@ impl<P: System> GuardWatch<P> {
 
     /// The same as [`first_dip`](Self::first_dip) in intervals short enough to follow the guard.
     #[cold]
-    pub(super) fn march(
+    fn march(
         &mut self,
         problem: &P,
         mode: P::Mode,

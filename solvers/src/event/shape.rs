@@ -22,14 +22,6 @@ pub(crate) fn is_far<T: Ordered>(from: [T; 2], to: [T; 2], h: T) -> T::Mask {
     from[0].is_above(near) & to[0].is_above(near)
 }
 
-/// Whether a guard with these values and rates at both ends of a step of size `h` does not turn below `low` on it.
-#[inline]
-pub(crate) fn turns_above<T: Ordered>(from: [T; 2], to: [T; 2], h: T, low: T) -> T::Mask {
-    let least = -(-from[0]).max(-to[0]);
-    // One of them is above zero: it rises at the start, it falls at the end, or it is high.
-    (from[1] * h).max(-(to[1] * h)).max(least - low).is_above(T::cst(0.0))
-}
-
 /// Sum of the absolute differences of both end slopes from the slope of the chord, over the step.
 #[inline]
 fn bend<T: Ordered>([g0, rate0]: [T; 2], [g1, rate1]: [T; 2], h: T) -> T {
@@ -58,7 +50,7 @@ pub(super) fn cubic_at(theta: f64, values: [f64; 2], slopes: [f64; 2]) -> f64 {
     values[0] + theta * (slopes[0] + theta * (c2 + theta * c3))
 }
 
-/// The minimum in (0, 1] of the cubic with these values and slopes at 0 and 1; `None` where it has none there.
+/// The minimum in (0, 1) of the cubic with these values and slopes at 0 and 1; `None` where it has no minimum inside.
 fn cubic_minimum([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> Option<f64> {
     let [c2, c3] = bent([g0, g1], [s0, s1]);
     let discriminant = c2 * c2 - 3.0 * c3 * s0;
@@ -68,15 +60,8 @@ fn cubic_minimum([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> Option<f64> {
     // The root of g' = 0 with g'' = 2 (c2 + 3 c3 θ) = 2 √discriminant above zero.
     let root = discriminant.sqrt();
     let theta = if c2 > 0.0 { -s0 / (c2 + root) } else { (root - c2) / (3.0 * c3) };
-    let inside = theta > 0.0 && theta <= 1.0;
+    let inside = theta > 0.0 && theta < 1.0;
     inside.then_some(g0 + theta * (s0 + theta * (c2 + theta * c3)))
-}
-
-/// The largest value on [0, 1] of the cubic with these values and slopes at 0 and 1.
-pub(super) fn cubic_top(values: [f64; 2], slopes: [f64; 2]) -> f64 {
-    let [below, slopes_below] = [values, slopes].map(|both| both.map(|x| -x));
-    let inside = cubic_minimum(below, slopes_below).map_or(f64::NEG_INFINITY, |least| -least);
-    inside.max(values[0]).max(values[1])
 }
 
 /// Values at the nodes from 0 to 1 of the polynomial of degree six with these values and slopes at 0 and 1 and these

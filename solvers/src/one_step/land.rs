@@ -27,7 +27,6 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             let crossing =
                 self.method.first_to_fall(problem, mode.clone(), &mut self.watch, stats)?;
             let Some(crossing) = crossing else { return Ok(None) };
-            self.note_error(problem, mode.clone());
             if let Some(guard) = self.land(problem, mode.clone(), crossing, stats)? {
                 return Ok(Some(guard));
             }

@@ -207,7 +207,6 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
             watch.keep();
             return Ok(Look::Clear);
         }
-        watch.note_searched();
         watch.violated(problem, mode.clone(), t1, step.y1())?;
         watch.look_at_middle(problem, mode.clone(), step);
         let least = (LEAST_RANGE * whole.abs()).max(LEAST_STEP * t1.abs().max(start.abs()));
