@@ -274,11 +274,11 @@ impl Real for Interval {
         if self.lo < 0.0 {
             return Self::WHOLE;
         }
-        let root = |x: f64| (x.sqrt(), if x == 0.0 { 0.0 } else { 1.0 });
-        let ((lo, rounds_lo), (hi, rounds_hi)) = (root(self.lo), root(self.hi));
+        // The root of zero is exact.
+        let [lo, hi] = [self.lo, self.hi].map(f64::sqrt);
         Self::new(
-            if rounds_lo == 0.0 { lo } else { lo.next_down() },
-            if rounds_hi == 0.0 { hi } else { hi.next_up() },
+            if lo == 0.0 { lo } else { lo.next_down() },
+            if hi == 0.0 { hi } else { hi.next_up() },
         )
     }
 
@@ -343,11 +343,6 @@ impl Coefficient for Interval {
 
     fn rounded(self) -> f64 {
         self.value()
-    }
-
-    #[inline]
-    fn fma(a: Self, b: Self, c: Self) -> Self {
-        a * b + c
     }
 }
 

@@ -111,10 +111,9 @@ impl Frame {
         let n = axes.len();
         let mut lu = DenseLu::new(n);
         lu.factorise(&axes.concat(), 0.0, -1.0);
-        let unit = |i: usize| (0..n).map(|k| if i == k { 1.0 } else { 0.0 }).collect::<Vec<_>>();
         let columns: Vec<Vec<f64>> = (0..n)
             .map(|i| {
-                let mut column = unit(i);
+                let mut column = unit(n, i);
                 lu.solve(&mut column);
                 column
             })
@@ -150,15 +149,17 @@ fn orthogonal(columns: &[Vec<f64>], r: &[Interval]) -> Option<Vec<Vec<f64>>> {
     order.sort_by(|i, j| edge(*j).total_cmp(&edge(*i)));
     let mut axes: Vec<Vec<f64>> = Vec::new();
     for j in order {
-        let any = |i: usize| {
-            let unit: Vec<_> = (0..n).map(|k| if i == k { 1.0 } else { 0.0 }).collect();
-            rest(&unit, &axes)
-        };
+        let any = |i: usize| rest(&unit(n, i), &axes);
         // A column that is a sum of those before it: any other direction.
         let axis = rest(&columns[j], &axes).or_else(|| (0..n).find_map(any));
         axes.push(axis?);
     }
     Some(axes)
+}
+
+/// The unit vector along coordinate `i` of `n`.
+fn unit(n: usize, i: usize) -> Vec<f64> {
+    (0..n).map(|k| if i == k { 1.0 } else { 0.0 }).collect()
 }
 
 fn product(a: &[f64], x: &[Interval]) -> Interval {

@@ -24,7 +24,10 @@ pub trait Coefficient: Real {
     fn rounded(self) -> Self::Rounded;
 
     /// `a b + c`, fused where the target has an instruction for it.
-    fn fma(a: Self, b: Self, c: Self) -> Self;
+    #[inline]
+    fn fma(a: Self, b: Self, c: Self) -> Self {
+        a * b + c
+    }
 
     /// `Σ a_j b_(k−j)` over `j = 1 … k − 1`, a sum of more than four terms.
     fn long_inner(k: usize, a: &Row<Self>, b: Tail<'_, Self>) -> Self {

@@ -41,11 +41,6 @@ impl Coefficient for DoubleDouble {
     fn rounded(self) -> f64 {
         self.value()
     }
-
-    #[inline]
-    fn fma(a: Self, b: Self, c: Self) -> Self {
-        a * b + c
-    }
 }
 
 /// An integration with double-double numbers: its present point and the work done so far.
