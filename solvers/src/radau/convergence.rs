@@ -6,7 +6,8 @@ const ITERATIONS: usize = 7;
 const ITERATIONS_TO_ROUNDING: usize = 50;
 /// Growth of the corrections, from the first one, beyond which the iteration has diverged.
 const GROWTH: f64 = 1e3;
-/// Largest correction, as a fraction of the states, that is taken for rounding once corrections no longer shrink.
+/// Largest correction, as a fraction of the states, that is taken for rounding once corrections no longer shrink, where
+/// the iteration continues to rounding.
 const NOISE: f64 = 1e-8;
 
 /// How a Newton iteration ended.
@@ -27,8 +28,6 @@ pub(super) struct Convergence {
     pub(super) most: usize,
     /// Error that the iteration may leave.
     rest: f64,
-    /// Largest correction that is taken for rounding once corrections no longer shrink.
-    noise: f64,
     pub(super) is_to_rounding: bool,
     /// Number of corrections that may grow under a tolerance.
     patience: usize,
@@ -45,7 +44,6 @@ impl Convergence {
         Self {
             most: ITERATIONS_TO_ROUNDING,
             rest: f64::EPSILON,
-            noise: NOISE,
             is_to_rounding: true,
             patience: 0,
             left: f64::INFINITY,
@@ -61,7 +59,6 @@ impl Convergence {
         Self {
             most: ITERATIONS,
             rest,
-            noise: 1e-3 * rest,
             is_to_rounding: false,
             patience,
             left: libm::pow(left.max(f64::EPSILON), 0.8),
@@ -88,7 +85,7 @@ impl Convergence {
                 if in_the_end > self.rest && n > self.patience && !self.is_to_rounding {
                     return Some(Iteration::Diverged);
                 }
-            } else if size <= self.noise {
+            } else if self.is_to_rounding && size <= NOISE {
                 // Rounding is reached.
                 return Some(Iteration::Converged);
             } else if n <= self.patience {

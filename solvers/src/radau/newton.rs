@@ -15,6 +15,8 @@ use crate::tolerance::Tolerance;
 
 /// Largest error of the iteration, as a fraction of the tolerance. RADAU5.
 const REST: f64 = 0.03;
+/// A correction up to this many times the estimated rounding is taken for rounding once the iteration does not converge.
+const ROUNDINGS: f64 = 30.0;
 /// States smaller than this fraction of the largest one are iterated as if they had that size.
 const SMALLEST: f64 = 1e-6;
 
@@ -207,8 +209,12 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
             if n == 1 && convergence.is_to_rounding {
                 self.weigh_by_size();
             }
-            if let Some(ended) = convergence.judge(n, self.correction()) {
-                end = ended;
+            let size = self.correction();
+            if let Some(ended) = convergence.judge(n, size) {
+                let is_done = matches!(ended, Iteration::Diverged)
+                    && !convergence.is_to_rounding
+                    && self.is_of_rounding(size, stats);
+                end = if is_done { Iteration::Converged } else { ended };
                 break;
             }
         }
@@ -348,6 +354,30 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
             }
         }
         (sum / (3 * self.n()) as f64).sqrt()
+    }
+
+    /// Whether a correction of this size is one of rounding, within the tolerance. States of the stages are rounded by
+    /// e = ε |y|, their slopes then differ by J e, and the solution by about
+    ///
+    /// ```text
+    /// (γ I − hJ)⁻¹ hJ e = γ (γ I − hJ)⁻¹ e − e
+    /// ```
+    ///
+    /// Of a position x that a stiff force holds, this is γ ε x/h in its velocity: more, the shorter the step is.
+    fn is_of_rounding(&mut self, size: f64, stats: &mut Stats) -> bool {
+        let y0 = self.step.y0.as_ref();
+        for (noise, y0) in self.delta.as_mut().iter_mut().zip(y0) {
+            *noise = self.tableau.real * f64::EPSILON * y0.abs();
+        }
+        self.real.solve(self.delta.as_mut());
+        stats.work.n_lin_solves += 1;
+        let of_states = self.delta.as_ref().iter().zip(y0).zip(self.scale.as_ref());
+        let squares = of_states.map(|((noise, y0), scale)| {
+            let part = (noise - f64::EPSILON * y0.abs()) / scale;
+            part * part
+        });
+        let noise = (squares.sum::<f64>() / self.n() as f64).sqrt();
+        size <= 1.0 && size <= ROUNDINGS * noise
     }
 
     /// Computes the end of the step and its polynomial from the stages.
