@@ -79,7 +79,7 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     Ok(chunks.clear()?)
 }
 
-/// Takes up the cells of a map that is finished, or that a version without chunks began.
+/// Takes up the cells that are in no chunk: of a map that is finished, or that a version without chunks began.
 fn take_up(
     output: &Output,
     config: &Config,
@@ -87,8 +87,8 @@ fn take_up(
     chunks: &Chunks,
 ) -> Result<(), Failure> {
     let known = known(output);
-    for (number, site) in (0..).zip(sites) {
-        if let Some(contests) = site.contests(config, &known) {
+    for number in contests::missing(chunks)? {
+        if let Some(contests) = sites[number as usize].contests(config, &known) {
             keep(chunks, number, &contests)?;
         }
     }
