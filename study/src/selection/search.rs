@@ -5,18 +5,17 @@ use std::collections::BTreeMap;
 use deltazero_solvers::Error;
 
 use super::ladder::{self, A_DECADE};
-use super::trial::{ON_COURSE, Start, Trial, TrialEnd};
+use super::trial::{EARLY, ON_COURSE, Start, Trial, TrialEnd};
 use super::{Candidate, Contest, Entry, Failure, FailureKind, MARGIN, mean_step};
 use crate::run::Setting;
 
-/// Longest move between two rungs that are looked at: two decades.
+/// Longest move between two rungs that are looked at: two decades. Where they do not halve the error, tighter settings are
+/// held not to help.
 const LONGEST: i32 = 2 * A_DECADE;
 /// Rungs that are skipped where events are wrong, the next time twice as many, and so on; or where a run
 /// fails.
 const EVENTS_WRONG: i32 = 2;
 const FAILED: i32 = A_DECADE;
-/// After so many moves without half the error, tighter settings are held not to help.
-const STAGNATIONS: u32 = 2;
 /// A run cut with more than this many times the events that the reference has by then, and some, chatters:
 /// a tighter one may cost less.
 const CHATTER: (f64, f64) = (4.0, 10.0);
@@ -94,10 +93,11 @@ impl<'a> Search<'a> {
     /// Goes on until it is over or `limit` of work cuts it; up to `of_note` it may be among the fastest.
     pub(super) fn advance(&mut self, limit: f64, of_note: f64) -> Step {
         self.of_note = of_note;
-        // What was on course for more than this limit, too, is not run again.
-        let hopeless: Vec<i32> =
-            self.trials.keys().copied().filter(|at| self.needs(*at) > ON_COURSE * limit).collect();
-        self.trials.retain(|at, trial| trial.end != TrialEnd::Cut || hopeless.contains(at));
+        // What this limit, too, would break off by then is not run again.
+        let whole = self.contest.benchmark.whole();
+        let is_hopeless =
+            |trial: &Trial| trial.work > EARLY * limit && trial.needs(whole) > ON_COURSE * limit;
+        self.trials.retain(|_, trial| trial.end != TrialEnd::Cut || is_hopeless(trial));
         let found = match self.bracket(limit) {
             Ok(rung) => self.confirm(rung, limit),
             Err(end) => Err(end),
@@ -129,7 +129,8 @@ impl<'a> Search<'a> {
             ladder::first(self.candidate.method, contest.benchmark.t_end, contest.accuracy);
         // Below `misses` no rung is looked at any more, nor above `meets` or `cut`.
         let (mut misses, mut meets, mut cut) = (None::<i32>, None::<i32>, None::<i32>);
-        let (mut stagnations, mut least_e) = (0, f64::INFINITY);
+        // The last rung that halved the error, its error, and the moves since then.
+        let (mut halved, mut least_e, mut moves) = (rung, f64::INFINITY, 0);
         let mut times_wrong = 0;
         loop {
             let mut away = 1;
@@ -156,12 +157,13 @@ impl<'a> Search<'a> {
                 Kind::Misses(to_go) => {
                     misses = Some(rung);
                     let e = self.trials.get(&rung).map_or(f64::INFINITY, |trial| trial.e);
-                    if e < LOST && e > contest.accuracy && e > 0.5 * least_e {
-                        stagnations += 1;
-                    } else if e < LOST {
-                        (stagnations, least_e) = (0, e);
-                    }
                     away = to_go.max(away);
+                    if e < LOST && e > contest.accuracy && e > 0.5 * least_e {
+                        moves += 1;
+                        away = (away << moves).min(LONGEST);
+                    } else if e < LOST {
+                        (halved, least_e, moves) = (rung, e, 0);
+                    }
                     if e <= MARGIN * contest.accuracy {
                         times_wrong += 1;
                         away *= times_wrong;
@@ -178,7 +180,7 @@ impl<'a> Search<'a> {
                 (Some(low), Some(high)) => self.between(low, high),
                 (None, Some(high)) if high == loosest => return meets.ok_or(End::Cut),
                 (None, Some(high)) => (high - away).max(loosest),
-                (Some(low), None) if low == tightest || stagnations >= STAGNATIONS => {
+                (Some(low), None) if low == tightest || moves > 0 && low - halved >= LONGEST => {
                     return Err(self.failure(low));
                 }
                 (Some(low), None) => (low + away).min(tightest),
@@ -224,10 +226,10 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The work that a run needs to its end, by what it needed up to where it was cut.
+    /// The work that the run of a rung needs to its end.
     fn needs(&self, rung: i32) -> f64 {
         let whole = self.contest.benchmark.whole();
-        self.trials.get(&rung).map_or(f64::INFINITY, |trial| trial.work * whole / trial.covered)
+        self.trials.get(&rung).map_or(f64::INFINITY, |trial| trial.needs(whole))
     }
 
     /// The factor by which the loosest setting that may still reach the accuracy, two decades from

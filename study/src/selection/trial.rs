@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use deltazero_solvers::{Error, Grid, Method, Outcome, Stats, Work};
 
 use super::benchmark::Benchmark;
+use super::{CUT, FINAL};
 use crate::errors::worse;
 use crate::part::Part;
 use crate::reference::PartReference;
@@ -135,13 +136,18 @@ impl Trial {
         }
     }
 
+    /// The work to its end, all parts covering `whole` seconds, by what it needed so far.
+    pub(super) fn needs(&self, whole: f64) -> f64 {
+        self.work * whole / self.covered
+    }
+
     /// Whether its sequence of events is that of the reference.
     pub fn events_are_right(&self) -> bool {
         self.missed + self.spurious == 0
     }
 }
 
-/// Breaks a run off at a limit of work, or once a tenth of that shows that it is on course for twice the
+/// Breaks a run off at a limit of work, or once an [early part](EARLY) of that shows that it is on course for twice the
 /// limit; at the limit of time; or from outside.
 struct WorkLimit<'a> {
     setting: &'a Setting,
@@ -177,8 +183,11 @@ impl WorkLimit<'_> {
     }
 }
 
-/// See [`WorkLimit`].
-const EARLY: f64 = 0.1;
+/// From this part of its limit on a run is broken off where it is on course for [so many times](ON_COURSE) the limit. One
+/// that may be among the fastest needs less than this in all, so that none of them is given up for what its first impacts
+/// need.
+pub(super) const EARLY: f64 = FINAL / CUT;
+/// See [`EARLY`].
 pub(super) const ON_COURSE: f64 = 2.0;
 
 impl Brake for WorkLimit<'_> {
