@@ -207,14 +207,15 @@ impl Side {
         }
         while from < 1.0 {
             n_zeros += 1;
-            if n_zeros > MOST_ZEROS {
-                self.look(ends[3]);
-                return false;
-            }
             let sign = self.sign;
             let falls = from == 0.0 && sign * slopes[0] < 0.0;
             let raised = |theta| sign * along.value(theta, y) + bound;
-            match first_fall(raised, from, width, bound, (falls, sign * slopes[1] > 0.0)) {
+            let rises = sign * slopes[1] > 0.0;
+            let found = match n_zeros {
+                ..=MOST_ZEROS => first_fall(raised, from, width, bound, (falls, rises)),
+                _ => Found::Lost,
+            };
+            match found {
                 Found::Fall(above, below) => {
                     let root = |theta| sign * along.value(theta, y);
                     let at = find_root(root, Bracket { above, below }, f64::EPSILON);
