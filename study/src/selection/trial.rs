@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use deltazero_solvers::{Error, Grid, Method, Outcome, Stats, Work};
 
 use super::benchmark::Benchmark;
-use super::{CUT, FINAL};
+use super::CUT;
 use crate::errors::worse;
 use crate::part::Part;
 use crate::reference::PartReference;
@@ -183,10 +183,10 @@ impl WorkLimit<'_> {
     }
 }
 
-/// From this part of its limit on a run is broken off where it is on course for [so many times](ON_COURSE) the limit. One
-/// that may be among the fastest needs less than this in all, so that none of them is given up for what its first impacts
-/// need.
-pub(super) const EARLY: f64 = FINAL / CUT;
+/// From this part of its limit on a run is broken off where it is on course for [so many times](ON_COURSE) the limit. At a
+/// limit of [`CUT`] times the least work a run that needs less than that is at its end by then: it is not given up for what
+/// its first impacts need.
+pub(super) const EARLY: f64 = 1.0 / CUT;
 /// See [`EARLY`].
 pub(super) const ON_COURSE: f64 = 2.0;
 
