@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use crate::error::Error;
 use crate::phase::Point;
 use crate::real::Real;
-use crate::record::{Accepted, Event, Needs, Record};
+use crate::record::{Accepted, Event, Grazing, Needs, Record};
 use crate::stats::Stats;
 use crate::system::{ModeOfState, Next, System};
 
@@ -123,6 +123,12 @@ impl<'a, P: ModeOfState, R: Record<P>> Record<Blind<'a, P>> for Unblind<'a, P, R
         let Event { t, guard, y_before, y, .. } = *event;
         let before = self.mode.clone();
         self.record.event(&Event { t, guard, before, after: Next::Stop, y_before, y })
+    }
+
+    fn grazing(&mut self, grazing: &Grazing<OfState>) {
+        let Grazing { t, guard, depth, error, is_event, .. } = *grazing;
+        let mode = self.mode.clone();
+        self.record.grazing(&Grazing { t, mode, guard, depth, error, is_event });
     }
 
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {

@@ -34,23 +34,36 @@
 //! the deepest point, and discards the dip if the retaken step does not show it. Where a stiff force holds a guard near
 //! its surface, the dense output shows such a dip in almost every step; a Radau method looks only for dips deeper than
 //! the error that the tolerance allows where its stages show none.
+//!
+//! # What hardly is an event
+//!
+//! A guard that turns, or falls, within the error of the method of its surface is [told](crate::Grazing). Each stage knows
+//! turns that are no dips without a further evaluation: by the cubic, at the nodes, in the march. One that is
+//! low is noted, and judged when the step is accepted. A guard that falls with the rate ġ and the curvature g̈ > 0 would
+//! fall by ġ²/(2 g̈); that is asked at each event.
 
 mod dip;
 mod follow;
+mod graze;
 pub(crate) mod march;
 mod shape;
 
 use num_dual::Dual64;
 
+use graze::Touch;
 use shape::{has_no_dip, stays_above_zero};
 
-pub(crate) use shape::is_far;
+pub(crate) use graze::{Graze, STEPS};
+pub(crate) use shape::{is_far, no_turn};
 
 use crate::error::Error;
 use crate::root::{Bracket, find_root};
 use crate::step::Step;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
+
+/// Number of touches on one step for which there is room from the beginning.
+const MOST_TOUCHES: usize = 16;
 
 /// The crossing of a guard that falls below zero within a step.
 #[derive(Clone, Copy, Debug)]
@@ -87,6 +100,17 @@ pub struct GuardWatch<P: System> {
     followed: f64,
     /// Guards that were seen to stray from their cubics on the present step.
     strays: Vec<bool>,
+    /// Heights below which a turn of a guard is noted as a touch: infinite until one has turned, and below all numbers
+    /// where no touches are [told](Self::tell_touches).
+    lows: P::Guards<f64>,
+    /// When this phase began, and when the errors were found last, if they were.
+    found: [f64; 2],
+    /// Touches on the present step.
+    touches: Vec<Touch>,
+    /// Guards that fall at the end of the last step, where steps have slopes that jump between them.
+    fell: Vec<bool>,
+    /// Values and rates at the start of a phase whose [arcs](Self::begin_arcs) are measured.
+    arcs: P::Guards<Dual64>,
 }
 
 impl<P: System> GuardWatch<P> {
@@ -109,6 +133,11 @@ impl<P: System> GuardWatch<P> {
             n_disproved: 0,
             followed: 0.0,
             strays: vec![false; n],
+            lows: Vector::from_fn(n, |_| f64::NEG_INFINITY),
+            found: [f64::NAN; 2],
+            touches: Vec::with_capacity(MOST_TOUCHES),
+            fell: vec![false; n],
+            arcs: duals(),
         }
     }
 
@@ -224,7 +253,7 @@ impl<P: System> GuardWatch<P> {
         dydt: &P::State<f64>,
     ) {
         self.start_at(problem, mode, t, y, dydt);
-        self.forget_dips();
+        self.forget_step();
         self.followed = 0.0;
     }
 
@@ -239,6 +268,12 @@ impl<P: System> GuardWatch<P> {
         dydt: &P::State<f64>,
     ) {
         along_flow(problem, mode, t, y, dydt, &mut self.start);
+    }
+
+    /// Forgets what was found on a step that is not accepted.
+    pub(crate) fn forget_step(&mut self) {
+        self.forget_dips();
+        self.touches.clear();
     }
 
     /// Forgets the dips that were discarded in a step that is over.
@@ -275,19 +310,28 @@ impl<P: System> GuardWatch<P> {
         step: &(impl Step<P::State<f64>> + ?Sized),
     ) -> bool {
         self.rates(problem, mode.clone(), step.t1(), step.y1(), step.slope1());
+        self.begin_search();
         let h = step.t1() - step.t0();
         if !self.knows(h) && !self.all_follow(problem, mode, step) {
             return false;
         }
         // All guards are tested without a branch between them, so that the tests run as vector instructions.
-        let ends = self.start.as_ref().iter().zip(self.end.as_ref());
-        if ends.fold(true, |all, (g0, g1)| all & is_far([g0.re, g0.eps], [g1.re, g1.eps], h)) {
+        let ends = self.start.as_ref().iter().zip(self.end.as_ref()).zip(self.lows.as_ref());
+        let (far, high) = ends.fold((true, true), |(far, high), ((g0, g1), low)| {
+            let (from, to) = ([g0.re, g0.eps], [g1.re, g1.eps]);
+            (far & is_far(from, to, h), high & (no_turn(from, to, h, *low) >= 0.0))
+        });
+        if far {
+            if !high {
+                self.note_turns(step.t0(), h);
+            }
             self.keep();
             return true;
         }
         let is_clear = (0..self.end.as_ref().len())
             .all(|i| (0.0..f64::INFINITY).contains(&self.end.as_ref()[i].re) && self.holds(i, h));
         if is_clear {
+            self.note_turns(step.t0(), h);
             self.keep();
         }
         is_clear
@@ -310,9 +354,11 @@ impl<P: System> GuardWatch<P> {
     ) -> Result<Option<GuardCrossing>, Error> {
         let (t0, t1) = (step.t0(), step.t1());
         let h = t1 - t0;
+        self.begin_search();
         self.doubts.as_mut().fill(0.0);
-        if let Some(tolerance) = doubt {
-            self.doubt(problem, mode.clone(), step, tolerance);
+        if let Some(Tolerance { rtol, atol }) = doubt {
+            let y = step.y1().as_ref();
+            self.doubt(problem, mode.clone(), step, |i| atol[i] + rtol * y[i].abs());
         }
         for (quarter, values) in (1..).zip(&mut self.quarters) {
             step.interpolate(t0 + 0.25 * f64::from(quarter) * h, &mut self.y);
@@ -323,7 +369,9 @@ impl<P: System> GuardWatch<P> {
         let mut knows_first = false;
         for guard in 0..self.end.as_ref().len() {
             let is_violated = self.end.as_ref()[guard].re < -self.bounds.as_ref()[guard];
+            self.note_jump(guard, t0, h);
             if !self.strays(guard, h) && !is_violated && self.holds(guard, h) {
+                self.note_turn(guard, t0, h);
                 continue;
             }
             let (top, dip) = self.first_dip(problem, mode.clone(), step, guard)?;
@@ -376,30 +424,6 @@ impl<P: System> GuardWatch<P> {
             let g = [self.start.as_ref()[i].re, a, b, self.end.as_ref()[i].re];
             stays_above_zero(x, g)
         })
-    }
-
-    /// Writes `Σ_j |∂g_i/∂y_j| (atol_j + rtol |y_j|)` at the end of `step` to `doubts`: a bound of the change of each
-    /// guard by errors of the states that `tolerance` allows.
-    fn doubt(
-        &mut self,
-        problem: &P,
-        mode: P::Mode,
-        step: &dyn Step<P::State<f64>>,
-        tolerance: &Tolerance,
-    ) {
-        let y = step.y1().as_ref();
-        let mut g = self.end.clone();
-        let span = problem.guard_span();
-        let error = |i: usize| tolerance.atol[i] + tolerance.rtol * y[i].abs();
-        for j in 0..span.min(y.len()) {
-            let seeded = P::State::<Dual64>::from_fn(y.len(), |i| {
-                Dual64::new(y[i], if i % span == j { error(i) } else { 0.0 })
-            });
-            problem.guards(mode.clone(), Dual64::from_re(step.t1()), &seeded, &mut g);
-            for (doubt, g) in self.doubts.as_mut().iter_mut().zip(g.as_ref()) {
-                *doubt += g.eps.abs();
-            }
-        }
     }
 
     /// Whether values and rates at both ends of a step of size `h` show that guard `i`, not violated at the end, has

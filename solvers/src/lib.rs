@@ -140,7 +140,7 @@ pub use integrate::Integration;
 pub use methods::{METHODS, Method};
 pub use phase::{PhaseSolver, Point};
 pub use real::{Over, Real};
-pub use record::{Accepted, Event, Needs, Record, Watch};
+pub use record::{Accepted, Event, Grazing, Needs, Record, Watch};
 pub use sensitivity::Sensitive;
 pub use stats::{Stats, Work, WorkByKind};
 pub use step::Step;

@@ -212,7 +212,7 @@ impl Side {
             let raised = |theta| sign * along.value(theta, y) + bound;
             let rises = sign * slopes[1] > 0.0;
             let found = match n_zeros {
-                ..=MOST_ZEROS => first_fall(raised, from, width, bound, (falls, rises)),
+                ..=MOST_ZEROS => first_fall(raised, from, width, bound, (falls, rises), |_, _| {}),
                 _ => Found::Lost,
             };
             match found {

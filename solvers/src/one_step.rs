@@ -1,6 +1,7 @@
 //! One-step methods and the phase solver that they share: take a step, judge its error, land on the first violated
 //! guard.
 
+mod graze;
 mod land;
 mod paced;
 mod state;
@@ -136,6 +137,8 @@ pub struct OneStepSolver<P: System, M> {
     /// Whether the method proposed the size of the step from the present start; the controller then only accepts or
     /// rejects it.
     pub(crate) is_proposed: bool,
+    /// Estimated error of a fixed step.
+    error_of_full: P::State<f64>,
 }
 
 impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
@@ -153,6 +156,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             is_proposed: false,
             controller: StepController::new(control, embedded_order),
             watch: GuardWatch::new(problem),
+            error_of_full: Vector::from_fn(problem.dim(), |_| 0.0),
             error_order: embedded_order + 1,
         }
     }
@@ -324,6 +328,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         self.method.restart(problem, mode.clone(), point.t, &point.y, stats);
         check_finite(point, self.method.step().slope0())?;
         self.watch.begin(problem, mode, point.t, &point.y, self.method.step().slope0());
+        self.watch.tell_touches(point.t);
         stats.restart += stats.work - before;
         Ok(PhaseState { t_end, stretch, h: 0.0, due: Some(Due::First { least }) })
     }
@@ -406,7 +411,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
                 | Error::UnresolvedGuard { .. }
                 | Error::NoConvergence { .. }),
             ) => {
-                self.watch.forget_dips();
+                self.watch.forget_step();
                 return self.shortened(context, phase, h, || error);
             }
             landed_on => landed_on?,
@@ -417,7 +422,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             let h_landed = self.method.step().t1() - point.t;
             let error_sq = |tolerance: &_| self.method.error_norm_sq(tolerance);
             if let Some(smaller) = self.controller.refusal(h_landed, error_sq) {
-                self.watch.forget_dips();
+                self.watch.forget_step();
                 return self.rejected(context, phase, smaller);
             }
         }
@@ -426,6 +431,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             // The work of sampling is not counted.
             self.method.densify(problem, mode, &mut Stats::default());
         }
+        self.tell_grazing(context, landed_on, h);
         Ok(self.accept(context, phase, landed_on, needs))
     }
 

@@ -260,6 +260,12 @@ pub trait Ordered: Real {
     /// The larger of the two; where one is NaN, the other.
     fn max(self, other: Self) -> Self;
 
+    /// The smaller of the two; where one is NaN, any of both. A vector has one instruction for it.
+    fn lesser(self, other: Self) -> Self;
+
+    /// The larger of the two; where one is NaN, any of both. [`max`](Self::max) takes a vector more instructions.
+    fn larger(self, other: Self) -> Self;
+
     /// Whether this number is above `other`.
     fn is_above(self, other: Self) -> Self::Mask;
 }
@@ -313,6 +319,14 @@ impl Ordered for f64 {
 
     fn max(self, other: Self) -> Self {
         self.max(other)
+    }
+
+    fn lesser(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+
+    fn larger(self, other: Self) -> Self {
+        if self > other { self } else { other }
     }
 
     fn is_above(self, other: Self) -> bool {

@@ -36,6 +36,27 @@ pub struct Event<'a, P: System> {
     pub y: &'a P::State<f64>,
 }
 
+/// A guard that comes within the error of the method of its surface: whether there is an event there is not known, and
+/// either may be right.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Grazing<M> {
+    /// Time at which the guard is least, or of the event.
+    pub t: f64,
+    /// The mode before.
+    pub mode: M,
+    /// The guard, numbered in that mode.
+    pub guard: usize,
+    /// How far it falls below zero, or would if nothing switched, in its unit. Below zero where it stays above its
+    /// surface; and where a method of diffsol returns to it after an arc lower than the error of a step: minus the height
+    /// of the arc.
+    pub depth: f64,
+    /// What the error of the method may change it by, in the same unit.
+    pub error: f64,
+    /// Whether the run has an event there.
+    pub is_event: bool,
+}
+
 /// What a recorder needs of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Needs {
@@ -83,6 +104,9 @@ pub trait Record<P: System> {
     /// An event was located and its transition made. Events at the same time are shown in the order in which they
     /// happened.
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()>;
+
+    /// A guard [grazes](crate::Grazing) in the accepted step that follows.
+    fn grazing(&mut self, _grazing: &Grazing<P::Mode>) {}
 
     /// A step to `t` was accepted that is not shown, because [nothing](Needs::Nothing) was needed of it; the work done
     /// so far.
@@ -204,6 +228,11 @@ impl<P: System, A: Record<P>, B: Record<P>> Record<P> for (A, B) {
         if first.is_break() { first } else { second }
     }
 
+    fn grazing(&mut self, grazing: &Grazing<P::Mode>) {
+        self.0.grazing(grazing);
+        self.1.grazing(grazing);
+    }
+
     fn passed(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {
         let first = self.0.passed(t, stats);
         let second = self.1.passed(t, stats);
@@ -235,6 +264,12 @@ impl<P: System, R: Record<P>> Record<P> for Option<R> {
         self.as_mut().map_or(ControlFlow::Continue(()), |record| record.event(event))
     }
 
+    fn grazing(&mut self, grazing: &Grazing<P::Mode>) {
+        if let Some(record) = self {
+            record.grazing(grazing);
+        }
+    }
+
     fn passed(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {
         self.as_mut().map_or(ControlFlow::Continue(()), |record| record.passed(t, stats))
     }
@@ -259,6 +294,10 @@ impl<P: System, R: Record<P> + ?Sized> Record<P> for &mut R {
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
         (**self).event(event)
+    }
+
+    fn grazing(&mut self, grazing: &Grazing<P::Mode>) {
+        (**self).grazing(grazing);
     }
 
     fn passed(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {

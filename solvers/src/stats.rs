@@ -41,6 +41,8 @@ pub struct Stats {
     pub n_retaken: u64,
     /// Transitions.
     pub n_events: u64,
+    /// Guards that came within the error of the method of their surface: each is a [`Grazing`](crate::Grazing).
+    pub n_grazing: u64,
 }
 
 impl Stats {
@@ -103,6 +105,7 @@ impl AddAssign for Stats {
         self.n_rejected += other.n_rejected;
         self.n_retaken += other.n_retaken;
         self.n_events += other.n_events;
+        self.n_grazing += other.n_grazing;
     }
 }
 
@@ -121,6 +124,7 @@ impl Sub for Stats {
             n_rejected: self.n_rejected - other.n_rejected,
             n_retaken: self.n_retaken - other.n_retaken,
             n_events: self.n_events - other.n_events,
+            n_grazing: self.n_grazing - other.n_grazing,
         }
     }
 }

@@ -93,7 +93,7 @@ pub(crate) fn norm_sq<T: Ordered + Over<C>, C: Copy>(
     let mut sum = T::cst(0.0);
     let atol = &atol[..error.len()];
     for (((e, atol), y0), y1) in error.iter().zip(atol).zip(y0).zip(y1) {
-        let ratio = *e / (y0.abs().max(y1.abs()) * rtol + *atol);
+        let ratio = *e / (y0.abs().larger(y1.abs()) * rtol + *atol);
         sum = sum + ratio * ratio;
     }
     sum * (1.0 / error.len() as f64)

@@ -8,7 +8,7 @@ use piece::Piece;
 
 use crate::error::Error;
 use crate::phase::Point;
-use crate::record::{Accepted, Event, Needs, Record};
+use crate::record::{Accepted, Event, Grazing, Needs, Record};
 use crate::system::{Next, System, Vector};
 
 /// The times at which a trajectory keeps samples.
@@ -59,7 +59,7 @@ pub struct Switch<M> {
     pub after: Next<M>,
 }
 
-/// Samples and events of a run.
+/// Samples, events and grazing guards of a run.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Trajectory<Y, M> {
@@ -71,6 +71,8 @@ pub struct Trajectory<Y, M> {
     pub events: Vec<Switch<M>>,
     /// States before and after the transition of each event.
     pub sides: Vec<[Y; 2]>,
+    /// Guards that grazed, step by step in the order of the run; within a step in that of their numbers.
+    pub grazings: Vec<Grazing<M>>,
     grid: Grid,
     next: usize,
     /// The solution on each step, where it is kept.
@@ -89,6 +91,7 @@ impl<Y, M> Trajectory<Y, M> {
             samples: Vec::with_capacity(capacity),
             events: Vec::new(),
             sides: Vec::new(),
+            grazings: Vec::new(),
             grid,
             next: 0,
             pieces: None,
@@ -198,6 +201,10 @@ impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
             last.y.clone_from(y);
         }
         ControlFlow::Continue(())
+    }
+
+    fn grazing(&mut self, grazing: &Grazing<P::Mode>) {
+        self.grazings.push(grazing.clone());
     }
 
     fn needs(&self, t0: f64, t1: f64) -> Needs {

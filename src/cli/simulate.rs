@@ -248,6 +248,7 @@ fn run_json(
         "n_rejected": stats.n_rejected,
         "n_retaken": stats.n_retaken,
         "n_events": count(|own| own.n_events),
+        "n_grazing": stats.n_grazing,
         "n_jac": stats.work.n_jac,
         "n_factorisations": stats.work.n_factorisations,
         "n_lin_solves": stats.work.n_lin_solves,

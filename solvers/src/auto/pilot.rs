@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use super::explicit::Pace;
 use super::spectrum::Spectrum;
 use crate::phase::Point;
-use crate::record::{Accepted, Event, Needs, Record};
+use crate::record::{Accepted, Event, Grazing, Needs, Record};
 use crate::stats::Stats;
 use crate::system::System;
 
@@ -297,6 +297,10 @@ impl<P: System> Record<P> for Leg<'_, P> {
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
         self.record.event(event)
+    }
+
+    fn grazing(&mut self, grazing: &Grazing<P::Mode>) {
+        self.record.grazing(grazing);
     }
 
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {

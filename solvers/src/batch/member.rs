@@ -86,7 +86,7 @@ impl<'r, 'a, P: Alike, R: Record<P>, M: OneStep<P>> Member<'r, 'a, P, R, M> {
     ) {
         field.set(lane, &self.parameters);
         steps.judgement_mut().tolerate(lane, self.solver.controller.control());
-        steps.load(lane, &self.solver.method);
+        steps.load(lane, &self.solver.method, self.solver.watch.lows());
     }
 
     /// Takes over the start in its `lane` where that is [newer](Self::is_stale) than its own.
@@ -123,7 +123,9 @@ impl<'r, 'a, P: Alike, R: Record<P>, M: OneStep<P>> Member<'r, 'a, P, R, M> {
         steps: &S,
     ) -> Fate {
         self.stays_in_lane = false;
-        let judged = if let Some(error) = self.failed.take() {
+        let judged = if self.failed.is_some()
+            && let Some(error) = self.failed.take()
+        {
             self.refresh(lane, steps);
             Err(error)
         } else if steps.serves(&self.solver.method) {
@@ -159,27 +161,42 @@ impl<'r, 'a, P: Alike, R: Record<P>, M: OneStep<P>> Member<'r, 'a, P, R, M> {
         let judgement = steps.judgement();
         let (is_proposed, error_sq) = (self.solver.is_proposed, judgement.error_sq.lane(lane));
         let verdict = self.solver.controller.verdict(is_proposed, self.h, |_| error_sq);
-        let is_plain = judgement.is_plain & (1 << lane) != 0
-            && (!S::TESTS_ENDS || self.solver.watch.knows(self.h));
+        let knows = !S::TESTS_ENDS || self.solver.watch.knows(self.h);
+        let is_plain = judgement.is_plain & (1 << lane) != 0 && knows;
+        let is_clear = || judgement.is_clear & (1 << lane) != 0 && knows;
         self.run.stats.work.n_rhs += S::N_RHS;
-        match verdict {
-            Verdict::Accept(next) if is_plain => {
-                self.run.stats.work.n_rhs += S::n_rhs_of_end(&self.solver.method);
-                self.phase.h = next;
-                self.stays_in_lane = true;
-                Ok(self.accept(lane, steps))
-            }
-            _ => {
-                self.unload(lane, steps);
-                steps.unload_within(lane, &mut self.solver.method);
-                let (step, mode) = (self.solver.method.step(), self.run.point.mode.clone());
-                let (problem, watch) = (self.run.problem, &mut self.solver.watch);
-                watch.start_at(problem, mode, step.t0(), step.y0(), step.slope0());
-                let (phase, h) = (&mut self.phase, self.h);
-                let context = &mut context(self.run, self.record);
-                self.solver.apply_verdict(context, phase, h, verdict)
-            }
+        if let Verdict::Accept(next) = verdict
+            && (is_plain || is_clear() && self.tell_touches(lane, steps))
+        {
+            self.run.stats.work.n_rhs += S::n_rhs_of_end(&self.solver.method);
+            self.phase.h = next;
+            self.stays_in_lane = true;
+            return Ok(self.accept(lane, steps));
         }
+        self.unload(lane, steps);
+        steps.unload_within(lane, &mut self.solver.method);
+        let (step, mode) = (self.solver.method.step(), self.run.point.mode.clone());
+        let (problem, watch) = (self.run.problem, &mut self.solver.watch);
+        watch.start_at(problem, mode, step.t0(), step.y0(), step.slope0());
+        let (phase, h) = (&mut self.phase, self.h);
+        let context = &mut context(self.run, self.record);
+        self.solver.apply_verdict(context, phase, h, verdict)
+    }
+
+    /// Tells of the touches on the step in its `lane`; false where the step is to be unloaded for that.
+    #[cold]
+    #[inline(never)]
+    fn tell_touches<V: Simd, S: Steps<P, V, Method = M>>(
+        &mut self,
+        lane: usize,
+        steps: &S,
+    ) -> bool {
+        let Self { run, record, solver, t1, h, .. } = self;
+        steps.note_turns(lane, (run.point.t, *h), &mut solver.watch);
+        solver.watch.tell_known(*t1, *h, |graze| {
+            run.stats.n_grazing += 1;
+            record.grazing(&graze.in_mode(run.point.mode.clone()));
+        })
     }
 
     /// Accepts the step in its `lane`, which crosses no guard. It is unloaded only where the recorder needs it.

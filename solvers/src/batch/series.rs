@@ -2,8 +2,10 @@
 
 use super::parameters::{ByParameters, pick, set};
 use super::steps::{Judgement, Steps};
+use crate::event::GuardWatch;
 use crate::lanes::{Lanes, Simd};
-use crate::system::{Alike, System};
+use crate::real::{Ordered, Real};
+use crate::system::{Alike, System, Vector};
 use crate::taylor::TaylorMethod;
 use crate::taylor::coefficient::Coefficient;
 use crate::taylor::order::reach_by;
@@ -19,6 +21,8 @@ where
 {
     method: Taylor<P, Lanes<V>>,
     judgement: Judgement<V>,
+    /// Heights below which a turn of a guard is noted.
+    lows: P::Guards<Lanes<V>>,
     /// Whether the series are begun at the present starts.
     is_begun: bool,
 }
@@ -33,6 +37,7 @@ where
         Self {
             method: TaylorMethod::new(n, problem.n_guards(), order),
             judgement: Judgement::new(n),
+            lows: Vector::from_fn(problem.n_guards(), |_| Lanes::cst(f64::INFINITY)),
             is_begun: false,
         }
     }
@@ -66,10 +71,11 @@ where
         &mut self.judgement
     }
 
-    fn load(&mut self, lane: usize, method: &Self::Method) {
+    fn load(&mut self, lane: usize, method: &Self::Method, lows: &P::Guards<f64>) {
         let (all, one) = (&mut self.method.step, &method.step);
         all.t0.set(lane, one.t0);
         set(&mut all.y[0], lane, &one.y[0]);
+        set(&mut self.lows, lane, lows);
         self.is_begun = false;
     }
 
@@ -112,13 +118,22 @@ where
         }
         self.judgement.look_at_ends(y1, step.slope1.as_ref());
         let highest = guards.highest_low();
-        for (i, end) in guards.end.as_ref().iter().enumerate() {
-            self.judgement.is_plain &= guards.is_clear(i, h, highest, *end);
+        let ends = guards.end.as_ref().iter().zip(self.lows.as_ref());
+        let mut high: Lanes<V> = Lanes::cst(f64::INFINITY);
+        for (i, (end, low)) in ends.enumerate() {
+            let (is_clear, no_turn) = guards.look(i, h, highest, (*end, *low));
+            self.judgement.is_clear &= is_clear;
+            high = high.lesser(no_turn);
         }
+        self.judgement.end_with(high);
     }
 
     fn guard_at_end(&self, i: usize) -> Lanes<V> {
         self.method.guards.end.as_ref()[i]
+    }
+
+    fn note_turns(&self, lane: usize, of_step: (f64, f64), watch: &mut GuardWatch<P>) {
+        self.method.guards.note_turns_of_clear(of_step, |x| x.lane(lane), watch);
     }
 
     #[inline(always)]

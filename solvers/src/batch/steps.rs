@@ -2,6 +2,7 @@
 
 use super::parameters::ByParameters;
 use crate::control::Control;
+use crate::event::GuardWatch;
 use crate::lanes::{Lanes, Simd};
 use crate::one_step::OneStep;
 use crate::real::{Ordered, Real};
@@ -35,8 +36,8 @@ pub(super) trait Steps<P: Alike, V: Simd> {
     /// The same, to change it.
     fn judgement_mut(&mut self) -> &mut Judgement<V>;
 
-    /// Writes the start of the next step of `method` to `lane`.
-    fn load(&mut self, lane: usize, method: &Self::Method);
+    /// Writes the start of the next step of `method` to `lane`, with the heights below which turns of guards are noted.
+    fn load(&mut self, lane: usize, method: &Self::Method, lows: &P::Guards<f64>);
 
     /// Computes what steps of any size from the present starts have in common.
     fn prepare(&mut self, field: &ByParameters<P, V>);
@@ -55,6 +56,9 @@ pub(super) trait Steps<P: Alike, V: Simd> {
 
     /// Guard `i` at the ends of the steps.
     fn guard_at_end(&self, i: usize) -> Lanes<V>;
+
+    /// Notes in `watch` the turns of guards on the step in `lane`, of size `h` from `t0`, on which all are far from falling.
+    fn note_turns(&self, lane: usize, of_step: (f64, f64), watch: &mut GuardWatch<P>);
 
     /// Makes the ends of the steps the starts of the next ones.
     fn advance(&mut self);
@@ -81,6 +85,8 @@ pub(super) struct Judgement<V> {
     /// Squares of the norms of the errors.
     pub(super) error_sq: Lanes<V>,
     /// A bit for each lane, set where the end of the step is finite and its guards are far from falling.
+    pub(super) is_clear: u32,
+    /// A bit for each lane, set where besides no guard turns low.
     pub(super) is_plain: u32,
 }
 
@@ -88,7 +94,14 @@ impl<V: Simd> Judgement<V> {
     /// For runs of `n` states.
     pub(super) fn new(n: usize) -> Self {
         let one = Lanes::cst(1.0);
-        Self { rtol: one, atol: vec![one; n], is_adaptive: false, error_sq: one, is_plain: 0 }
+        Self {
+            rtol: one,
+            atol: vec![one; n],
+            is_adaptive: false,
+            error_sq: one,
+            is_clear: 0,
+            is_plain: 0,
+        }
     }
 
     /// Sets the tolerance of the run in `lane`, if its `control` has one. Otherwise its error is never looked at.
@@ -108,12 +121,18 @@ impl<V: Simd> Judgement<V> {
         self.is_adaptive.then_some((self.rtol, &self.atol))
     }
 
+    /// Ends with lanes without turns, where the least [`no_turn`](crate::event::no_turn) of all guards is zero or more.
+    #[inline(always)]
+    pub(super) fn end_with(&mut self, least: Lanes<V>) {
+        self.is_plain = self.is_clear & least.is_above(Lanes::cst(-f64::MIN_POSITIVE));
+    }
+
     /// Begins with lanes whose ends are finite, by the states and slopes there.
     #[inline(always)]
     pub(super) fn look_at_ends(&mut self, y1: &[Lanes<V>], slope1: &[Lanes<V>]) {
-        self.is_plain = y1
-            .iter()
-            .chain(slope1)
-            .fold(Lanes::<V>::YES, |plain, x| plain & Lanes::cst(f64::INFINITY).is_above(x.abs()));
+        // The sum is finite only where all of them are; one that overflows costs a look at its step.
+        let ends = y1.iter().chain(slope1);
+        let sum = ends.fold(Lanes::cst(0.0), |sum: Lanes<V>, x| sum + *x);
+        self.is_clear = Lanes::cst(f64::INFINITY).is_above(sum.abs());
     }
 }

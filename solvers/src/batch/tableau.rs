@@ -1,12 +1,14 @@
 //! Steps of an explicit tableau method of several runs at once.
 
+use num_dual::Dual64;
+
 use super::parameters::{ByParameters, pick, set};
 use super::steps::{Judgement, Steps};
 use crate::erk::{ExplicitRk, sharpened};
-use crate::event::is_far;
+use crate::event::{GuardWatch, is_far, no_turn};
 use crate::lanes::dual::DualLanes;
 use crate::lanes::{Lanes, Simd};
-use crate::real::Real;
+use crate::real::{Ordered, Real};
 use crate::system::{Alike, Vector};
 use crate::tableau::Tableau;
 
@@ -17,6 +19,8 @@ pub(super) struct TableauSteps<P: Alike, V: Simd, const S: usize> {
     /// Values and rates of the guards at the starts and at the ends.
     start: P::Guards<DualLanes<V>>,
     end: P::Guards<DualLanes<V>>,
+    /// Heights below which a turn of a guard is noted.
+    lows: P::Guards<Lanes<V>>,
     /// Whether those at the starts are known.
     is_prepared: bool,
 }
@@ -31,6 +35,7 @@ impl<P: Alike, V: Simd, const S: usize> TableauSteps<P, V, S> {
             judgement: Judgement::new(n),
             start: guards(),
             end: guards(),
+            lows: Vector::from_fn(n_guards, |_| Lanes::cst(f64::INFINITY)),
             is_prepared: false,
         }
     }
@@ -56,11 +61,12 @@ impl<P: Alike, V: Simd, const S: usize> Steps<P, V> for TableauSteps<P, V, S> {
         &mut self.judgement
     }
 
-    fn load(&mut self, lane: usize, method: &Self::Method) {
+    fn load(&mut self, lane: usize, method: &Self::Method, lows: &P::Guards<f64>) {
         let (all, one) = (&mut self.method.step, &method.step);
         all.t0.set(lane, one.t0);
         set(&mut all.y0, lane, &one.y0);
         set(&mut all.k[0], lane, &one.k[0]);
+        set(&mut self.lows, lane, lows);
         self.is_prepared = false;
     }
 
@@ -106,13 +112,25 @@ impl<P: Alike, V: Simd, const S: usize> Steps<P, V> for TableauSteps<P, V, S> {
         self.judgement.look_at_ends(end.0, end.1);
         field.guards_along(t1, end, &mut self.end);
         let h = t1 - step.t0;
-        for (g0, g1) in self.start.as_ref().iter().zip(self.end.as_ref()) {
-            self.judgement.is_plain &= is_far([g0.re, g0.eps], [g1.re, g1.eps], h);
+        let ends = self.start.as_ref().iter().zip(self.end.as_ref()).zip(self.lows.as_ref());
+        let mut high: Lanes<V> = Lanes::cst(f64::INFINITY);
+        for ((g0, g1), low) in ends {
+            let (from, to) = ([g0.re, g0.eps], [g1.re, g1.eps]);
+            self.judgement.is_clear &= is_far(from, to, h);
+            high = high.lesser(no_turn(from, to, h, *low));
         }
+        self.judgement.end_with(high);
     }
 
     fn guard_at_end(&self, i: usize) -> Lanes<V> {
         self.end.as_ref()[i].re
+    }
+
+    fn note_turns(&self, lane: usize, of_step: (f64, f64), watch: &mut GuardWatch<P>) {
+        let of_lane = |g: &DualLanes<V>| Dual64::new(g.re.lane(lane), g.eps.lane(lane));
+        for (i, (g0, g1)) in self.start.as_ref().iter().zip(self.end.as_ref()).enumerate() {
+            watch.note_turn_between(i, of_step, of_lane(g0), of_lane(g1));
+        }
     }
 
     #[inline(always)]

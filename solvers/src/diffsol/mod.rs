@@ -6,6 +6,7 @@
 
 mod algebra;
 mod equations;
+mod graze;
 mod lu;
 
 use diffsol::{
@@ -24,6 +25,7 @@ use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 use algebra::{Algebra, Dense, Sparse};
 use equations::{Equations, state};
+use graze::Place;
 
 /// Longest span that `diffsol` takes for zero, as a fraction of the time.
 const RESOLUTION: f64 = 100.0 * f64::EPSILON;
@@ -155,6 +157,9 @@ impl<P: System> DiffsolSolver<P> {
         solver.set_stop_time(t_end).map_err(|error| failure(point, &error))?;
         let mut slope0 = state::<P, A>(problem, solver.state().dy);
         self.watch.begin(problem, mode.clone(), point.t, &point.y, &slope0);
+        self.watch.tell_touches(point.t);
+        self.watch.begin_arcs();
+        let phase_from = point.t;
         loop {
             let at_end = take_step(solver, point, &before, stats)?;
             let y1 = state::<P, A>(problem, solver.state().y);
@@ -178,7 +183,11 @@ impl<P: System> DiffsolSolver<P> {
             let t1 = if at_end { t_end } else { reached };
             let (t0, y0) = (point.t, &point.y);
             let mut step = SolverStep { interpolant, t0, t1, y0, y1, slope0, slope1 };
+            let h = step.t1 - step.t0;
             let landed_on = self.cut_at_event(problem, point, &mut step, reached, slope)?;
+            let at = Place { landed_on, h, phase_from, n_steps: stats.n_accepted };
+            let told = self.tell_grazing((problem, &mode), &step, at, record);
+            (before.n_grazing, stats.n_grazing) = (before.n_grazing + told, stats.n_grazing + told);
             let go_on =
                 record.step(&Accepted { mode: mode.clone(), step: &step, landed_on, stats });
             let SolverStep { t1, y1, slope1, .. } = step;
@@ -210,6 +219,7 @@ impl<P: System> DiffsolSolver<P> {
         }
         // The search works on the interpolant, so it needs the slopes of the interpolant.
         (step.slope0, step.slope1) = (slope(step.t0)?, slope(reached)?);
+        self.watch.note_falls(step.t1 - step.t0);
         self.watch.start_at(problem, mode(), step.t0, step.y0, &step.slope0);
         self.watch.rates(problem, mode(), step.t1, &step.y1, &step.slope1);
         // A dip of the interpolant cannot be checked by retaking the step, so the tolerance decides whether it counts.

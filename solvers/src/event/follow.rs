@@ -1,6 +1,7 @@
 //! Guards that move faster than the states: which do, and where they fall.
 
 use super::GuardWatch;
+use super::graze::Touch;
 use super::march::{self, Found};
 use super::shape::cubic_at;
 use crate::dense::hermite;
@@ -108,10 +109,20 @@ impl<P: System> GuardWatch<P> {
         let first = march::first_width([g0.re, g1.re], [g0.eps * h, g1.eps * h]);
         let (bound, from) = (self.bounds.as_ref()[i], self.disproved[i]);
         let margin = 0.5 * bound + self.doubts.as_ref()[i];
+        let mut touches = std::mem::take(&mut self.touches);
+        let low = self.lows.as_ref()[i];
         let g =
             |theta: f64| self.clearance_on(problem, mode.clone(), step, i, t0 + theta * h) + margin;
         let slopes = (from == 0.0 && g0.eps * h < 0.0, g1.eps * h > 0.0);
-        match march::first_fall(g, from, first, bound, slopes) {
+        let turned = |theta: f64, above: f64| {
+            let touch = Touch::new(i, t0 + theta * h, above - margin - 0.5 * bound);
+            if touch.height < low {
+                touches.push(touch);
+            }
+        };
+        let found = march::first_fall(g, from, first, bound, slopes, turned);
+        self.touches = touches;
+        match found {
             Found::Fall(top, below) => {
                 self.deepest[i] = below;
                 Ok((top, Some(below)))

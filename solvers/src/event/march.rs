@@ -54,6 +54,8 @@ pub(crate) fn first_width(values: [f64; 2], slopes: [f64; 2]) -> f64 {
 /// long; each value may be wrong by `noise`. Whether `g` falls at the start and rises at the end shows dips right beside
 /// them.
 ///
+/// `turned` is told the minima before it, each by a fraction of the step and about the value there.
+///
 /// The intervals begin short and grow while parabolas follow the guard. So the guard is followed from the start, and
 /// an interval of many of its periods is not taken for one on which it rests.
 pub(crate) fn first_fall(
@@ -62,6 +64,7 @@ pub(crate) fn first_fall(
     mut width: f64,
     noise: f64,
     (falls, rises): (bool, bool),
+    mut turned: impl FnMut(f64, f64),
 ) -> Found {
     let mut value = |theta: f64| Value { theta, g: g(theta) };
     let mut a = value(from);
@@ -94,7 +97,10 @@ pub(crate) fn first_fall(
                 if g < 0.0 {
                     return Found::Fall(top.theta, theta);
                 }
+                turned(theta, g);
                 top = a;
+            } else if is_least {
+                turned(a.theta, a.g);
             }
             if next.g < 0.0 && top.g > 0.0 {
                 return Found::Fall(top.theta, next.theta);
@@ -116,6 +122,7 @@ pub(crate) fn first_fall(
         if g < 0.0 {
             return Found::Fall(top.theta, theta);
         }
+        turned(theta, g);
     }
     Found::Nothing(top.theta)
 }
@@ -150,7 +157,7 @@ mod tests {
             let phase = TAU * 0.618_034 * f64::from(k) % TAU;
             let g = |s: f64| (phase + omega * s).sin();
             let width = (0.1 / omega).min(1.0 / 64.0);
-            let found = first_fall(g, 0.0, width, 1e-15, (false, false));
+            let found = first_fall(g, 0.0, width, 1e-15, (false, false), |_, _| {});
             let fall =
                 if phase < TAU / 2.0 { TAU / 2.0 - phase } else { 1.5 * TAU - phase } / omega;
             match found {
@@ -171,7 +178,7 @@ mod tests {
             let middle = 0.1 * 200.0_f64.powf((0.618_034 * f64::from(k)).fract());
             let depth = 1e-9_f64.powf((0.754_878 * f64::from(k)).fract());
             let g = |s: f64| 1.0 - depth - (40.0 * (s - middle / 20.0)).cos();
-            let found = first_fall(g, 0.0, 1.0 / 64.0, 1e-15, (false, true));
+            let found = first_fall(g, 0.0, 1.0 / 64.0, 1e-15, (false, true), |_, _| {});
             let Found::Fall(above, below) = found else { panic!("{depth}: {found:?}") };
             assert!(g(above) > 0.0 && g(below) < 0.0, "{depth}");
         }
@@ -181,7 +188,7 @@ mod tests {
     fn a_dip_right_beside_an_end_is_found_by_the_slope_there() {
         for middle in [1e-4, 0.99] {
             let dip = |s: f64| (s - middle) * (s - middle) - 1e-9;
-            let found = first_fall(dip, 0.0, 1e-3, 0.0, (true, true));
+            let found = first_fall(dip, 0.0, 1e-3, 0.0, (true, true), |_, _| {});
             assert!(matches!(found, Found::Fall(_, below) if dip(below) < 0.0), "{found:?}");
         }
     }
@@ -195,7 +202,7 @@ mod tests {
             |_| 0.0,
         ];
         for g in guards {
-            let found = first_fall(g, 0.0, 1e-3, 0.0, (false, false));
+            let found = first_fall(g, 0.0, 1e-3, 0.0, (false, false), |_, _| {});
             assert!(matches!(found, Found::Nothing(_)), "{found:?}");
         }
     }
@@ -203,11 +210,11 @@ mod tests {
     #[test]
     fn what_cannot_be_followed_is_told() {
         assert_eq!(
-            first_fall(|s| (0.5 - s).sqrt(), 0.0, 1e-3, 0.0, (false, false)),
+            first_fall(|s| (0.5 - s).sqrt(), 0.0, 1e-3, 0.0, (false, false), |_, _| {}),
             Found::NotFinite
         );
         assert_eq!(
-            first_fall(|s| 1.0 + (1e12 * s).sin(), 0.0, 1e-3, 0.0, (false, false)),
+            first_fall(|s| 1.0 + (1e12 * s).sin(), 0.0, 1e-3, 0.0, (false, false), |_, _| {}),
             Found::Lost
         );
     }

@@ -19,7 +19,16 @@ pub(super) const N_NODES: usize = 16;
 pub(crate) fn is_far<T: Ordered>(from: [T; 2], to: [T; 2], h: T) -> T::Mask {
     let rise = (to[0] - from[0]).abs();
     let near = bend(from, to, h) * ((1.0 + NEAR) * 4.0 / 27.0) + rise * NEAR;
-    from[0].is_above(near) & to[0].is_above(near)
+    from[0].lesser(to[0]).is_above(near)
+}
+
+/// Zero or more where a guard with these values and rates at both ends of a step of size `h`, on which it
+/// [is far](is_far), does not turn below `low` there: it does not fall at the start, or does not rise at the end, or is
+/// not below `low`.
+#[inline]
+pub(crate) fn no_turn<T: Ordered>(from: [T; 2], to: [T; 2], h: T, low: T) -> T {
+    let slopes = (from[1] * h).larger(-(to[1] * h));
+    slopes.larger(from[0].lesser(to[0]) - low)
 }
 
 /// Sum of the absolute differences of both end slopes from the slope of the chord, over the step.
@@ -32,10 +41,12 @@ fn bend<T: Ordered>([g0, rate0]: [T; 2], [g1, rate1]: [T; 2], h: T) -> T {
 /// Whether the cubic through the values and rates at both ends of a step of size `h` has no minimum inside that may
 /// stand for a guard below zero. Values and rates must be finite, the values above zero.
 pub(super) fn has_no_dip(from: [f64; 2], to: [f64; 2], h: f64) -> bool {
-    let Some(least) = cubic_minimum([from[0], to[0]], [from[1] * h, to[1] * h]) else {
-        return true;
-    };
-    least > NEAR * (from[0].max(to[0]) - least).max(DEPTH * bend(from, to, h))
+    match cubic_minimum([from[0], to[0]], [from[1] * h, to[1] * h]) {
+        Some((theta, least)) if theta < 1.0 => {
+            least > NEAR * (from[0].max(to[0]) - least).max(DEPTH * bend(from, to, h))
+        }
+        _ => true,
+    }
 }
 
 /// `c₂` and `c₃` of the cubic `g₀ + s₀ θ + c₂ θ² + c₃ θ³` with these values and slopes at 0 and 1.
@@ -50,8 +61,9 @@ pub(super) fn cubic_at(theta: f64, values: [f64; 2], slopes: [f64; 2]) -> f64 {
     values[0] + theta * (slopes[0] + theta * (c2 + theta * c3))
 }
 
-/// The minimum in (0, 1) of the cubic with these values and slopes at 0 and 1; `None` where it has no minimum inside.
-fn cubic_minimum([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> Option<f64> {
+/// The place and the value of the minimum in (0, 1] of the cubic with these values and slopes at 0 and 1; `None` where it
+/// has no minimum there.
+pub(super) fn cubic_minimum([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> Option<(f64, f64)> {
     let [c2, c3] = bent([g0, g1], [s0, s1]);
     let discriminant = c2 * c2 - 3.0 * c3 * s0;
     if discriminant <= 0.0 {
@@ -60,8 +72,8 @@ fn cubic_minimum([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> Option<f64> {
     // The root of g' = 0 with g'' = 2 (c2 + 3 c3 θ) = 2 √discriminant above zero.
     let root = discriminant.sqrt();
     let theta = if c2 > 0.0 { -s0 / (c2 + root) } else { (root - c2) / (3.0 * c3) };
-    let inside = theta > 0.0 && theta < 1.0;
-    inside.then_some(g0 + theta * (s0 + theta * (c2 + theta * c3)))
+    let inside = theta > 0.0 && theta <= 1.0;
+    inside.then_some((theta, g0 + theta * (s0 + theta * (c2 + theta * c3))))
 }
 
 /// Values at the nodes from 0 to 1 of the polynomial of degree six with these values and slopes at 0 and 1 and these
@@ -129,7 +141,7 @@ mod tests {
         for (values, slopes, expected) in cases {
             match (cubic_minimum(values, slopes), expected) {
                 (None, None) => {}
-                (Some(least), Some(value)) => assert!((least - value).abs() < 1e-14),
+                (Some((_, least)), Some(value)) => assert!((least - value).abs() < 1e-14),
                 other => panic!("{other:?}"),
             }
         }

@@ -58,6 +58,12 @@ pub trait Simd:
     /// The larger one in each lane; where one is NaN, the other.
     fn max(self, other: Self) -> Self;
 
+    /// The smaller one in each lane; where one is NaN, any of both.
+    fn lesser(self, other: Self) -> Self;
+
+    /// The larger one in each lane; where one is NaN, any of both.
+    fn larger(self, other: Self) -> Self;
+
     /// A bit for each lane, set where it is above `other`.
     fn is_above(self, other: Self) -> u32;
 
@@ -109,6 +115,16 @@ macro_rules! simd {
             #[inline(always)]
             fn max(self, other: Self) -> Self {
                 <$vector>::max(self, other)
+            }
+
+            #[inline(always)]
+            fn lesser(self, other: Self) -> Self {
+                <$vector>::fast_min(self, other)
+            }
+
+            #[inline(always)]
+            fn larger(self, other: Self) -> Self {
+                <$vector>::fast_max(self, other)
             }
 
             #[inline(always)]
@@ -258,6 +274,16 @@ impl<V: Simd> Ordered for Lanes<V> {
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         Self(self.0.max(other.0))
+    }
+
+    #[inline(always)]
+    fn lesser(self, other: Self) -> Self {
+        Self(self.0.lesser(other.0))
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        Self(self.0.larger(other.0))
     }
 
     #[inline(always)]

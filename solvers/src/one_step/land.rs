@@ -27,6 +27,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             let crossing =
                 self.method.first_to_fall(problem, mode.clone(), &mut self.watch, stats)?;
             let Some(crossing) = crossing else { return Ok(None) };
+            self.note_error(problem, mode.clone());
             if let Some(guard) = self.land(problem, mode.clone(), crossing, stats)? {
                 return Ok(Some(guard));
             }
@@ -56,6 +57,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
                 .retake(problem, mode.clone(), t0 + bracket.below, bracket.below, stats)?
                 .is_none()
         {
+            let (step, h) = (self.method.step(), t1 - t0);
+            self.watch.note_discarded(problem, mode.clone(), step, crossing.guard, h);
             self.retake(problem, mode, t1, t1 - t0, stats)?;
             return Ok(None);
         }

@@ -245,7 +245,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
                 Look::Clear => return Ok(None),
                 Look::Falls(crossing) => crossing,
                 Look::Within(range) => {
-                    self.watch.forget_dips();
+                    self.watch.forget_step();
                     self.attempt(self.t + (self.t1 - self.t) * range);
                     continue;
                 }

@@ -221,7 +221,7 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
             };
             let h = range * (self.step.t1 - self.step.t0);
             // They are fractions of the longer step.
-            watch.forget_dips();
+            watch.forget_step();
             self.attempt(problem, mode, self.step.t0 + h, h, stats);
             stats.n_retaken += 1;
         }

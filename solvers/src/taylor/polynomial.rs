@@ -34,6 +34,7 @@ impl Polynomial {
     ///
     /// # Panics
     /// For more than [`MAX_ORDER`]` + 1` coefficients, or none.
+    #[inline(always)]
     pub fn new(coefficients: impl ExactSizeIterator<Item = f64>) -> Self {
         let mut polynomial = Self { c: [0.0; MAX_ORDER + 1], degree: coefficients.len() - 1 };
         for (c, coefficient) in polynomial.c.iter_mut().zip(coefficients) {
@@ -50,6 +51,56 @@ impl Polynomial {
     /// Its value at `s`.
     pub fn at(&self, s: f64) -> f64 {
         self.coefficients().iter().rev().fold(0.0, |sum, c| sum * s + c)
+    }
+
+    /// Its derivative at `s`.
+    fn slope(&self, s: f64) -> f64 {
+        let terms = self.coefficients().iter().rev();
+        terms.fold((0.0, 0.0), |(value, slope), c| (value * s + c, slope * s + value)).1
+    }
+
+    /// Its value and its first and second derivative at `s`.
+    fn with_derivatives(&self, s: f64) -> [f64; 3] {
+        let terms = self.coefficients().iter().rev();
+        let [value, slope, bend] = terms.fold([0.0; 3], |[value, slope, bend], c| {
+            [value * s + c, slope * s + value, bend * s + slope]
+        });
+        [value, slope, 2.0 * bend]
+    }
+
+    /// Tells `found` of a minimum in each of so many equal `parts` of (0, 1] on which it falls at the start and not at the
+    /// end: about where it is, and the value there, which is below `low` or little above.
+    pub fn minima(&self, parts: u32, low: f64, mut found: impl FnMut(f64, f64)) {
+        let at = |k: u32| f64::from(k) / f64::from(parts);
+        let mut slope = self.c[1];
+        for k in 1..=parts {
+            let from = std::mem::replace(&mut slope, self.slope(at(k)));
+            if !(from < 0.0 && slope >= 0.0) {
+                continue;
+            }
+            // A secant of the slope, then vertices of parabolas.
+            let [a, b] = [at(k - 1), at(k)];
+            let mut turn = a + (b - a) * (from / (from - slope));
+            let mut least = f64::INFINITY;
+            for _ in 0..2 {
+                let [value, slope, bend] = self.with_derivatives(turn);
+                let to_vertex = if bend > 0.0 { -slope / bend } else { 0.0 };
+                turn = (turn + to_vertex).clamp(a, b);
+                least = value + 0.5 * slope * to_vertex;
+                if least > 2.0 * low {
+                    break;
+                }
+            }
+            found(turn, least);
+        }
+    }
+
+    /// Adds a coefficient of the next order, if there is room for one.
+    pub fn extend(&mut self, coefficient: f64) {
+        if self.degree < MAX_ORDER {
+            self.degree += 1;
+            self.c[self.degree] = coefficient;
+        }
     }
 
     /// This polynomial plus the constant `level`.

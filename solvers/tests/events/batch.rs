@@ -336,6 +336,21 @@ fn two_runs_whose_series_do_not_end_have_the_bits_of_runs_alone() {
 }
 
 #[test]
+fn a_guard_that_grazes_in_a_batch_is_told_as_alone() {
+    for (method, control) in tried() {
+        let swing = |off: f64| Drag { stiffness: 9.0, drag: 0.0, floor: -1.0 + off };
+        let swings = [0.0, 1e-9, -1e-9, 0.5, -0.5, 1e-8].map(swing);
+        let runs = swings.each_ref().map(|swing| (swing, 0.0, [1.0, 0.0]));
+        let controls = vec![control.clone(); runs.len()];
+        same_bits(method, &controls, &runs, 4.0, || recorders::<Drag>(runs.len()));
+        let mut touches = Integration::new(&swings[0], 0.0, [1.0, 0.0]);
+        let mut solver = method.solver(&swings[0], control).unwrap();
+        touches.run(4.0, &mut *solver, &mut ()).unwrap();
+        assert!(touches.stats.n_grazing > 0, "{}", method.name);
+    }
+}
+
+#[test]
 fn runs_need_controls_that_the_method_takes() {
     let ball = BouncingBall { restitution: 0.7, gravity: 9.8, height: 1.0 };
     let mut runs = [0.0, 0.1].map(|t| Integration::new(&ball, t, ball.start()));

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use deltazero_solvers::{Error, Grid, Method, Outcome, Stats, Work};
 
-use super::benchmark::Benchmark;
 use super::CUT;
+use super::benchmark::Benchmark;
 use crate::errors::worse;
 use crate::part::Part;
 use crate::reference::PartReference;

@@ -1,0 +1,356 @@
+//! Touches: places where a guard comes so near its surface that the error of the method may decide whether it falls.
+//!
+//! While a run goes on nothing is evaluated for touches. A guard touches where it turns, and the search of each step knows
+//! the turns: from values and rates at both ends, from the nodes of the polynomial, from the intervals of a march. A turn
+//! below a height that is known from the first step of the phase is noted. Only where one was noted, and at
+//! events, is the error of the guard found and compared with its height.
+
+use num_dual::Dual64;
+
+use super::shape::cubic_minimum;
+use super::{GuardWatch, along_flow};
+use crate::real::Real;
+use crate::record::Grazing;
+use crate::step::Step;
+use crate::system::{System, Vector};
+
+/// Errors add up along a run: a state is taken to be wrong by up to this many times what is allowed in one step. The
+/// error of methods that extrapolate was 65 times that at most (bs32), over 12 units of time of the guards of
+/// `tests/grazing`.
+pub(crate) const STEPS: f64 = 100.0;
+/// A turn is noted below this many times the error of the guard as found last: that error may grow.
+const LOW: f64 = 1.5;
+/// The errors are found anew at a touch this many times later in the phase than when they were found last.
+const LATER: f64 = 2.0;
+/// The dip after an event is looked at where its least value would come within this many steps. A step of order one may
+/// be as short as the square root of the tolerance, and a dip within [that many](STEPS) tolerances lasts 28 of them.
+const SOON: f64 = 20.0;
+/// Steps shorter than this fraction of the time are not looked at: their inside is rounded.
+const RESOLVED: f64 = 1e3 * f64::EPSILON;
+/// The curvature at an event is the change of the rate over this fraction of a full step, or less.
+const LOCAL: f64 = 1e-4;
+
+/// A turn of a guard near its surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Touch {
+    guard: usize,
+    t: f64,
+    /// Value of the guard there.
+    pub(super) height: f64,
+    /// Whether it was taken for a dip before a retaken step showed none.
+    is_discarded: bool,
+}
+
+impl Touch {
+    /// A turn of `guard` at `t`, which was not taken for a dip.
+    pub(super) fn new(guard: usize, t: f64, height: f64) -> Self {
+        Self { guard, t, height, is_discarded: false }
+    }
+}
+
+/// A guard within the error of the method of its surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Graze {
+    pub(crate) guard: usize,
+    /// Where it is least, or the time of the event.
+    pub(crate) t: f64,
+    /// How far it falls below zero.
+    pub(crate) depth: f64,
+    /// What the error of the method may change it by.
+    pub(crate) error: f64,
+    pub(crate) is_event: bool,
+}
+
+impl Graze {
+    /// As a recorder is told of it.
+    pub(crate) fn in_mode<M>(self, mode: M) -> Grazing<M> {
+        let Self { guard, t, depth, error, is_event } = self;
+        Grazing { t, mode, guard, depth, error, is_event }
+    }
+}
+
+/// What is noted on a step.
+impl<P: System> GuardWatch<P> {
+    /// Has touches noted in a phase that began at `t`, by errors that are found anew at the next turn of a guard. Whoever asks for it looks after each
+    /// accepted step whether [there is one](Self::has_touches).
+    pub(crate) fn tell_touches(&mut self, t: f64) {
+        self.lows.as_mut().fill(f64::INFINITY);
+        self.found = [t, f64::NAN];
+    }
+
+    /// Heights below which a turn of each guard is noted.
+    pub(crate) fn lows(&self) -> &P::Guards<f64> {
+        &self.lows
+    }
+
+    /// Begins to search a step, or one more time after a dip of it was discarded.
+    #[inline(always)]
+    pub(crate) fn begin_search(&mut self) {
+        if !self.touches.is_empty() {
+            self.touches.retain(|touch| touch.is_discarded);
+        }
+    }
+
+    /// Notes that guard `i` turns at `t` with the value `height`.
+    pub(crate) fn note(&mut self, i: usize, t: f64, height: f64) {
+        if height < self.lows.as_ref()[i] {
+            self.touches.push(Touch::new(i, t, height));
+        }
+    }
+
+    /// Notes the turn of guard `i` at a dip that is to be discarded: beside the end of `step`, which was retaken up to there,
+    /// by the curvature over a part of the size `h`. The guard was last evaluated at that end.
+    pub(crate) fn note_discarded(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        i: usize,
+        h: f64,
+    ) {
+        let [rate, curvature] = self.bent(problem, mode, step, i, LOCAL * h);
+        let height = self.value(i) - 0.5 * rate * rate / curvature;
+        if curvature > 0.0 && height < self.lows.as_ref()[i] {
+            self.touches.push(Touch { is_discarded: true, ..Touch::new(i, step.t1(), height) });
+        }
+    }
+
+    /// Notes the turns of all guards on a step of size `h` from `t0` on which all of them hold.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn note_turns(&mut self, t0: f64, h: f64) {
+        for i in 0..self.end.as_ref().len() {
+            self.note_turn(i, t0, h);
+        }
+    }
+
+    /// Notes the turn of guard `i` on a step of size `h` from `t0` on which it holds, by its cubic.
+    #[inline]
+    pub(super) fn note_turn(&mut self, i: usize, t0: f64, h: f64) {
+        let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
+        self.note_turn_between(i, (t0, h), g0, g1);
+    }
+
+    /// The same, with the values and rates `g0` and `g1` at both ends.
+    #[inline]
+    pub(crate) fn note_turn_between(
+        &mut self,
+        i: usize,
+        (t0, h): (f64, f64),
+        g0: Dual64,
+        g1: Dual64,
+    ) {
+        if g0.eps * h < 0.0 && g1.eps * h >= 0.0 {
+            let least = cubic_minimum([g0.re, g1.re], [g0.eps * h, g1.eps * h]);
+            let (theta, height) = least.unwrap_or((1.0, g1.re));
+            self.note(i, t0 + theta * h, height);
+        }
+    }
+
+    /// Notes which guards fall at the end of the last step, whose slope is about to be replaced by that of the next
+    /// interpolant.
+    pub(crate) fn note_falls(&mut self, h: f64) {
+        for (fell, start) in self.fell.iter_mut().zip(self.start.as_ref()) {
+            *fell = start.eps * h < 0.0;
+        }
+    }
+
+    /// Notes the turn of guard `i` right at the start of a step of size `h`, where the slope of the interpolant jumps.
+    pub(super) fn note_jump(&mut self, i: usize, t0: f64, h: f64) {
+        let g0 = self.start.as_ref()[i];
+        if self.fell[i] && g0.eps * h >= 0.0 {
+            self.note(i, t0, g0.re);
+        }
+    }
+}
+
+/// What is told of an accepted step.
+impl<P: System> GuardWatch<P> {
+    /// Whether a guard touches on the accepted step.
+    #[inline(always)]
+    pub(crate) fn has_touches(&self) -> bool {
+        !self.touches.is_empty()
+    }
+
+    /// Tells `told` of the touches on an accepted step of size `h` to `t1`, by the errors found last; false where errors are
+    /// to be found anew.
+    pub(crate) fn tell_known(&mut self, t1: f64, h: f64, mut told: impl FnMut(Graze)) -> bool {
+        if self.touches.iter().any(|touch| self.is_new(touch)) {
+            return false;
+        }
+        let mut touches = std::mem::take(&mut self.touches);
+        touches.drain(..).filter_map(|touch| self.grazing(touch, t1, h)).for_each(&mut told);
+        self.touches = touches;
+        true
+    }
+
+    /// Tells `told` of the touches on an accepted `step`, and of the event that it landed on if the guard would soon rise
+    /// again; a full step has the size `h`. `error` is the error that the run may have made in a state. Where the
+    /// derivatives of a guard are not finite nothing is told of it.
+    pub(crate) fn graze(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        (landed_on, h): (Option<usize>, f64),
+        error: impl Fn(usize) -> f64,
+        mut told: impl FnMut(Graze),
+    ) {
+        let (t0, t1) = (step.t0(), step.t1());
+        let shallow = landed_on.filter(|guard| {
+            self.strays(*guard, h) || self.rises_soon(problem, mode.clone(), step, *guard, h)
+        });
+        if shallow.is_some() || self.touches.iter().any(|touch| self.is_new(touch)) {
+            self.find_errors(problem, mode.clone(), step, error);
+        }
+        self.tell_known(t1, t1 - t0, &mut told);
+        if let Some(guard) = shallow
+            && is_resolved(t1, t1 - t0)
+        {
+            let error = self.lows.as_ref()[guard] / LOW;
+            let dip = self.depth_after(problem, mode, step, guard, (error, h));
+            if let Some(depth) = dip {
+                told(Graze { guard, t: t1, depth, error, is_event: true });
+            }
+        }
+    }
+
+    /// What is told of a touch on a step of size `h` to `t1`: it is within the error, and not behind the end, at which the
+    /// step was cut.
+    fn grazing(&self, Touch { guard, t, height, .. }: Touch, t1: f64, h: f64) -> Option<Graze> {
+        let error = self.lows.as_ref()[guard] / LOW;
+        let is_within = (t - t1) * h <= 0.0 && height.abs() <= error && error.is_finite();
+        let graze = Graze { guard, t, depth: -height, error, is_event: false };
+        (is_resolved(t1, h) && is_within).then_some(graze)
+    }
+
+    /// Whether errors are to be found anew at a `touch`, because they are not known or are old.
+    fn is_new(&self, touch: &Touch) -> bool {
+        let [begun, found] = self.found;
+        // False where they are not known.
+        let is_known = (touch.t - begun).abs() <= LATER * (found - begun).abs();
+        !is_known
+    }
+
+    /// Finds the errors of the guards at the end of `step`, and from them the heights below which turns are noted.
+    fn find_errors(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        error: impl Fn(usize) -> f64,
+    ) {
+        self.doubt(problem, mode.clone(), step, error);
+        self.evaluate(problem, mode, step.t1(), step.y1());
+        let errors = self.doubts.as_ref().iter().zip(self.bounds.as_ref());
+        for ((doubt, bound), low) in errors.zip(self.lows.as_mut()) {
+            *low = LOW * (doubt + bound);
+        }
+        self.found[1] = step.t1();
+    }
+
+    /// Whether guard `i`, on which `step` landed, rises again within [some steps](SOON) of size `h` by its curvature there.
+    /// False where a rate is not finite.
+    fn rises_soon(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        i: usize,
+        h: f64,
+    ) -> bool {
+        let [rate, curvature] = self.bent(problem, mode, step, i, LOCAL * h);
+        curvature > 0.0 && rate.abs() < curvature * SOON * h.abs()
+    }
+
+    /// How far guard `i`, on which `step` landed, would fall below zero by its curvature there, where that is at most
+    /// `most`. A full step has the size `h`.
+    fn depth_after(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        i: usize,
+        (most, h): (f64, f64),
+    ) -> Option<f64> {
+        self.rates(problem, mode.clone(), step.t1(), step.y1(), step.slope1());
+        // A dip of that depth lasts twice as long.
+        let short = (2.0 * most / self.rate(i).abs()).min(LOCAL * h.abs()).copysign(h);
+        let [rate, curvature] = self.bent(problem, mode, step, i, short);
+        let depth = 0.5 * rate * rate / curvature - self.value(i);
+        // False where the time or a rate is not resolved.
+        (curvature > 0.0 && depth <= most).then_some(depth)
+    }
+
+    /// The rate of guard `i` at the end of `step`, and its curvature over a time `short` from there along the flow.
+    fn bent(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        i: usize,
+        short: f64,
+    ) -> [f64; 2] {
+        let (t, ahead) = (step.t1(), step.t1() + short);
+        let (y, slope) = (step.y1().as_ref(), step.slope1().as_ref());
+        self.rates(problem, mode.clone(), t, step.y1(), step.slope1());
+        let rate = self.rate(i);
+        self.y = Vector::from_fn(y.len(), |j| y[j] + (ahead - t) * slope[j]);
+        let mut slope = self.y.clone();
+        problem.rhs(mode.clone(), ahead, &self.y, &mut slope);
+        along_flow(problem, mode, ahead, &self.y, &slope, &mut self.end);
+        [rate, (self.rate(i) - rate) / (ahead - t)]
+    }
+
+    /// Begins the arcs of guards at the start of a phase.
+    pub(crate) fn begin_arcs(&mut self) {
+        self.arcs.clone_from(&self.start);
+    }
+
+    /// How high guard `i` rose in a phase that took the time `span` until `step` landed on it, and what an `error` of each
+    /// state would change it by. The arc is taken for a parabola, from values and rates at both ends of the phase: one too
+    /// low to resolve is.
+    pub(crate) fn arc(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        (i, span): (usize, f64),
+        error: impl Fn(usize) -> f64,
+    ) -> (f64, f64) {
+        self.doubt(problem, mode.clone(), step, error);
+        self.rates(problem, mode, step.t1(), step.y1(), step.slope1());
+        let (g0, g1) = (self.arcs.as_ref()[i], self.end.as_ref()[i]);
+        let height = g0.re.max(0.0) + 0.25 * span.abs() * g0.eps.abs().max(g1.eps.abs());
+        (height, self.doubts.as_ref()[i])
+    }
+
+    /// Writes `Σ_j |∂g_i/∂y_j| error_j` at the end of `step` to `doubts`: a bound of the change of each guard by such
+    /// errors of the states.
+    pub(super) fn doubt(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        error: impl Fn(usize) -> f64,
+    ) {
+        let y = step.y1().as_ref();
+        let mut g = self.end.clone();
+        let span = problem.guard_span();
+        self.doubts.as_mut().fill(0.0);
+        for j in 0..span.min(y.len()) {
+            let seeded = P::State::<Dual64>::from_fn(y.len(), |i| {
+                Dual64::new(y[i], if i % span == j { error(i) } else { 0.0 })
+            });
+            problem.guards(mode.clone(), Dual64::cst(step.t1()), &seeded, &mut g);
+            for (doubt, g) in self.doubts.as_mut().iter_mut().zip(g.as_ref()) {
+                *doubt += g.eps.abs();
+            }
+        }
+    }
+}
+
+/// Whether the time within a step of size `h` to `t1` has digits.
+fn is_resolved(t1: f64, h: f64) -> bool {
+    h.abs() >= RESOLVED * t1.abs()
+}
