@@ -71,7 +71,7 @@ pub struct Trajectory<Y, M> {
     pub events: Vec<Switch<M>>,
     /// States before and after the transition of each event.
     pub sides: Vec<[Y; 2]>,
-    /// Guards that grazed, step by step in the order of the run; within a step in that of their numbers.
+    /// Guards that grazed, step by step in the order of the run; within a step in any order.
     pub grazings: Vec<Grazing<M>>,
     grid: Grid,
     next: usize,

@@ -157,7 +157,7 @@ impl<P: System> DiffsolSolver<P> {
         solver.set_stop_time(t_end).map_err(|error| failure(point, &error))?;
         let mut slope0 = state::<P, A>(problem, solver.state().dy);
         self.watch.begin(problem, mode.clone(), point.t, &point.y, &slope0);
-        self.watch.tell_touches(point.t);
+        self.watch.watch_touches(point.t);
         self.watch.begin_arcs();
         let phase_from = point.t;
         loop {

@@ -1,6 +1,6 @@
 //! Touches: places where a guard comes so near its surface that the error of the method may decide whether it falls.
 //!
-//! While a run goes on nothing is evaluated for touches. A guard touches where it turns, and the search of each step knows
+//! A step without a turn near a surface costs no evaluation. A guard touches where it turns, and the search of each step knows
 //! the turns: from values and rates at both ends, from the nodes of the polynomial, from the intervals of a march. A turn
 //! below a height that is known from the first step of the phase is noted. Only where one was noted, and at
 //! events, is the error of the guard found and compared with its height.
@@ -18,13 +18,11 @@ use crate::system::{System, Vector};
 /// error of methods that extrapolate was 65 times that at most (bs32), over 12 units of time of the guards of
 /// `tests/grazing`.
 pub(crate) const STEPS: f64 = 100.0;
-/// A turn is noted below this many times the error of the guard as found last: that error may grow.
-const LOW: f64 = 1.5;
+/// A turn is noted below this many times the error of the guard as found last: that error may grow by half, and on a step
+/// whose guard [is far](super::is_far) a turn may be half as high as the lower end.
+const LOW: f64 = 3.0;
 /// The errors are found anew at a touch this many times later in the phase than when they were found last.
 const LATER: f64 = 2.0;
-/// The dip after an event is looked at where its least value would come within this many steps. A step of order one may
-/// be as short as the square root of the tolerance, and a dip within [that many](STEPS) tolerances lasts 28 of them.
-const SOON: f64 = 20.0;
 /// Steps shorter than this fraction of the time are not looked at: their inside is rounded.
 const RESOLVED: f64 = 1e3 * f64::EPSILON;
 /// The curvature at an event is the change of the rate over this fraction of a full step, or less.
@@ -71,9 +69,9 @@ impl Graze {
 
 /// What is noted on a step.
 impl<P: System> GuardWatch<P> {
-    /// Has touches noted in a phase that began at `t`, by errors that are found anew at the next turn of a guard. Whoever asks for it looks after each
-    /// accepted step whether [there is one](Self::has_touches).
-    pub(crate) fn tell_touches(&mut self, t: f64) {
+    /// Has touches noted in a phase that began at `t`, by errors that are found anew at the next turn of a guard. Whoever
+    /// asks for it looks after each accepted step whether [there is one](Self::has_touches).
+    pub(crate) fn watch_touches(&mut self, t: f64) {
         self.lows.as_mut().fill(f64::INFINITY);
         self.found = [t, f64::NAN];
     }
@@ -109,8 +107,10 @@ impl<P: System> GuardWatch<P> {
         h: f64,
     ) {
         let [rate, curvature] = self.bent(problem, mode, step, i, LOCAL * h);
-        let height = self.value(i) - 0.5 * rate * rate / curvature;
-        if curvature > 0.0 && height < self.lows.as_ref()[i] {
+        // Where rounding hides the curvature the turn is taken to be at the end.
+        let to_turn = if curvature > 0.0 { 0.5 * rate * rate / curvature } else { 0.0 };
+        let height = self.value(i) - to_turn;
+        if height < self.lows.as_ref()[i] {
             self.touches.push(Touch { is_discarded: true, ..Touch::new(i, step.t1(), height) });
         }
     }
@@ -184,8 +184,8 @@ impl<P: System> GuardWatch<P> {
         true
     }
 
-    /// Tells `told` of the touches on an accepted `step`, and of the event that it landed on if the guard would soon rise
-    /// again; a full step has the size `h`. `error` is the error that the run may have made in a state. Where the
+    /// Tells `told` of the touches on an accepted `step`, which may be a full step of size `h` cut at an event, and of that
+    /// event if the guard would rise again from within the error. `error` is the error that the run may have made in a state. Where the
     /// derivatives of a guard are not finite nothing is told of it.
     pub(crate) fn graze(
         &mut self,
@@ -197,8 +197,9 @@ impl<P: System> GuardWatch<P> {
         mut told: impl FnMut(Graze),
     ) {
         let (t0, t1) = (step.t0(), step.t1());
+        self.touches.retain(|touch| (touch.t - t1) * (t1 - t0) <= 0.0);
         let shallow = landed_on.filter(|guard| {
-            self.strays(*guard, h) || self.rises_soon(problem, mode.clone(), step, *guard, h)
+            self.strays(*guard, h) || self.may_rise(problem, mode.clone(), step, *guard, h)
         });
         if shallow.is_some() || self.touches.iter().any(|touch| self.is_new(touch)) {
             self.find_errors(problem, mode.clone(), step, error);
@@ -215,11 +216,10 @@ impl<P: System> GuardWatch<P> {
         }
     }
 
-    /// What is told of a touch on a step of size `h` to `t1`: it is within the error, and not behind the end, at which the
-    /// step was cut.
+    /// What is told of a touch on a step of size `h` to `t1`: it is within the error.
     fn grazing(&self, Touch { guard, t, height, .. }: Touch, t1: f64, h: f64) -> Option<Graze> {
         let error = self.lows.as_ref()[guard] / LOW;
-        let is_within = (t - t1) * h <= 0.0 && height.abs() <= error && error.is_finite();
+        let is_within = height.abs() <= error && error.is_finite();
         let graze = Graze { guard, t, depth: -height, error, is_event: false };
         (is_resolved(t1, h) && is_within).then_some(graze)
     }
@@ -244,14 +244,16 @@ impl<P: System> GuardWatch<P> {
         self.evaluate(problem, mode, step.t1(), step.y1());
         let errors = self.doubts.as_ref().iter().zip(self.bounds.as_ref());
         for ((doubt, bound), low) in errors.zip(self.lows.as_mut()) {
-            *low = LOW * (doubt + bound);
+            // Not a number where a derivative is infinite.
+            let error = doubt + bound;
+            *low = if error.is_nan() { f64::INFINITY } else { LOW * error };
         }
         self.found[1] = step.t1();
     }
 
-    /// Whether guard `i`, on which `step` landed, rises again within [some steps](SOON) of size `h` by its curvature there.
-    /// False where a rate is not finite.
-    fn rises_soon(
+    /// Whether guard `i`, on which `step` landed, would rise again by its curvature there, from no deeper than a turn that is
+    /// noted. False where a rate is not finite.
+    fn may_rise(
         &mut self,
         problem: &P,
         mode: P::Mode,
@@ -260,7 +262,7 @@ impl<P: System> GuardWatch<P> {
         h: f64,
     ) -> bool {
         let [rate, curvature] = self.bent(problem, mode, step, i, LOCAL * h);
-        curvature > 0.0 && rate.abs() < curvature * SOON * h.abs()
+        curvature > 0.0 && 0.5 * rate * rate / curvature < self.lows.as_ref()[i]
     }
 
     /// How far guard `i`, on which `step` landed, would fall below zero by its curvature there, where that is at most

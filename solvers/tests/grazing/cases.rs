@@ -86,19 +86,76 @@ fn a_touch_is_told_also_at_the_end_of_a_step_where_the_rate_is_zero() {
 
 #[test]
 fn a_touch_is_told_by_steps_that_are_short_beside_it() {
-    // (x − 0.6)² + 1e-7 by steps of 1e-4, each of which is far from falling.
-    let course = Course { p: [0.36 + 1e-7, -1.2, 1.0, 0.0] };
-    for (method, control) in settings().filter(|(method, _)| !method.is_fixed_step()) {
-        let steps = Steps { longest: 1e-4, ..Steps::from(control) };
-        let Ok(mut solver) = method.solver(&course, steps) else { continue };
+    // (x − 0.6)² above 1e-7, and below zero by that, by steps of 1e-5, each of which is far from falling. The event is 32
+    // steps from the turn.
+    for level in [1e-7, -1e-7] {
+        let course = Course { p: [0.36 + level, -1.2, 1.0, 0.0] };
+        let mut n_methods = 0;
+        for (method, control) in settings().filter(|(method, _)| !method.is_fixed_step()) {
+            let steps = Steps { longest: 1e-5, ..Steps::from(control) };
+            // Those of diffsol take no longest step.
+            let Ok(mut solver) = method.solver(&course, steps) else { continue };
+            n_methods += 1;
+            let mut run = Trajectory::on(Grid::Times(vec![]));
+            let mut integration = Integration::new(&course, 0.0, [0.0; 2]);
+            integration.run(2.0, &mut *solver, &mut run).unwrap();
+            let [Grazing { t, depth, is_event, .. }] = run.grazings[..] else {
+                panic!("{}: {:?}", method.name, run.grazings)
+            };
+            assert_eq!(is_event, level < 0.0, "{}", method.name);
+            let at = if is_event { 0.6 - 1e-7_f64.sqrt() } else { 0.6 };
+            assert!((t - at).abs() < 1e-7, "{}: {t}", method.name);
+            assert!((depth + level).abs() < 1e-11, "{}: {depth:e}", method.name);
+        }
+        assert_eq!(n_methods, METHODS.len() - 5);
+    }
+}
+
+/// `ẋ = 1` with the guards `(x − 0.1)²`, `0.3 − x` and `(x − 0.7)² + 5`.
+struct Crossed;
+
+impl System for Crossed {
+    type Mode = ();
+    type State<S: Real> = [S; 1];
+    type Guards<S: Real> = [S; 3];
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 1]) {}
+
+    fn rhs<S: Real>(&self, (): (), _t: S, _y: &[S; 1], dydt: &mut [S; 1]) {
+        *dydt = [S::cst(1.0)];
+    }
+
+    fn guards<S: Real>(&self, (): (), _t: S, &[x]: &[S; 1], g: &mut [S; 3]) {
+        let square = |x: S| x * x;
+        *g = [square(x - 0.1), -x + 0.3, square(x - 0.7) + 5.0];
+    }
+
+    fn guard_bounds(&self, (): (), _t: f64, _y: &[f64; 1], bounds: &mut [f64; 3]) {
+        *bounds = [8.0 * f64::EPSILON; 3];
+    }
+
+    fn transition<S: Real>(&self, (): (), _: usize, _t: S, _: &mut [S; 1]) -> Next<()> {
+        Next::Stop
+    }
+}
+
+#[test]
+fn a_touch_is_told_before_another_guard_falls() {
+    for (method, control) in settings() {
+        let control = match control {
+            Control::Adaptive(Tolerance { rtol, .. }) => {
+                Control::Adaptive(Tolerance { rtol, atol: vec![rtol] })
+            }
+            Control::Fixed(_) => Control::Fixed(1.0),
+        };
         let mut run = Trajectory::on(Grid::Times(vec![]));
-        let mut integration = Integration::new(&course, 0.0, [0.0; 2]);
+        let mut integration = Integration::new(&Crossed, 0.0, [0.0]);
+        let mut solver = method.solver(&Crossed, control).unwrap();
         integration.run(2.0, &mut *solver, &mut run).unwrap();
-        let [Grazing { t, depth, is_event, .. }] = run.grazings[..] else {
+        let [Grazing { t, guard, is_event, .. }] = run.grazings[..] else {
             panic!("{}: {:?}", method.name, run.grazings)
         };
-        assert!(!is_event && (t - 0.6).abs() < 1e-8, "{}: {t}", method.name);
-        assert!((depth + 1e-7).abs() < 1e-12, "{}: {depth:e}", method.name);
+        assert!(guard == 0 && !is_event && (t - 0.1).abs() < 1e-6, "{}: {t}", method.name);
     }
 }
 
