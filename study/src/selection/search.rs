@@ -93,10 +93,15 @@ impl<'a> Search<'a> {
     /// Goes on until it is over or `limit` of work cuts it; up to `of_note` it may be among the fastest.
     pub(super) fn advance(&mut self, limit: f64, of_note: f64) -> Step {
         self.of_note = of_note;
-        // What this limit, too, would break off by then is not run again.
+        // What was on course for more than this limit, too, is not run again: an explicit method whose steps stability binds
+        // goes on as it began. Another one may take long steps once the first impacts have rung out.
         let whole = self.contest.benchmark.whole();
-        let is_hopeless =
-            |trial: &Trial| trial.work > EARLY * limit && trial.needs(whole) > ON_COURSE * limit;
+        let method = self.candidate.method;
+        let may_calm = method.is_implicit() || method.chooses();
+        let is_hopeless = |trial: &Trial| {
+            let is_judged = !may_calm || trial.work > EARLY * limit;
+            is_judged && trial.needs(whole) > ON_COURSE * limit
+        };
         self.trials.retain(|_, trial| trial.end != TrialEnd::Cut || is_hopeless(trial));
         let found = match self.bracket(limit) {
             Ok(rung) => self.confirm(rung, limit),
