@@ -109,7 +109,8 @@ pub struct GuardWatch<P: System> {
     touches: Vec<Touch>,
     /// Guards that fall at the end of the last step, where steps have slopes that jump between them.
     fell: Vec<bool>,
-    /// Values and rates at the start of a phase whose [arcs](Self::begin_arcs) are measured.
+    /// Values and rates at the start of a phase whose arcs are measured.
+    #[cfg(feature = "diffsol")]
     arcs: P::Guards<Dual64>,
 }
 
@@ -137,6 +138,7 @@ impl<P: System> GuardWatch<P> {
             found: [f64::NAN; 2],
             touches: Vec::with_capacity(MOST_TOUCHES),
             fell: vec![false; n],
+            #[cfg(feature = "diffsol")]
             arcs: duals(),
         }
     }

@@ -149,6 +149,7 @@ impl<P: System> GuardWatch<P> {
 
     /// Notes which guards fall at the end of the last step, whose slope is about to be replaced by that of the next
     /// interpolant.
+    #[cfg(feature = "diffsol")]
     pub(crate) fn note_falls(&mut self, h: f64) {
         for (fell, start) in self.fell.iter_mut().zip(self.start.as_ref()) {
             *fell = start.eps * h < 0.0;
@@ -305,6 +306,7 @@ impl<P: System> GuardWatch<P> {
     }
 
     /// Begins the arcs of guards at the start of a phase.
+    #[cfg(feature = "diffsol")]
     pub(crate) fn begin_arcs(&mut self) {
         self.arcs.clone_from(&self.start);
     }
@@ -312,6 +314,7 @@ impl<P: System> GuardWatch<P> {
     /// How high guard `i` rose in a phase that took the time `span` until `step` landed on it, and what an `error` of each
     /// state would change it by. The arc is taken for a parabola, from values and rates at both ends of the phase: one too
     /// low to resolve is.
+    #[cfg(feature = "diffsol")]
     pub(crate) fn arc(
         &mut self,
         problem: &P,
