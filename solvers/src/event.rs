@@ -101,7 +101,7 @@ pub struct GuardWatch<P: System> {
     /// Guards that were seen to stray from their cubics on the present step.
     strays: Vec<bool>,
     /// Heights below which a turn of a guard is noted as a touch: infinite until one has turned, and below all numbers
-    /// where no touches are [told](Self::tell_touches).
+    /// where no touches are [watched for](Self::watch_touches).
     lows: P::Guards<f64>,
     /// When this phase began, and when the errors were found last, if they were.
     found: [f64; 2],
@@ -358,9 +358,9 @@ impl<P: System> GuardWatch<P> {
         let h = t1 - t0;
         self.begin_search();
         self.doubts.as_mut().fill(0.0);
-        if let Some(Tolerance { rtol, atol }) = doubt {
+        if let Some(tolerance) = doubt {
             let y = step.y1().as_ref();
-            self.doubt(problem, mode.clone(), step, |i| atol[i] + rtol * y[i].abs());
+            self.doubt(problem, mode.clone(), step, |i| tolerance.allowed(i, y));
         }
         for (quarter, values) in (1..).zip(&mut self.quarters) {
             step.interpolate(t0 + 0.25 * f64::from(quarter) * h, &mut self.y);

@@ -28,6 +28,11 @@ impl Tolerance {
         }
     }
 
+    /// The error of state `i` that is allowed at `y`, `atol_i + rtol |y_i|`.
+    pub(crate) fn allowed(&self, i: usize, y: &[f64]) -> f64 {
+        self.atol[i] + self.rtol * y[i].abs()
+    }
+
     /// Root mean square of `error_i / (atol_i + rtol · max(|y0_i|, |y1_i|))`. It is at most one for an error within
     /// the tolerance, and NaN where an error is NaN.
     ///

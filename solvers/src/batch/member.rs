@@ -123,9 +123,7 @@ impl<'r, 'a, P: Alike, R: Record<P>, M: OneStep<P>> Member<'r, 'a, P, R, M> {
         steps: &S,
     ) -> Fate {
         self.stays_in_lane = false;
-        let judged = if self.failed.is_some()
-            && let Some(error) = self.failed.take()
-        {
+        let judged = if let Some(error) = self.failed.take() {
             self.refresh(lane, steps);
             Err(error)
         } else if steps.serves(&self.solver.method) {

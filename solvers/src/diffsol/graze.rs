@@ -54,7 +54,7 @@ impl<P: System> DiffsolSolver<P> {
         record: &mut dyn Record<P>,
     ) -> u64 {
         let y = step.y1.as_ref();
-        let allowed = |i: usize| self.tolerance.atol[i] + self.tolerance.rtol * y[i].abs();
+        let allowed = |i: usize| self.tolerance.allowed(i, y);
         let many = STEPS.max(n_steps as f64);
         let (mut n, mut is_told) = (0, false);
         let mut told = |graze: Graze| {

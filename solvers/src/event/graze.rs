@@ -106,7 +106,7 @@ impl<P: System> GuardWatch<P> {
         i: usize,
         h: f64,
     ) {
-        let [rate, curvature] = self.bent(problem, mode, step, i, LOCAL * h);
+        let [rate, curvature] = self.bent(problem, mode, step, i, |_| LOCAL * h);
         // Where rounding hides the curvature the turn is taken to be at the end.
         let to_turn = if curvature > 0.0 { 0.5 * rate * rate / curvature } else { 0.0 };
         let height = self.value(i) - to_turn;
@@ -262,7 +262,7 @@ impl<P: System> GuardWatch<P> {
         i: usize,
         h: f64,
     ) -> bool {
-        let [rate, curvature] = self.bent(problem, mode, step, i, LOCAL * h);
+        let [rate, curvature] = self.bent(problem, mode, step, i, |_| LOCAL * h);
         curvature > 0.0 && 0.5 * rate * rate / curvature < self.lows.as_ref()[i]
     }
 
@@ -276,28 +276,29 @@ impl<P: System> GuardWatch<P> {
         i: usize,
         (most, h): (f64, f64),
     ) -> Option<f64> {
-        self.rates(problem, mode.clone(), step.t1(), step.y1(), step.slope1());
         // A dip of that depth lasts twice as long.
-        let short = (2.0 * most / self.rate(i).abs()).min(LOCAL * h.abs()).copysign(h);
+        let short = |rate: f64| (2.0 * most / rate.abs()).min(LOCAL * h.abs()).copysign(h);
         let [rate, curvature] = self.bent(problem, mode, step, i, short);
         let depth = 0.5 * rate * rate / curvature - self.value(i);
         // False where the time or a rate is not resolved.
         (curvature > 0.0 && depth <= most).then_some(depth)
     }
 
-    /// The rate of guard `i` at the end of `step`, and its curvature over a time `short` from there along the flow.
+    /// The rate of guard `i` at the end of `step`, and its curvature along the flow from there over the time that is `short`
+    /// beside that rate.
     fn bent(
         &mut self,
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
         i: usize,
-        short: f64,
+        short: impl FnOnce(f64) -> f64,
     ) -> [f64; 2] {
-        let (t, ahead) = (step.t1(), step.t1() + short);
+        let t = step.t1();
         let (y, slope) = (step.y1().as_ref(), step.slope1().as_ref());
         self.rates(problem, mode.clone(), t, step.y1(), step.slope1());
         let rate = self.rate(i);
+        let ahead = t + short(rate);
         self.y = Vector::from_fn(y.len(), |j| y[j] + (ahead - t) * slope[j]);
         let mut slope = self.y.clone();
         problem.rhs(mode.clone(), ahead, &self.y, &mut slope);

@@ -32,7 +32,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         }
         let y = self.method.step().y1().as_ref();
         let of_step = |i: usize| match self.controller.control() {
-            Control::Adaptive(tolerance) => tolerance.atol[i] + tolerance.rtol * y[i].abs(),
+            Control::Adaptive(tolerance) => tolerance.allowed(i, y),
             Control::Fixed(_) => self.error_of_full.as_ref()[i].abs(),
         };
         let told = |graze: Graze| {

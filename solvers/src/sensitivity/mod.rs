@@ -226,14 +226,10 @@ impl<'a, P: System> Sensitive<'a, P> {
     /// The largest multiple of `change` that is within the tolerance at `y`; zero where there is no change.
     fn scale(&self, y: &[f64], change: &[f64]) -> f64 {
         let changes = change.iter().enumerate().filter(|(_, change)| **change != 0.0);
-        let scale = changes
-            .fold(f64::INFINITY, |scale, (i, change)| scale.min(self.allowed(y, i) / change.abs()));
+        let scale = changes.fold(f64::INFINITY, |scale, (i, change)| {
+            scale.min(self.tolerance.allowed(i, y) / change.abs())
+        });
         if scale.is_finite() { scale } else { 0.0 }
-    }
-
-    /// The error of state `i` that the tolerance allows at `y`.
-    fn allowed(&self, y: &[f64], i: usize) -> f64 {
-        self.tolerance.atol[i] + self.tolerance.rtol * y[i].abs()
     }
 }
 

@@ -208,7 +208,8 @@ impl<P: System> Sensitive<'_, P> {
     fn error_of_guard(&self, event: &Instant<'_, P, f64>) -> f64 {
         let (n, span) = (event.y.as_ref().len(), self.problem.guard_span());
         let of_states = |j| {
-            let error = |i| if i % span == j { self.allowed(event.y.as_ref(), i) } else { 0.0 };
+            let error =
+                |i| if i % span == j { self.tolerance.allowed(i, event.y.as_ref()) } else { 0.0 };
             event.guard_along(0.0, &(0..n).map(error).collect::<Vec<_>>()).abs()
         };
         event.rounding_bound() + (0..span.min(n)).map(of_states).sum::<f64>()
