@@ -1,4 +1,4 @@
-//! A [`System`] in one mode, in the form of equations that `diffsol` takes.
+//! A [`Field`] in the form of equations that `diffsol` takes.
 
 use std::cell::{Cell, RefCell};
 
@@ -8,32 +8,30 @@ use diffsol::{
 use diffsol_la::Matrix;
 
 use super::algebra::Algebra;
-use crate::system::{System, Vector};
+use super::field::Field;
 
-/// `ẏ = f_mode(t, y)` from `y0`.
-pub(crate) struct Equations<'p, P: System, A: Algebra> {
-    pub(crate) problem: &'p P,
-    pub(crate) mode: P::Mode,
-    pub(crate) y0: P::State<f64>,
+/// `ẏ = f(t, y)` from `y0`.
+pub(super) struct Equations<'f, A: Algebra> {
+    field: &'f dyn Field,
+    y0: &'f [f64],
     /// The slope last evaluated.
-    pub(crate) slope: RefCell<P::State<f64>>,
-    pub(crate) n_rhs: Cell<u64>,
-    pub(crate) n_jac: Cell<u64>,
+    pub(super) slope: RefCell<Vec<f64>>,
+    pub(super) n_rhs: Cell<u64>,
+    pub(super) n_jac: Cell<u64>,
     /// The state whose slope was not finite in the last evaluation, if there was one.
-    pub(crate) non_finite: Cell<Option<usize>>,
+    pub(super) non_finite: Cell<Option<usize>>,
     /// The row of a Jacobian entry that was not finite, if there was one.
-    pub(crate) non_finite_row: Cell<Option<usize>>,
+    pub(super) non_finite_row: Cell<Option<usize>>,
     context: A::C,
 }
 
-impl<'p, P: System, A: Algebra> Equations<'p, P, A> {
-    pub(crate) fn new(problem: &'p P, mode: P::Mode, y0: P::State<f64>) -> Self {
+impl<'f, A: Algebra> Equations<'f, A> {
+    pub(super) fn new(field: &'f dyn Field, y0: &'f [f64]) -> Self {
         let (n_rhs, n_jac) = (Cell::new(0), Cell::new(0));
         Self {
-            problem,
-            mode,
-            slope: RefCell::new(y0.clone()),
+            field,
             y0,
+            slope: RefCell::new(y0.to_vec()),
             n_rhs,
             n_jac,
             non_finite: Cell::new(None),
@@ -41,17 +39,14 @@ impl<'p, P: System, A: Algebra> Equations<'p, P, A> {
             context: A::C::default(),
         }
     }
+
+    /// The states that the vector `x` holds.
+    fn states<'x>(&self, x: &'x A::V) -> &'x [f64] {
+        &A::components(x)[..self.field.dim()]
+    }
 }
 
-/// The state that the vector `x` holds.
-#[inline]
-pub(crate) fn state<P: System, A: Algebra>(problem: &P, x: &A::V) -> P::State<f64> {
-    let n = problem.dim();
-    let x = &A::components(x)[..n];
-    P::State::from_fn(n, |i| x[i])
-}
-
-impl<P: System, A: Algebra> Op for Equations<'_, P, A> {
+impl<A: Algebra> Op for Equations<'_, A> {
     type T = f64;
     type V = A::V;
     type M = A::M;
@@ -62,11 +57,11 @@ impl<P: System, A: Algebra> Op for Equations<'_, P, A> {
     }
 
     fn nstates(&self) -> usize {
-        self.problem.dim()
+        self.field.dim()
     }
 
     fn nout(&self) -> usize {
-        self.problem.dim()
+        self.field.dim()
     }
 
     fn nparams(&self) -> usize {
@@ -74,7 +69,7 @@ impl<P: System, A: Algebra> Op for Equations<'_, P, A> {
     }
 }
 
-impl<'a, P: System, A: Algebra> OdeEquationsRef<'a> for Equations<'_, P, A> {
+impl<'a, A: Algebra> OdeEquationsRef<'a> for Equations<'_, A> {
     type Mass = UnitCallable<A::M>;
     type Rhs = &'a Self;
     type Root = UnitCallable<A::M>;
@@ -83,7 +78,7 @@ impl<'a, P: System, A: Algebra> OdeEquationsRef<'a> for Equations<'_, P, A> {
     type Reset = UnitCallable<A::M>;
 }
 
-impl<P: System, A: Algebra> OdeEquations for Equations<'_, P, A> {
+impl<A: Algebra> OdeEquations for Equations<'_, A> {
     fn rhs(&self) -> &Self {
         self
     }
@@ -101,35 +96,33 @@ impl<P: System, A: Algebra> OdeEquations for Equations<'_, P, A> {
     fn get_params(&self, _p: &mut A::V) {}
 }
 
-impl<P: System, A: Algebra> ConstantOp for &Equations<'_, P, A> {
+impl<A: Algebra> ConstantOp for &Equations<'_, A> {
     fn call_inplace(&self, _t: f64, y: &mut A::V) {
-        A::components_mut(y).copy_from_slice(self.y0.as_ref());
+        A::components_mut(y).copy_from_slice(self.y0);
     }
 }
 
-impl<P: System, A: Algebra> NonLinearOp for &Equations<'_, P, A> {
+impl<A: Algebra> NonLinearOp for &Equations<'_, A> {
     fn call_inplace(&self, x: &A::V, t: f64, y: &mut A::V) {
         self.n_rhs.set(self.n_rhs.get() + 1);
         let slope = &mut *self.slope.borrow_mut();
-        self.problem.rhs(self.mode.clone(), t, &state::<P, A>(self.problem, x), slope);
-        self.non_finite.set(slope.as_ref().iter().position(|d| !d.is_finite()));
-        A::components_mut(y).copy_from_slice(slope.as_ref());
+        self.field.rhs(t, self.states(x), slope);
+        self.non_finite.set(slope.iter().position(|d| !d.is_finite()));
+        A::components_mut(y).copy_from_slice(slope);
     }
 }
 
-impl<P: System, A: Algebra> NonLinearOpJacobian for &Equations<'_, P, A> {
+impl<A: Algebra> NonLinearOpJacobian for &Equations<'_, A> {
     fn jac_mul_inplace(&self, x: &A::V, t: f64, v: &A::V, y: &mut A::V) {
         let (v, y) = (A::components(v), A::components_mut(y));
         y.fill(0.0);
-        let x = state::<P, A>(self.problem, x);
-        self.problem.jacobian(self.mode.clone(), t, &x, |i, j, entry| y[i] += entry * v[j]);
+        self.field.jacobian(t, self.states(x), &mut |i, j, entry| y[i] += entry * v[j]);
     }
 
     fn jacobian_inplace(&self, x: &A::V, t: f64, jac: &mut A::M) {
         self.n_jac.set(self.n_jac.get() + 1);
-        let x = state::<P, A>(self.problem, x);
         A::clear(jac);
-        self.problem.jacobian(self.mode.clone(), t, &x, |i, j, entry| {
+        self.field.jacobian(t, self.states(x), &mut |i, j, entry| {
             if !entry.is_finite() {
                 self.non_finite_row.set(Some(i));
             }
@@ -139,11 +132,10 @@ impl<P: System, A: Algebra> NonLinearOpJacobian for &Equations<'_, P, A> {
 
     /// All entries that the Jacobian of the mode may have.
     fn jacobian_sparsity(&self) -> Option<<A::M as Matrix>::Sparsity> {
-        let n = self.problem.dim();
+        let n = self.field.dim();
         A::pattern(n, || {
             let mut entries: Vec<_> = (0..n).map(|i| (i, i)).collect();
-            let mode = self.mode.clone();
-            self.problem.jacobian(mode, 0.0, &self.y0, |i, j, _| entries.push((i, j)));
+            self.field.jacobian(0.0, self.y0, &mut |i, j, _| entries.push((i, j)));
             entries
         })
     }

@@ -6,14 +6,10 @@
 
 mod algebra;
 mod equations;
+mod field;
 mod graze;
 mod lu;
-
-use diffsol::{
-    DiffsolError, OdeBuilder, OdeSolverMethod, OdeSolverProblem, OdeSolverState,
-    OdeSolverStopReason,
-};
-use diffsol_la::{MatrixRef, VectorRef};
+mod stepper;
 
 use crate::error::Error;
 use crate::event::GuardWatch;
@@ -23,14 +19,12 @@ use crate::stats::Stats;
 use crate::step::{Step, end_accessors};
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
-use algebra::{Algebra, Dense, Sparse};
-use equations::{Equations, state};
+use field::OfSystem;
 use graze::Place;
+use stepper::{Phase, Stepper};
 
 /// Longest span that `diffsol` takes for zero, as a fraction of the time.
 const RESOLUTION: f64 = 100.0 * f64::EPSILON;
-/// Shortest step as a fraction of the time left.
-const LEAST_STEP: f64 = 1e-16;
 
 /// A method of `diffsol`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -136,55 +130,51 @@ impl<P: System> DiffsolSolver<P> {
         })
     }
 
-    /// Steps `solver` to `t_end` or the first violated guard.
-    fn advance<'a, 'p: 'a, A: Algebra, S: OdeSolverMethod<'a, Equations<'p, P, A>>>(
+    /// Steps to `t_end` or the first violated guard.
+    fn advance(
         &mut self,
-        solver: &mut S,
+        problem: &P,
+        stepper: &mut dyn Stepper,
         point: &mut Point<P>,
         t_end: f64,
         stats: &mut Stats,
         record: &mut dyn Record<P>,
-    ) -> Result<PhaseEnd, Error>
-    where
-        P: 'p,
-    {
-        let equations = &solver.problem().eqn;
-        let problem = equations.problem;
+    ) -> Result<PhaseEnd, Error> {
         let mode = point.mode.clone();
         let mut before = *stats;
-        before.restart.n_rhs += equations.n_rhs.get();
-        before.restart.n_jac += equations.n_jac.get();
-        solver.set_stop_time(t_end).map_err(|error| failure(point, &error))?;
-        let mut slope0 = state::<P, A>(problem, solver.state().dy);
+        let [n_rhs, n_jac] = stepper.n_evaluated();
+        before.restart.n_rhs += n_rhs;
+        before.restart.n_jac += n_jac;
+        stepper.stop_at(t_end)?;
+        let n = problem.dim();
+        let vector = |of: &[f64]| P::State::<f64>::from_fn(n, |i| of[i]);
+        let mut slope0 = vector(stepper.dydt());
         self.watch.begin(problem, mode.clone(), point.t, &point.y, &slope0);
         self.watch.watch_touches(point.t);
         self.watch.begin_arcs();
         let phase_from = point.t;
         loop {
-            let at_end = take_step(solver, point, &before, stats)?;
-            let y1 = state::<P, A>(problem, solver.state().y);
+            let at_end = stepper.step();
+            *stats = before;
+            stepper.count(stats);
+            let at_end = at_end?;
+            let y1 = vector(stepper.y());
             check_finite(point, &y1)?;
-            let reached = solver.state().t;
+            let reached = stepper.t();
             // The slope that was evaluated last. The state at the end is one correction of the iteration away, but no
             // further evaluation is needed.
-            let slope1 = equations.slope.borrow().clone();
-            let slope = |t: f64| match solver.interpolate_dy(t) {
-                Ok(slope) => Ok(state::<P, A>(problem, &slope)),
-                Err(error) => Err(failure(point, &error)),
-            };
+            let mut slope1 = slope0.clone();
+            stepper.last_slope(slope1.as_mut());
             let interpolant = |t: f64, y: &mut P::State<f64>| {
                 let past = (t - reached) * (t_end - point.t) > 0.0;
-                match solver.interpolate(if past { reached } else { t }) {
-                    Ok(found) => y.as_mut().copy_from_slice(A::components(&found)),
-                    Err(_) => y.as_mut().fill(f64::NAN),
-                }
+                stepper.interpolate(if past { reached } else { t }, y.as_mut());
             };
             // The stop time of `diffsol` is within rounding of the end.
             let t1 = if at_end { t_end } else { reached };
             let (t0, y0) = (point.t, &point.y);
             let mut step = SolverStep { interpolant, t0, t1, y0, y1, slope0, slope1 };
             let h = step.t1 - step.t0;
-            let landed_on = self.cut_at_event(problem, point, &mut step, reached, slope)?;
+            let landed_on = self.cut_at_event(problem, point, &mut step, &*stepper)?;
             let at = Place { landed_on, h, phase_from, n_steps: stats.n_accepted };
             let told = self.tell_grazing((problem, &mode), &step, at, record);
             (before.n_grazing, stats.n_grazing) = (before.n_grazing + told, stats.n_grazing + told);
@@ -203,22 +193,21 @@ impl<P: System> DiffsolSolver<P> {
 }
 
 impl<P: System> DiffsolSolver<P> {
-    /// Cuts `step` at the guard that falls first on it, and returns that guard. The solver has stepped to `reached`,
-    /// and `slope` gives the slope of its interpolant.
+    /// Cuts `step`, the last one of `stepper`, at the guard that falls first on it, and returns that guard.
     fn cut_at_event<F: Fn(f64, &mut P::State<f64>)>(
         &mut self,
         problem: &P,
         point: &Point<P>,
         step: &mut SolverStep<'_, F, P::State<f64>>,
-        reached: f64,
-        slope: impl Fn(f64) -> Result<P::State<f64>, Error>,
+        stepper: &dyn Stepper,
     ) -> Result<Option<usize>, Error> {
         let mode = || point.mode.clone();
         if self.watch.is_clear(problem, mode(), step) {
             return Ok(None);
         }
         // The search works on the interpolant, so it needs the slopes of the interpolant.
-        (step.slope0, step.slope1) = (slope(step.t0)?, slope(reached)?);
+        stepper.interpolate_slope(step.t0, step.slope0.as_mut())?;
+        stepper.interpolate_slope(stepper.t(), step.slope1.as_mut())?;
         self.watch.note_falls(step.t1 - step.t0);
         self.watch.start_at(problem, mode(), step.t0, step.y0, &step.slope0);
         self.watch.rates(problem, mode(), step.t1, &step.y1, &step.slope1);
@@ -230,54 +219,8 @@ impl<P: System> DiffsolSolver<P> {
         step.interpolate(crossing.t, &mut y);
         check_finite(point, &y)?;
         (step.t1, step.y1) = (crossing.t, y);
-        step.slope1 = slope(crossing.t)?;
+        stepper.interpolate_slope(crossing.t, step.slope1.as_mut())?;
         Ok(Some(crossing.guard))
-    }
-
-    /// Integrates one phase that is longer than the resolution of `diffsol`, with the linear algebra `A`.
-    fn phase<A: Algebra>(
-        &mut self,
-        problem: &P,
-        point: &mut Point<P>,
-        t_end: f64,
-        stats: &mut Stats,
-        record: &mut dyn Record<P>,
-    ) -> Result<PhaseEnd, Error>
-    where
-        for<'b> &'b A::V: VectorRef<A::V>,
-        for<'b> &'b A::M: MatrixRef<A::M>,
-    {
-        let span = t_end - point.t;
-        let equations = Equations::<P, A>::new(problem, point.mode.clone(), point.y.clone());
-        let mut built = OdeBuilder::<A::M>::new()
-            .t0(point.t)
-            .rtol(self.tolerance.rtol)
-            .atol(self.tolerance.atol.iter().copied())
-            .build_from_eqn(equations)
-            .map_err(|error| failure(point, &error))?;
-        built.ode_options.max_nonlinear_solver_failures = usize::MAX;
-        built.ode_options.min_timestep = LEAST_STEP * span.abs();
-        let first = (self.scheme.starting_order(), self.first.take());
-        macro_rules! advance {
-            ($solver:expr) => {{
-                let mut solver = $solver.map_err(|error| failure(point, &error))?;
-                self.advance(&mut solver, point, t_end, stats, record)
-            }};
-        }
-        match self.scheme {
-            DiffsolScheme::Bdf => {
-                advance!(built.bdf_solver::<A::Solver>(started(&built, point, span, first)?))
-            }
-            DiffsolScheme::TrBdf2 => {
-                advance!(built.tr_bdf2_solver::<A::Solver>(started(&built, point, span, first)?))
-            }
-            DiffsolScheme::Esdirk34 => {
-                advance!(built.esdirk34_solver::<A::Solver>(started(&built, point, span, first)?))
-            }
-            DiffsolScheme::Tsit45 => {
-                advance!(built.tsit45_solver(started(&built, point, span, first)?))
-            }
-        }
     }
 }
 
@@ -297,82 +240,21 @@ impl<P: System> PhaseSolver<P> for DiffsolSolver<P> {
         if span.abs() <= RESOLUTION * (point.t.abs() + span.abs()) {
             return self.one_euler_step(problem, point, t_end, stats, record);
         }
-        // The condition is a constant, so the other branch is not compiled.
+        let (mode, y) = (point.mode.clone(), point.y.clone());
+        let (tolerance, first) = (self.tolerance.clone(), self.first.take());
+        let field = &OfSystem::new(problem, mode.clone());
+        let (scheme, tolerance, mode, t, y) = (self.scheme, &tolerance, &mode, point.t, y.as_ref());
+        let phase = Phase { scheme, tolerance, field, mode, t, y, span, first };
+        let then = &mut |stepper: &mut dyn Stepper| {
+            self.advance(problem, stepper, point, t_end, stats, record)
+        };
+        // The condition is a constant, so a program with short states alone does not contain the other branch.
         if const { <P::State<f64> as Vector<f64>>::IS_SHORT } {
-            self.phase::<Dense>(problem, point, t_end, stats, record)
+            phase.with_dense(then)
         } else {
-            self.phase::<Sparse>(problem, point, t_end, stats, record)
+            phase.with_sparse(then)
         }
     }
-}
-
-/// A solver state of `diffsol` at the start of `built`, with a first step towards the end of `span`: the given one, or
-/// one chosen for a method of `order`.
-fn started<P: System, A: Algebra, S: OdeSolverState<A::V>>(
-    built: &OdeSolverProblem<Equations<'_, P, A>>,
-    point: &Point<P>,
-    span: f64,
-    (order, first): (usize, Option<f64>),
-) -> Result<S, Error> {
-    let mut start = S::new_without_initialise(built).map_err(|error| failure(point, &error))?;
-    check_finite(point, &state::<P, A>(built.eqn.problem, start.as_ref().dy))?;
-    let sign = 1_f64.copysign(span);
-    start.as_mut().set_step_size(sign, &built.atol, built.rtol, &built.eqn, order);
-    let h = start.as_mut().h;
-    *h = first.unwrap_or(h.abs()).min(span.abs()).copysign(span);
-    Ok(start)
-}
-
-/// Takes one step of `solver`, and returns whether it ends at the stop time. `stats` becomes what it was `before` the
-/// phase with all work of the solver added.
-///
-/// # Errors
-/// [`Error::NonFinite`] where a Jacobian was not finite, or a slope in a step that failed; [`Error::Diffsol`].
-fn take_step<
-    'a,
-    'p: 'a,
-    P: System + 'p,
-    A: Algebra,
-    S: OdeSolverMethod<'a, Equations<'p, P, A>>,
->(
-    solver: &mut S,
-    point: &Point<P>,
-    before: &Stats,
-    stats: &mut Stats,
-) -> Result<bool, Error> {
-    let equations = &solver.problem().eqn;
-    let reason = solver.step().map_err(|error| failure(point, &error));
-    *stats = *before;
-    count(solver, equations, stats);
-    let non_finite = equations.non_finite_row.get().or(match &reason {
-        Err(_) => equations.non_finite.get(),
-        Ok(_) => None,
-    });
-    if let Some(component) = non_finite {
-        return Err(Error::NonFinite { t: point.t, mode: format!("{:?}", point.mode), component });
-    }
-    Ok(reason? == OdeSolverStopReason::TstopReached)
-}
-
-/// Adds the work of `solver` to `stats`.
-fn count<'a, 'p: 'a, P: System + 'p, A: Algebra, S: OdeSolverMethod<'a, Equations<'p, P, A>>>(
-    solver: &S,
-    equations: &Equations<'p, P, A>,
-    stats: &mut Stats,
-) {
-    let done = solver.get_statistics();
-    let rejected = done.number_of_error_test_failures + done.number_of_nonlinear_solver_fails;
-    stats.work.n_rhs += equations.n_rhs.get();
-    stats.n_accepted += done.number_of_steps as u64;
-    stats.n_rejected += rejected as u64;
-    stats.work.n_jac += equations.n_jac.get();
-    stats.work.n_factorisations += done.number_of_linear_solver_setups as u64;
-    stats.work.n_lin_solves += done.number_of_nonlinear_solver_iterations as u64;
-}
-
-fn failure<P: System>(point: &Point<P>, error: &DiffsolError) -> Error {
-    let mode = format!("{:?}", point.mode);
-    Error::Diffsol { t: point.t, mode, message: error.to_string() }
 }
 
 /// The last step of a `diffsol` solver.
