@@ -179,8 +179,8 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
         let low = &self.g[..=self.highest_low()];
         for i in 0..self.end.as_ref().len() {
             if pick(&self.g[1].as_ref()[i]) * of_step.1 < 0.0 {
-                let mut p = polynomial_of(low.iter().map(|g| pick(&g.as_ref()[i])), of_step.1);
-                note_turns(&mut p, pick(&self.end.as_ref()[i]), (i, 1), of_step, watch);
+                let p = polynomial_of(low.iter().map(|g| pick(&g.as_ref()[i])), of_step.1);
+                note_turns(&p, pick(&self.end.as_ref()[i]), (i, 1), of_step, watch);
             }
         }
     }
@@ -251,27 +251,27 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
             let end = watch.value(guard);
             if !at_end && self.look(guard, h, low, (end, f64::INFINITY)).0 {
                 if self.g[1].as_ref()[guard] * h < 0.0 {
-                    let mut p = self.polynomial(guard, h, low);
-                    note_turns(&mut p, end, (guard, 1), (start, h), watch);
+                    let p = self.polynomial(guard, h, low);
+                    note_turns(&p, end, (guard, 1), (start, h), watch);
                 }
                 continue;
             }
             self.expand(&field, t0, y, degree);
-            let error = match self.fit(guard, h, degree, watch) {
+            let p = self.polynomial(guard, h, degree);
+            let error = match fit(&p, guard, watch) {
                 Some(Fit::Whole { error }) => error,
                 Some(Fit::Part(range)) if h.abs() > least => return Ok(Look::Within(range)),
                 _ => return self.by_values(problem, mode, step, watch),
             };
-            let mut p = self.polynomial(guard, h, degree);
-            note_turns(&mut p, end, (guard, TURNS), (start, h), watch);
+            note_turns(&p, end, (guard, TURNS), (start, h), watch);
             if !at_end && self.look(guard, h, degree, (end, f64::INFINITY)).0 {
                 continue;
             }
             if watch.is_disproved(guard) {
                 return self.by_values(problem, mode, step, watch);
             }
-            let Some((s, violated)) = self.fall_on_step(guard, h, degree, watch) else {
-                if error > watch.bound(guard) && self.may_fall(guard, h, degree, error) {
+            let Some((s, violated)) = fall_on_step(&p, guard, watch) else {
+                if error > watch.bound(guard) && may_fall(&p, error) {
                     return self.by_values(problem, mode, step, watch);
                 }
                 continue;
@@ -292,45 +292,6 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         Ok(Look::of(first))
     }
 
-    /// Whether the polynomial of `degree` of guard `i` on a step of size `h` would fall if it were wrong by
-    /// [more than](DOUBT) its `error`.
-    fn may_fall(&self, i: usize, h: f64, degree: usize, error: f64) -> bool {
-        let lowered = self.polynomial(i, h, degree).raised(-DOUBT * error);
-        let [g_0, g_1] = [0, 1].map(|k| lowered.coefficients()[k]);
-        g_0 < 0.0 && g_1 < 0.0 || lowered.first_fall(0.0, PRECISION).is_some()
-    }
-
-    /// How well the polynomial of `degree` of guard `i` describes it on a step of size `h`. `None` where a coefficient
-    /// is not finite. The guard is to be evaluated at the middle and at the end.
-    fn fit<P: System<Guards<f64> = G>>(
-        &self,
-        i: usize,
-        h: f64,
-        degree: usize,
-        watch: &GuardWatch<P>,
-    ) -> Option<Fit> {
-        if self.g[..=degree].iter().any(|g| !g.as_ref()[i].is_finite()) {
-            return None;
-        }
-        let p = self.polynomial(i, h, degree);
-        let (middle, end) = (watch.middle(i), watch.value(i));
-        if !middle.is_finite() {
-            return Some(Fit::Part(0.5 * SAFETY));
-        }
-        // The error may happen to vanish at the middle and at the end; the last terms are of its size.
-        let c = p.coefficients();
-        let last = c[degree].abs().max(c[(degree - 1).max(1)].abs());
-        let error = (p.at(0.5) - middle).abs().max((p.at(1.0) - end).abs()).max(last);
-        let size = c[..2].iter().fold(middle.abs().max(end.abs()), |a, c| a.max(c.abs()));
-        let allowed = watch.bound(i).max(MOST_ERROR * size);
-        if error <= allowed {
-            return Some(Fit::Whole { error });
-        }
-        // An error of the next term would fall like this power of the step.
-        let range = SAFETY * libm::pow(allowed / error, 1.0 / (degree + 1) as f64);
-        Some(Fit::Part(range.max(SHORTER)))
-    }
-
     /// The guard that falls first by the search on values and rates, where no polynomial describes a guard.
     fn by_values<P: System<Guards<f64> = G>>(
         &self,
@@ -344,35 +305,6 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
             return Ok(Look::Clear);
         }
         watch.first_to_fall(problem, mode, step, PRECISION, None).map(Look::of)
-    }
-
-    /// The fall of guard `i` on a step of size `h` by its polynomial of `degree`, as a fraction of the step, and the
-    /// fraction at which it is then violated, `None` for the end of the step. The guard is to be evaluated at the end.
-    fn fall_on_step<P: System<Guards<f64> = G>>(
-        &self,
-        i: usize,
-        h: f64,
-        degree: usize,
-        watch: &mut GuardWatch<P>,
-    ) -> Option<(f64, Option<f64>)> {
-        let at_end = watch.is_violated(i);
-        let p = self.polynomial(i, h, degree);
-        let Some((s, violated)) = fall_of(&p, watch.bound(i)) else {
-            return at_end.then_some((1.0, None));
-        };
-        if at_end && violated == 1.0 {
-            return Some((s, None));
-        }
-        // Where the polynomial does not rise before the end, the guard may.
-        let violated = match violated {
-            1.0 => minimum(|s| p.at(s), [s, 0.5 * (s + 1.0), 1.0]).0,
-            inside => inside,
-        };
-        if p.at(violated) >= -watch.bound(i) {
-            return at_end.then_some((s, None));
-        }
-        watch.note_dip(i);
-        Some((s, Some(violated)))
     }
 
     /// The rate of guard `i` at the time `s` after the start of the step, from its polynomial of `degree`.
@@ -397,19 +329,75 @@ fn polynomial_of(coefficients: impl ExactSizeIterator<Item = f64>, h: f64) -> Po
 /// Notes the turns of guard `i` on a step of size `h` from `t0`, one in each of so many equal `parts` at most, by its
 /// polynomial `p` on the step. What that lacks at the `end` is taken for a term of the next order.
 fn note_turns<P: System>(
-    p: &mut Polynomial,
+    p: &Polynomial,
     end: f64,
     (i, parts): (usize, u32),
     (t0, h): (f64, f64),
     watch: &mut GuardWatch<P>,
 ) {
-    let c = p.coefficients();
-    // The least that it can be. False where no touches are to be noted.
     let low = watch.lows().as_ref()[i];
-    if c[1..].iter().fold(c[0], |least, c| least + c.min(0.0)) < low {
-        p.extend(end - p.at(1.0));
-        p.minima(parts, low, |s, least| watch.note(i, t0 + s * h, least));
+    // False where no touches are to be noted.
+    if p.least() < low && !p.is_concave(end) {
+        p.extended(end).minima(parts, low, |s, least| watch.note(i, t0 + s * h, least));
     }
+}
+
+/// How well the polynomial `p` of guard `i` on a step describes it. `None` where a coefficient is not finite. The guard is
+/// to be evaluated at the middle and at the end.
+fn fit<P: System>(p: &Polynomial, i: usize, watch: &GuardWatch<P>) -> Option<Fit> {
+    let c = p.coefficients();
+    if c.iter().any(|c| !c.is_finite()) {
+        return None;
+    }
+    let degree = c.len() - 1;
+    let (middle, end) = (watch.middle(i), watch.value(i));
+    if !middle.is_finite() {
+        return Some(Fit::Part(0.5 * SAFETY));
+    }
+    // The error may happen to vanish at the middle and at the end; the last terms are of its size.
+    let last = c[degree].abs().max(c[(degree - 1).max(1)].abs());
+    let error = (p.at(0.5) - middle).abs().max((p.at(1.0) - end).abs()).max(last);
+    let size = c[..2].iter().fold(middle.abs().max(end.abs()), |a, c| a.max(c.abs()));
+    let allowed = watch.bound(i).max(MOST_ERROR * size);
+    if error <= allowed {
+        return Some(Fit::Whole { error });
+    }
+    // An error of the next term would fall like this power of the step.
+    let range = SAFETY * libm::pow(allowed / error, 1.0 / (degree + 1) as f64);
+    Some(Fit::Part(range.max(SHORTER)))
+}
+
+/// Whether the polynomial `p` of a guard would fall if it were wrong by [more than](DOUBT) its `error`.
+fn may_fall(p: &Polynomial, error: f64) -> bool {
+    let lowered = p.raised(-DOUBT * error);
+    let [g_0, g_1] = [0, 1].map(|k| lowered.coefficients()[k]);
+    g_0 < 0.0 && g_1 < 0.0 || lowered.first_fall(0.0, PRECISION).is_some()
+}
+
+/// The fall of guard `i` by its polynomial `p` on a step, as a fraction of the step, and the fraction at which it is then
+/// violated, `None` for the end of the step. The guard is to be evaluated at the end.
+fn fall_on_step<P: System>(
+    p: &Polynomial,
+    i: usize,
+    watch: &mut GuardWatch<P>,
+) -> Option<(f64, Option<f64>)> {
+    let at_end = watch.is_violated(i);
+    let Some((s, violated)) = fall_of(p, watch.bound(i)) else {
+        return at_end.then_some((1.0, None));
+    };
+    if at_end && violated == 1.0 {
+        return Some((s, None));
+    }
+    // Where the polynomial does not rise before the end, the guard may.
+    let violated = match violated {
+        1.0 => minimum(|s| p.at(s), [s, 0.5 * (s + 1.0), 1.0]).0,
+        inside => inside,
+    };
+    if p.at(violated) >= -watch.bound(i) {
+        return at_end.then_some((s, None));
+    }
+    watch.note_dip(i);
+    Some((s, Some(violated)))
 }
 
 /// The time on [0, 1] at which `p` falls below `−bound/2` before it is below `−bound`, and a time at which it is

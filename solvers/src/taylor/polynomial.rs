@@ -95,12 +95,32 @@ impl Polynomial {
         }
     }
 
-    /// Adds a coefficient of the next order, if there is room for one.
-    pub fn extend(&mut self, coefficient: f64) {
+    /// A lower bound of its values.
+    pub fn least(&self) -> f64 {
+        self.c[1..=self.degree].iter().fold(self.c[0], |least, c| least + c.min(0.0))
+    }
+
+    /// The term of the next order with which it has the value `end` at 1, or zero if there is no room for one.
+    fn lacking(&self, end: f64) -> f64 {
+        if self.degree < MAX_ORDER { end - self.at(1.0) } else { 0.0 }
+    }
+
+    /// Whether its terms show that its slope falls throughout, also with one of the next order that brings it to `end`.
+    pub fn is_concave(&self, end: f64) -> bool {
+        let terms = self.coefficients().iter().copied().chain([self.lacking(end)]);
+        let mut bends = terms.enumerate().skip(2).map(|(k, c)| (k * (k - 1)) as f64 * c);
+        let first = bends.next().unwrap_or(0.0);
+        bends.fold(first, |most, bend| most + bend.max(0.0)) <= 0.0
+    }
+
+    /// Extends it by a term of the next order, if there is room for one, to the value `end` at 1.
+    pub fn extended(mut self, end: f64) -> Self {
+        let lacking = self.lacking(end);
         if self.degree < MAX_ORDER {
             self.degree += 1;
-            self.c[self.degree] = coefficient;
+            self.c[self.degree] = lacking;
         }
+        self
     }
 
     /// This polynomial plus the constant `level`.
