@@ -313,8 +313,10 @@ impl<P: System> GuardWatch<P> {
     ) -> bool {
         self.rates(problem, mode.clone(), step.t1(), step.y1(), step.slope1());
         self.begin_search();
-        let h = step.t1() - step.t0();
-        if !self.knows(h) && !self.all_follow(problem, mode, step) {
+        let (t0, t1) = (step.t0(), step.t1());
+        let h = t1 - t0;
+        let ends = [(step.y0(), step.slope0()), (step.y1(), step.slope1())];
+        if !self.knows(h) && !self.all_follow(problem, mode, (t0, t1), ends) {
             return false;
         }
         // All guards are tested without a branch between them, so that the tests run as vector instructions.
@@ -325,7 +327,7 @@ impl<P: System> GuardWatch<P> {
         });
         if far {
             if !high {
-                self.note_turns(step.t0(), h);
+                self.note_turns(t0, h);
             }
             self.keep();
             return true;
@@ -333,7 +335,7 @@ impl<P: System> GuardWatch<P> {
         let is_clear = (0..self.end.as_ref().len())
             .all(|i| (0.0..f64::INFINITY).contains(&self.end.as_ref()[i].re) && self.holds(i, h));
         if is_clear {
-            self.note_turns(step.t0(), h);
+            self.note_turns(t0, h);
             self.keep();
         }
         is_clear
@@ -360,7 +362,7 @@ impl<P: System> GuardWatch<P> {
         self.doubts.as_mut().fill(0.0);
         if let Some(tolerance) = doubt {
             let y = step.y1().as_ref();
-            self.doubt(problem, mode.clone(), step, |i| tolerance.allowed(i, y));
+            self.doubt(problem, mode.clone(), step, &|i| tolerance.allowed(i, y));
         }
         for (quarter, values) in (1..).zip(&mut self.quarters) {
             step.interpolate(t0 + 0.25 * f64::from(quarter) * h, &mut self.y);

@@ -334,7 +334,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     }
 
     /// Takes steps to the end of a phase that has begun.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn finish(
         &mut self,
         context: &mut PhaseContext<'_, P>,

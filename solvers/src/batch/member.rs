@@ -15,10 +15,10 @@ use crate::step::Step;
 use crate::system::{Alike, Vector};
 
 /// A run with its recorder, in a phase whose mode has parameters.
-pub(super) struct Member<'r, 'a, P: Alike, R, M> {
+pub(super) struct Member<'r, 'a, P: Alike, M> {
     pub(super) index: usize,
     run: &'r mut Integration<'a, P>,
-    record: &'r mut R,
+    record: &'r mut dyn Record<P>,
     solver: OneStepSolver<P, M>,
     phase: PhaseState,
     parameters: P::Parameters<f64>,
@@ -45,11 +45,11 @@ pub(super) enum Fate {
     Ends(Result<Outcome, Error>),
 }
 
-impl<'r, 'a, P: Alike, R: Record<P>, M: OneStep<P>> Member<'r, 'a, P, R, M> {
+impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
     /// Begins a run towards `t_end` by `method`, up to its first phase whose mode has parameters. Returns how the run
     /// ended where it has none.
     pub(super) fn begin(
-        entry: Entry<'r, 'a, P, R>,
+        entry: Entry<'r, 'a, P>,
         method: M,
         t_end: f64,
     ) -> Result<Self, Result<Outcome, Error>> {
@@ -191,7 +191,7 @@ impl<'r, 'a, P: Alike, R: Record<P>, M: OneStep<P>> Member<'r, 'a, P, R, M> {
     ) -> bool {
         let Self { run, record, solver, t1, h, .. } = self;
         steps.note_turns(lane, (run.point.t, *h), &mut solver.watch);
-        solver.watch.tell_known(*t1, *h, |graze| {
+        solver.watch.tell_known(*t1, *h, &mut |graze| {
             run.stats.n_grazing += 1;
             record.grazing(&graze.in_mode(run.point.mode.clone()));
         })

@@ -44,20 +44,20 @@ use steps::Steps;
 use tableau::TableauSteps;
 
 /// One run of a batch, with its place among the results.
-pub(crate) struct Entry<'r, 'a, P: Alike, R> {
+pub(crate) struct Entry<'r, 'a, P: Alike> {
     pub(crate) index: usize,
     pub(crate) run: &'r mut Integration<'a, P>,
     pub(crate) control: &'r Control,
-    pub(crate) record: &'r mut R,
+    pub(crate) record: &'r mut dyn Record<P>,
 }
 
 /// How runs ended, by their places.
 type Ends = [Result<Outcome, Error>];
 
 /// Integrates runs of systems of one size to `t_end` by `tableau`, and writes how they ended to `ends`.
-pub(crate) fn by_tableau<P: Alike, R: Record<P>, const S: usize>(
+pub(crate) fn by_tableau<P: Alike, const S: usize>(
     tableau: &'static Tableau<S>,
-    entries: Vec<Entry<'_, '_, P, R>>,
+    entries: Vec<Entry<'_, '_, P>>,
     t_end: f64,
     ends: &mut Ends,
 ) {
@@ -73,9 +73,9 @@ pub(crate) fn by_tableau<P: Alike, R: Record<P>, const S: usize>(
 }
 
 /// As [`by_tableau`] by series of `order`; every control has a tolerance.
-pub(crate) fn by_series<P: Alike, R: Record<P>>(
+pub(crate) fn by_series<P: Alike>(
     order: usize,
-    entries: Vec<Entry<'_, '_, P, R>>,
+    entries: Vec<Entry<'_, '_, P>>,
     t_end: f64,
     ends: &mut Ends,
 ) {
@@ -85,9 +85,9 @@ pub(crate) fn by_series<P: Alike, R: Record<P>>(
 }
 
 /// Integrates runs to `t_end` by `steps` at once, or each by a `method` of its own.
-fn run<P: Alike, R: Record<P>, V: Simd, S: Steps<P, V>>(
+fn run<P: Alike, V: Simd, S: Steps<P, V>>(
     (mut steps, method): (S, impl Fn() -> S::Method),
-    entries: Vec<Entry<'_, '_, P, R>>,
+    entries: Vec<Entry<'_, '_, P>>,
     t_end: f64,
     ends: &mut Ends,
 ) {
@@ -153,9 +153,9 @@ fn run<P: Alike, R: Record<P>, V: Simd, S: Steps<P, V>>(
 }
 
 /// Takes the run in `lane` out, and puts the last one there.
-fn close_up<P: Alike, R: Record<P>, V: Simd, S: Steps<P, V>>(
+fn close_up<P: Alike, V: Simd, S: Steps<P, V>>(
     lane: usize,
-    members: &mut Vec<Member<'_, '_, P, R, S::Method>>,
+    members: &mut Vec<Member<'_, '_, P, S::Method>>,
     field: &mut ByParameters<P, V>,
     steps: &mut S,
 ) {

@@ -69,7 +69,7 @@ impl<P: System> DiffsolSolver<P> {
         let interpolant = |t: f64, y: &mut P::State<f64>| step.interpolate(t, y);
         let (t0, y0, t1) = (step.t0, step.y0, step.t1);
         let smooth = SolverStep { interpolant, t0, t1, y0, y1, slope0, slope1 };
-        self.watch.graze(problem, mode.clone(), &smooth, (landed_on, h), error, &mut told);
+        self.watch.graze(problem, mode.clone(), &smooth, (landed_on, h), &error, &mut told);
         if let Some(guard) = landed_on
             && !is_told
         {
@@ -77,7 +77,7 @@ impl<P: System> DiffsolSolver<P> {
             let most = (y.len() as f64).sqrt();
             let error = |i: usize| most * allowed(i);
             let of = (guard, step.t1 - phase_from);
-            let (height, error) = self.watch.arc(problem, mode.clone(), step, of, error);
+            let (height, error) = self.watch.arc(problem, mode.clone(), step, of, &error);
             if height <= error {
                 let (t, depth, error) = (step.t1, -height, error * many / most);
                 record.grazing(

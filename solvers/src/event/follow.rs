@@ -20,6 +20,9 @@ const STRAYS: f64 = 1.0 / 64.0;
 /// sine is searched for by the polynomial of degree six over more than three quarters of a period.
 const LONGER: f64 = 4.0 / 3.0;
 
+/// An end of a step: a state and its slope.
+type End<'a, Y> = (&'a Y, &'a Y);
+
 impl<P: System> GuardWatch<P> {
     /// Whether the guards need not be compared with their cubics on a step of size `h`.
     pub(crate) fn knows(&self, h: f64) -> bool {
@@ -31,22 +34,23 @@ impl<P: System> GuardWatch<P> {
         self.strays[i] && !self.knows(h)
     }
 
-    /// Whether all guards follow their cubics on `step`: between its ends they differ from them by little. The states
-    /// between are those of the cubic of the states, so that a guard which moves with the states does not stray.
+    /// Whether all guards follow their cubics on a step from `t0` to `t1`: between its ends, each a state and its slope, they
+    /// differ from them by little. The states between are those of the cubic of the states, so that a guard which moves with
+    /// the states does not stray.
     #[cold]
     #[inline(never)]
     pub(super) fn all_follow(
         &mut self,
         problem: &P,
         mode: P::Mode,
-        step: &(impl Step<P::State<f64>> + ?Sized),
+        (t0, t1): (f64, f64),
+        [start, end]: [End<'_, P::State<f64>>; 2],
     ) -> bool {
-        let (t0, h) = (step.t0(), step.t1() - step.t0());
-        problem.guard_bounds(mode.clone(), step.t1(), step.y1(), &mut self.bounds);
+        let h = t1 - t0;
+        problem.guard_bounds(mode.clone(), t1, end.0, &mut self.bounds);
         self.strays.fill(false);
         for theta in PROBES {
-            let ends = ((step.y0(), step.slope0()), (step.y1(), step.slope1()));
-            hermite(theta, h, ends.0, ends.1, &mut self.y);
+            hermite(theta, h, start, end, &mut self.y);
             problem.guards(mode.clone(), t0 + theta * h, &self.y, &mut self.values);
             for (i, value) in self.values.as_ref().iter().enumerate() {
                 let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);

@@ -175,12 +175,12 @@ impl<P: System> GuardWatch<P> {
 
     /// Tells `told` of the touches on an accepted step of size `h` to `t1`, by the errors found last; false where errors are
     /// to be found anew.
-    pub(crate) fn tell_known(&mut self, t1: f64, h: f64, mut told: impl FnMut(Graze)) -> bool {
+    pub(crate) fn tell_known(&mut self, t1: f64, h: f64, told: &mut dyn FnMut(Graze)) -> bool {
         if self.touches.iter().any(|touch| self.is_new(touch)) {
             return false;
         }
         let mut touches = std::mem::take(&mut self.touches);
-        touches.drain(..).filter_map(|touch| self.grazing(touch, t1, h)).for_each(&mut told);
+        touches.drain(..).filter_map(|touch| self.grazing(touch, t1, h)).for_each(told);
         self.touches = touches;
         true
     }
@@ -194,8 +194,8 @@ impl<P: System> GuardWatch<P> {
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
         (landed_on, h): (Option<usize>, f64),
-        error: impl Fn(usize) -> f64,
-        mut told: impl FnMut(Graze),
+        error: &dyn Fn(usize) -> f64,
+        told: &mut dyn FnMut(Graze),
     ) {
         let (t0, t1) = (step.t0(), step.t1());
         self.touches.retain(|touch| (touch.t - t1) * (t1 - t0) <= 0.0);
@@ -205,7 +205,7 @@ impl<P: System> GuardWatch<P> {
         if shallow.is_some() || self.touches.iter().any(|touch| self.is_new(touch)) {
             self.find_errors(problem, mode.clone(), step, error);
         }
-        self.tell_known(t1, t1 - t0, &mut told);
+        self.tell_known(t1, t1 - t0, told);
         if let Some(guard) = shallow
             && is_resolved(t1, t1 - t0)
         {
@@ -239,7 +239,7 @@ impl<P: System> GuardWatch<P> {
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
-        error: impl Fn(usize) -> f64,
+        error: &dyn Fn(usize) -> f64,
     ) {
         self.doubt(problem, mode.clone(), step, error);
         self.evaluate(problem, mode, step.t1(), step.y1());
@@ -322,7 +322,7 @@ impl<P: System> GuardWatch<P> {
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
         (i, span): (usize, f64),
-        error: impl Fn(usize) -> f64,
+        error: &dyn Fn(usize) -> f64,
     ) -> (f64, f64) {
         self.doubt(problem, mode.clone(), step, error);
         self.rates(problem, mode, step.t1(), step.y1(), step.slope1());
@@ -338,7 +338,7 @@ impl<P: System> GuardWatch<P> {
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
-        error: impl Fn(usize) -> f64,
+        error: &dyn Fn(usize) -> f64,
     ) {
         let y = step.y1().as_ref();
         let mut g = self.end.clone();

@@ -320,23 +320,26 @@ impl Method {
     /// # Panics
     /// Where there are fewer `controls` or `records` than `runs`, where two systems give different numbers of
     /// parameters, or where one branches on a number in a mode that has parameters.
-    pub fn run_batch<P: Alike, R: Record<P>>(
+    pub fn run_batch<P: Alike>(
         &self,
         runs: &mut [Integration<'_, P>],
         t_end: f64,
         controls: &[Control],
-        records: &mut [R],
+        records: &mut [&mut dyn Record<P>],
     ) -> Result<Vec<Result<Outcome, Error>>, Error> {
         assert!(controls.len().min(records.len()) >= runs.len(), "a run needs control and record");
         for (run, control) in runs.iter().zip(controls) {
             self.check(run.problem.dim(), control)?;
         }
         let mut ends = vec![Ok(Outcome::Finished); runs.len()];
-        let all = runs.iter_mut().zip(controls).zip(records).enumerate();
-        let entry = |(index, ((run, control), record))| Entry { index, run, control, record };
-        let mut entries: Vec<_> = all.map(entry).collect();
+        let mut entries: Vec<Entry<'_, '_, P>> = Vec::with_capacity(runs.len());
+        for (index, ((run, control), record)) in
+            runs.iter_mut().zip(controls).zip(records).enumerate()
+        {
+            entries.push(Entry { index, run, control, record: &mut **record });
+        }
         // Runs in one batch have vectors of the same lengths, and series of the same order.
-        let class = |Entry { run, control, .. }: &Entry<'_, '_, P, R>| {
+        let class = |Entry { run, control, .. }: &Entry<'_, '_, P>| {
             let rtol = match control {
                 Control::Adaptive(tolerance) => Some(tolerance.rtol),
                 Control::Fixed(_) => None,

@@ -9,7 +9,7 @@ use deltazero_solvers::{
     System, Trajectory,
 };
 
-use crate::log::{Log, Setting, settings};
+use crate::log::{Log, Setting, as_records, settings};
 use crate::script::{Script, floor, guard, unused};
 
 type Recorder<P> =
@@ -62,7 +62,7 @@ fn same_bits<P: Alike<State<f64> = [f64; 2]>>(
 ) -> (Vec<Result<Outcome, Error>>, u64) {
     let begun = || runs.iter().map(|(problem, t, y)| Integration::new(*problem, *t, *y));
     let (mut batch, mut seen) = (begun().collect::<Vec<_>>(), recorders());
-    let ends = method.run_batch(&mut batch, t_end, controls, &mut seen).unwrap();
+    let ends = method.run_batch(&mut batch, t_end, controls, &mut as_records(&mut seen)).unwrap();
     let mut n_rejected = 0;
     for (i, (mut run, mut record)) in begun().zip(recorders()).enumerate() {
         let mut solver = method.solver(runs[i].0, controls[i].clone()).unwrap();
@@ -360,12 +360,12 @@ fn runs_need_controls_that_the_method_takes() {
         [("rk4", [fixed.clone(), tolerance.clone()]), ("bdf", [tolerance.clone(), fixed.clone()])]
     {
         let method = Method::named(name).unwrap();
-        let ends = method.run_batch(&mut runs, 1.0, &controls, &mut [(), ()]);
+        let ends = method.run_batch(&mut runs, 1.0, &controls, &mut [&mut (), &mut ()]);
         assert!(matches!(&ends, Err(Error::BadControl { method, .. }) if *method == name));
         assert_eq!(runs[0].point.t, 0.0);
     }
     let rk4 = Method::named("rk4").unwrap();
-    assert_eq!(rk4.run_batch::<Script, ()>(&mut [], 1.0, &[], &mut []), Ok(Vec::new()));
+    assert_eq!(rk4.run_batch::<Script>(&mut [], 1.0, &[], &mut []), Ok(Vec::new()));
 }
 
 #[test]
@@ -374,7 +374,7 @@ fn systems_of_a_kind_have_as_many_parameters_as_each_other() {
     let scripts = [script(), Script { rate: vec![vec![1.0; 9]; 3], ..script() }];
     let mut runs = scripts.each_ref().map(|script| Integration::new(script, 0.0, [0.0, 0.3]));
     let rk4 = Method::named("rk4").unwrap();
-    let _ = rk4.run_batch(&mut runs, 1.0, &vec![Control::Fixed(0.1); 2], &mut [(), ()]);
+    let _ = rk4.run_batch(&mut runs, 1.0, &vec![Control::Fixed(0.1); 2], &mut [&mut (), &mut ()]);
 }
 
 /// A mass on a spring whose functions of its parameters are wrong: the slope, or the guard.
@@ -440,7 +440,7 @@ fn parameters_that_do_not_describe_their_mode_are_an_error() {
     fn functions<const GUARD: bool>(setting: &Setting, wrong: &Wrong<GUARD>) -> Vec<&'static str> {
         let mut runs = [1.0, 1.1].map(|x| Integration::new(wrong, 0.0, [x, 0.0]));
         let controls = vec![setting.1.clone(); 2];
-        let ends = setting.0.run_batch(&mut runs, 2.0, &controls, &mut [(), ()]).unwrap();
+        let ends = setting.0.run_batch(&mut runs, 2.0, &controls, &mut [&mut (), &mut ()]).unwrap();
         let function = |end| match end {
             Err(Error::UnlikeParameters { function, .. }) => function,
             end => panic!("{} with {:?}: {end:?}", setting.0.name, setting.1),

@@ -131,3 +131,8 @@ pub(crate) fn run<P: System>(
     assert_eq!(integration.stats.n_events, n, "{}", method.name);
     (log, outcome, integration.point.t, integration.point.y)
 }
+
+/// The recorders of the runs of a batch.
+pub(crate) fn as_records<P: System, R: Record<P>>(own: &mut [R]) -> Vec<&mut dyn Record<P>> {
+    own.iter_mut().map(|own| own as &mut dyn Record<P>).collect()
+}

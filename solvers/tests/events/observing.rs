@@ -9,7 +9,7 @@ use deltazero_solvers::{
 };
 
 use crate::common::at_most;
-use crate::log::{Log, Setting, settings, settings_with};
+use crate::log::{Log, Setting, as_records, settings, settings_with};
 use crate::script::chain;
 
 /// `ẍ = −x` from x = 1, with a guard that falls at no time; `(x, ẋ) = (cos t, −sin t)`.
@@ -218,7 +218,7 @@ fn runs_of_a_batch_are_observed_as_each_alone() {
             balls.iter().map(|ball| Integration::new(ball, 0.0, ball.start())).collect();
         let mut seen: Vec<_> = balls.iter().map(|_| observe()).collect();
         let controls = vec![control.clone(); balls.len()];
-        method.run_batch(&mut runs, 3.0, &controls, &mut seen).unwrap();
+        method.run_batch(&mut runs, 3.0, &controls, &mut as_records(&mut seen)).unwrap();
         for (ball, seen) in balls.iter().zip(&seen) {
             let mut alone = observe();
             let setting = (method, control.clone());

@@ -11,7 +11,7 @@ use deltazero_solvers::{
 };
 
 use crate::common::steps_itself;
-use crate::log::settings;
+use crate::log::{as_records, settings};
 
 /// `ẏ = 1/t` from t = 0 on, where the slope is zero: `h ẏ` is no smaller for a smaller step, and none is accepted
 /// that is above the least number.
@@ -140,7 +140,7 @@ fn each_run_of_a_batch_ends_by_its_own_recorder_while_it_rejects() {
         let mut runs: Vec<_> = (0..3).map(|_| Integration::new(&Slope, 0.0, [0.0; 2])).collect();
         let mut seen: Vec<_> = (0..3).map(|_| Impatient::default()).collect();
         let controls = vec![Control::Adaptive(tolerance()); 3];
-        let ends = method.run_batch(&mut runs, 1.0, &controls, &mut seen).unwrap();
+        let ends = method.run_batch(&mut runs, 1.0, &controls, &mut as_records(&mut seen)).unwrap();
         for ((run, end), seen) in runs.iter().zip(ends).zip(&seen) {
             assert_ended(method.name, end.unwrap(), run.point.t, seen);
         }
