@@ -1,6 +1,6 @@
 //! A [`Field`] in the form of equations that `diffsol` takes.
 
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 
 use diffsol::{
     ConstantOp, NonLinearOp, NonLinearOpJacobian, OdeEquations, OdeEquationsRef, Op, UnitCallable,
@@ -14,8 +14,6 @@ use super::field::Field;
 pub(super) struct Equations<'f, A: Algebra> {
     field: &'f dyn Field,
     y0: &'f [f64],
-    /// The slope last evaluated.
-    pub(super) slope: RefCell<Vec<f64>>,
     pub(super) n_rhs: Cell<u64>,
     pub(super) n_jac: Cell<u64>,
     /// The state whose slope was not finite in the last evaluation, if there was one.
@@ -31,18 +29,12 @@ impl<'f, A: Algebra> Equations<'f, A> {
         Self {
             field,
             y0,
-            slope: RefCell::new(y0.to_vec()),
             n_rhs,
             n_jac,
             non_finite: Cell::new(None),
             non_finite_row: Cell::new(None),
             context: A::C::default(),
         }
-    }
-
-    /// The states that the vector `x` holds.
-    fn states<'x>(&self, x: &'x A::V) -> &'x [f64] {
-        &A::components(x)[..self.field.dim()]
     }
 }
 
@@ -105,10 +97,7 @@ impl<A: Algebra> ConstantOp for &Equations<'_, A> {
 impl<A: Algebra> NonLinearOp for &Equations<'_, A> {
     fn call_inplace(&self, x: &A::V, t: f64, y: &mut A::V) {
         self.n_rhs.set(self.n_rhs.get() + 1);
-        let slope = &mut *self.slope.borrow_mut();
-        self.field.rhs(t, self.states(x), slope);
-        self.non_finite.set(slope.iter().position(|d| !d.is_finite()));
-        A::components_mut(y).copy_from_slice(slope);
+        self.non_finite.set(self.field.rhs(t, A::components(x), A::components_mut(y)));
     }
 }
 
@@ -116,13 +105,13 @@ impl<A: Algebra> NonLinearOpJacobian for &Equations<'_, A> {
     fn jac_mul_inplace(&self, x: &A::V, t: f64, v: &A::V, y: &mut A::V) {
         let (v, y) = (A::components(v), A::components_mut(y));
         y.fill(0.0);
-        self.field.jacobian(t, self.states(x), &mut |i, j, entry| y[i] += entry * v[j]);
+        self.field.jacobian(t, A::components(x), &mut |i, j, entry| y[i] += entry * v[j]);
     }
 
     fn jacobian_inplace(&self, x: &A::V, t: f64, jac: &mut A::M) {
         self.n_jac.set(self.n_jac.get() + 1);
         A::clear(jac);
-        self.field.jacobian(t, self.states(x), &mut |i, j, entry| {
+        self.field.jacobian(t, A::components(x), &mut |i, j, entry| {
             if !entry.is_finite() {
                 self.non_finite_row.set(Some(i));
             }

@@ -9,25 +9,34 @@ pub(super) trait Field {
     /// Number of states.
     fn dim(&self) -> usize;
 
-    /// Writes the slope at `(t, y)` to `dydt`.
-    fn rhs(&self, t: f64, y: &[f64], dydt: &mut [f64]);
+    /// Writes the slope at `(t, y)` to `dydt`, and returns the state whose slope is not finite, if there is one.
+    fn rhs(&self, t: f64, y: &[f64], dydt: &mut [f64]) -> Option<usize>;
 
     /// Calls `entry` as [`System::jacobian`] does.
     fn jacobian(&self, t: f64, y: &[f64], entry: &mut dyn FnMut(usize, usize, f64));
 }
 
-/// A system in one mode, with memory for a state and a slope.
+/// A system in one mode, with the slope that was evaluated last.
 pub(super) struct OfSystem<'p, P: System> {
     problem: &'p P,
     mode: P::Mode,
-    y: RefCell<P::State<f64>>,
     dydt: RefCell<P::State<f64>>,
 }
 
 impl<'p, P: System> OfSystem<'p, P> {
     pub(super) fn new(problem: &'p P, mode: P::Mode) -> Self {
-        let zeros = || RefCell::new(Vector::from_fn(problem.dim(), |_| 0.0));
-        Self { problem, mode, y: zeros(), dydt: zeros() }
+        Self { problem, mode, dydt: RefCell::new(Vector::from_fn(problem.dim(), |_| 0.0)) }
+    }
+
+    /// The slope that was evaluated last.
+    pub(super) fn last_slope(&self) -> P::State<f64> {
+        self.dydt.borrow().clone()
+    }
+
+    fn state(&self, y: &[f64]) -> P::State<f64> {
+        let n = self.problem.dim();
+        let y = &y[..n];
+        P::State::from_fn(n, |i| y[i])
     }
 }
 
@@ -36,16 +45,18 @@ impl<P: System> Field for OfSystem<'_, P> {
         self.problem.dim()
     }
 
-    fn rhs(&self, t: f64, y: &[f64], dydt: &mut [f64]) {
-        let (mut own_y, mut own_dydt) = (self.y.borrow_mut(), self.dydt.borrow_mut());
-        own_y.as_mut().copy_from_slice(y);
-        self.problem.rhs(self.mode.clone(), t, &own_y, &mut own_dydt);
-        dydt.copy_from_slice((*own_dydt).as_ref());
+    fn rhs(&self, t: f64, y: &[f64], dydt: &mut [f64]) -> Option<usize> {
+        let y = self.state(y);
+        let mut slope = y.clone();
+        self.problem.rhs(self.mode.clone(), t, &y, &mut slope);
+        let own = slope.as_ref();
+        dydt[..own.len()].copy_from_slice(own);
+        let non_finite = own.iter().position(|d| !d.is_finite());
+        self.dydt.replace(slope);
+        non_finite
     }
 
     fn jacobian(&self, t: f64, y: &[f64], entry: &mut dyn FnMut(usize, usize, f64)) {
-        let mut own_y = self.y.borrow_mut();
-        own_y.as_mut().copy_from_slice(y);
-        self.problem.jacobian(self.mode.clone(), t, &own_y, entry);
+        self.problem.jacobian(self.mode.clone(), t, &self.state(y), entry);
     }
 }

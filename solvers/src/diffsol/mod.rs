@@ -130,11 +130,11 @@ impl<P: System> DiffsolSolver<P> {
         })
     }
 
-    /// Steps to `t_end` or the first violated guard.
+    /// Steps by `stepper` on `field`, the equations of `problem`, to `t_end` or the first violated guard.
     fn advance(
         &mut self,
         problem: &P,
-        stepper: &mut dyn Stepper,
+        (stepper, field): (&mut dyn Stepper, &OfSystem<'_, P>),
         point: &mut Point<P>,
         t_end: f64,
         stats: &mut Stats,
@@ -163,8 +163,7 @@ impl<P: System> DiffsolSolver<P> {
             let reached = stepper.t();
             // The slope that was evaluated last. The state at the end is one correction of the iteration away, but no
             // further evaluation is needed.
-            let mut slope1 = slope0.clone();
-            stepper.last_slope(slope1.as_mut());
+            let slope1 = field.last_slope();
             let interpolant = |t: f64, y: &mut P::State<f64>| {
                 let past = (t - reached) * (t_end - point.t) > 0.0;
                 stepper.interpolate(if past { reached } else { t }, y.as_mut());
@@ -246,7 +245,7 @@ impl<P: System> PhaseSolver<P> for DiffsolSolver<P> {
         let (scheme, tolerance, mode, t, y) = (self.scheme, &tolerance, &mode, point.t, y.as_ref());
         let phase = Phase { scheme, tolerance, field, mode, t, y, span, first };
         let then = &mut |stepper: &mut dyn Stepper| {
-            self.advance(problem, stepper, point, t_end, stats, record)
+            self.advance(problem, (stepper, field), point, t_end, stats, record)
         };
         // The condition is a constant, so a program with short states alone does not contain the other branch.
         if const { <P::State<f64> as Vector<f64>>::IS_SHORT } {

@@ -40,9 +40,6 @@ pub(super) trait Stepper {
     /// The slope there.
     fn dydt(&self) -> &[f64];
 
-    /// Writes the slope that was evaluated last to `dydt`.
-    fn last_slope(&self, dydt: &mut [f64]);
-
     /// Writes the interpolant at `t` to `y`: not a number where there is none.
     fn interpolate(&self, t: f64, y: &mut [f64]);
 
@@ -173,10 +170,6 @@ impl<'a, 'f: 'a, A: Algebra, S: OdeSolverMethod<'a, Equations<'f, A>>> Stepper
 
     fn dydt(&self) -> &[f64] {
         A::components(self.solver.state().dy)
-    }
-
-    fn last_slope(&self, dydt: &mut [f64]) {
-        dydt.copy_from_slice(&self.equations.slope.borrow());
     }
 
     fn interpolate(&self, t: f64, y: &mut [f64]) {
