@@ -31,7 +31,7 @@ const LEAST_STEP: f64 = 1e3 * f64::EPSILON;
 
 /// Parts of a step in each of which a guard that is not clear is taken to turn once at most. By two parts one of 20 250
 /// random runs of `tests/grazing` lost a touch, by four and by eight none.
-const TURNS: u32 = 4;
+const TURNS: usize = 4;
 
 /// What the guards of a step show.
 #[derive(Clone, Copy, Debug)]
@@ -180,7 +180,7 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
         for i in 0..self.end.as_ref().len() {
             if pick(&self.g[1].as_ref()[i]) * of_step.1 < 0.0 {
                 let p = polynomial_of(low.iter().map(|g| pick(&g.as_ref()[i])), of_step.1);
-                note_turns(&p, pick(&self.end.as_ref()[i]), (i, 1), of_step, watch);
+                note_turns::<P, 1>(p, pick(&self.end.as_ref()[i]), i, of_step, watch);
             }
         }
     }
@@ -252,7 +252,7 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
             if !at_end && self.look(guard, h, low, (end, f64::INFINITY)).0 {
                 if self.g[1].as_ref()[guard] * h < 0.0 {
                     let p = self.polynomial(guard, h, low);
-                    note_turns(&p, end, (guard, 1), (start, h), watch);
+                    note_turns::<P, 1>(p, end, guard, (start, h), watch);
                 }
                 continue;
             }
@@ -263,7 +263,7 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
                 Some(Fit::Part(range)) if h.abs() > least => return Ok(Look::Within(range)),
                 _ => return self.by_values(problem, mode, step, watch),
             };
-            note_turns(&p, end, (guard, TURNS), (start, h), watch);
+            note_turns::<P, TURNS>(p, end, guard, (start, h), watch);
             if !at_end && self.look(guard, h, degree, (end, f64::INFINITY)).0 {
                 continue;
             }
@@ -326,19 +326,20 @@ fn polynomial_of(coefficients: impl ExactSizeIterator<Item = f64>, h: f64) -> Po
     }))
 }
 
-/// Notes the turns of guard `i` on a step of size `h` from `t0`, one in each of so many equal `parts` at most, by its
-/// polynomial `p` on the step. What that lacks at the `end` is taken for a term of the next order.
-fn note_turns<P: System>(
-    p: &Polynomial,
+/// Notes the turns of guard `i` on a step of size `h` from `t0`, one in each of `N` equal parts at most, by its polynomial
+/// `p` on the step. What that lacks at the `end` is taken for a term of the next order.
+fn note_turns<P: System, const N: usize>(
+    mut p: Polynomial,
     end: f64,
-    (i, parts): (usize, u32),
+    i: usize,
     (t0, h): (f64, f64),
     watch: &mut GuardWatch<P>,
 ) {
     let low = watch.lows().as_ref()[i];
     // False where no touches are to be noted.
-    if p.least() < low && !p.is_concave(end) {
-        p.extended(end).minima(parts, low, |s, least| watch.note(i, t0 + s * h, least));
+    if p.least() < low {
+        p.extend_to(end);
+        p.minima::<N>(low, |s, least| watch.note(i, t0 + s * h, least));
     }
 }
 

@@ -53,12 +53,6 @@ impl Polynomial {
         self.coefficients().iter().rev().fold(0.0, |sum, c| sum * s + c)
     }
 
-    /// Its derivative at `s`.
-    fn slope(&self, s: f64) -> f64 {
-        let terms = self.coefficients().iter().rev();
-        terms.fold((0.0, 0.0), |(value, slope), c| (value * s + c, slope * s + value)).1
-    }
-
     /// Its value and its first and second derivative at `s`.
     fn with_derivatives(&self, s: f64) -> [f64; 3] {
         let terms = self.coefficients().iter().rev();
@@ -68,18 +62,31 @@ impl Polynomial {
         [value, slope, 2.0 * bend]
     }
 
-    /// Tells `found` of a minimum in each of so many equal `parts` of (0, 1] on which it falls at the start and not at the
-    /// end: about where it is, and the value there, which is below `low` or little above.
-    pub fn minima(&self, parts: u32, low: f64, mut found: impl FnMut(f64, f64)) {
-        let at = |k: u32| f64::from(k) / f64::from(parts);
+    /// Its derivative at several places.
+    fn slopes<const N: usize>(&self, s: [f64; N]) -> [f64; N] {
+        let (mut values, mut slopes) = ([0.0; N], [0.0; N]);
+        for c in self.coefficients().iter().rev() {
+            for ((value, slope), s) in values.iter_mut().zip(&mut slopes).zip(s) {
+                *slope = *slope * s + *value;
+                *value = *value * s + c;
+            }
+        }
+        slopes
+    }
+
+    /// Tells `found` of a minimum in each of `N` equal parts of (0, 1] on which it falls at the start and not at the end:
+    /// about where it is, and the value there, which is below `low` or little above.
+    pub fn minima<const N: usize>(&self, low: f64, mut found: impl FnMut(f64, f64)) {
+        let at = |k: usize| k as f64 / N as f64;
         let mut slope = self.c[1];
-        for k in 1..=parts {
-            let from = std::mem::replace(&mut slope, self.slope(at(k)));
+        let ends = std::array::from_fn::<f64, N, _>(|k| at(k + 1));
+        for (k, to) in self.slopes(ends).into_iter().enumerate() {
+            let from = std::mem::replace(&mut slope, to);
             if !(from < 0.0 && slope >= 0.0) {
                 continue;
             }
             // A secant of the slope, then vertices of parabolas.
-            let [a, b] = [at(k - 1), at(k)];
+            let [a, b] = [at(k), at(k + 1)];
             let mut turn = a + (b - a) * (from / (from - slope));
             let mut least = f64::INFINITY;
             for _ in 0..2 {
@@ -100,27 +107,13 @@ impl Polynomial {
         self.c[1..=self.degree].iter().fold(self.c[0], |least, c| least + c.min(0.0))
     }
 
-    /// The term of the next order with which it has the value `end` at 1, or zero if there is no room for one.
-    fn lacking(&self, end: f64) -> f64 {
-        if self.degree < MAX_ORDER { end - self.at(1.0) } else { 0.0 }
-    }
-
-    /// Whether its terms show that its slope falls throughout, also with one of the next order that brings it to `end`.
-    pub fn is_concave(&self, end: f64) -> bool {
-        let terms = self.coefficients().iter().copied().chain([self.lacking(end)]);
-        let mut bends = terms.enumerate().skip(2).map(|(k, c)| (k * (k - 1)) as f64 * c);
-        let first = bends.next().unwrap_or(0.0);
-        bends.fold(first, |most, bend| most + bend.max(0.0)) <= 0.0
-    }
-
     /// Extends it by a term of the next order, if there is room for one, to the value `end` at 1.
-    pub fn extended(mut self, end: f64) -> Self {
-        let lacking = self.lacking(end);
+    pub fn extend_to(&mut self, end: f64) {
         if self.degree < MAX_ORDER {
+            let lacking = end - self.at(1.0);
             self.degree += 1;
             self.c[self.degree] = lacking;
         }
-        self
     }
 
     /// This polynomial plus the constant `level`.
