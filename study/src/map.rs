@@ -51,7 +51,7 @@ pub struct Contested {
     pub error: Option<String>,
     /// The end of the runs [s].
     pub t_end_s: Option<f64>,
-    /// Where a change of the start's last bit is seen [s]; none: not within the run.
+    /// Where a change of the start's last bit is seen [s]; none: not within twice the time compared, or not within the run.
     pub horizon_s: Option<f64>,
     /// Events of the reference.
     pub n_events: Option<usize>,
@@ -158,8 +158,9 @@ pub fn contested(subject: Subject, plan: &MapPlan, stop: &AtomicBool) -> Vec<Con
         standings: Standings::default(),
     };
     let limits = Limits { max_rhs: plan.max_rhs, max_seconds: plan.max_seconds, stop };
-    let benchmark = match Benchmark::new(subject, plan.t_end, plan.times.clone(), limits) {
-        Ok(benchmark) => benchmark.with_at_most(plan.max_events),
+    let (most, times) = (plan.max_events, plan.times.clone());
+    let benchmark = match Benchmark::of_first(most, subject, plan.t_end, times, limits) {
+        Ok(benchmark) => benchmark,
         Err(error) => {
             let error = Some(error.to_string());
             let without = |e: &f64| Contested { error: error.clone(), ..empty(*e) };

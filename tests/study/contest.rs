@@ -3,6 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use deltazero::study::plan::benchmark;
+use deltazero::study::regimes::map_plan;
 use deltazero_solvers::{Grid, Method};
 use deltazero_study::map::{CellStatus, Contested};
 use deltazero_study::run::{Accuracy, Limits, Price, Setting};
@@ -19,6 +20,14 @@ use super::common::config;
 /// The benchmark of Table 1 with `sets`.
 fn benchmark_of(sets: &[&str]) -> Benchmark {
     benchmark(&config(sets), &AtomicBool::new(false)).unwrap()
+}
+
+/// The same up to the event after the first `most`.
+fn benchmark_of_first(most: usize, sets: &[&str]) -> Benchmark {
+    let (config, stop) = (config(sets), AtomicBool::new(false));
+    let limits = Limits { max_rhs: u64::MAX, max_seconds: f64::INFINITY, stop: &stop };
+    let (subject, times) = (config.mechanism.subject(&config), map_plan(&config).times);
+    Benchmark::of_first(most, subject, config.run.t_end, times, limits).unwrap()
 }
 
 /// The contest of `methods` on the first 0.3 s of Table 1, flights included, and on what.
@@ -202,7 +211,7 @@ fn auto_wins_a_cell_where_it_alone_arrives() {
 fn the_part_of_a_benchmark_with_its_first_events_is_a_benchmark() {
     let whole = benchmark_of(&["run.t_end=0.3"]);
     let n = whole.n_events / 2;
-    let part = whole.clone().with_at_most(n);
+    let part = benchmark_of_first(n, &["run.t_end=0.3"]);
     assert!((n..whole.n_events).contains(&part.n_events) && part.t_end < whole.t_end);
     let shorter = benchmark_of(&[&format!("run.t_end={}", part.t_end)]);
     assert_eq!(part.n_events, shorter.n_events);
@@ -215,7 +224,22 @@ fn the_part_of_a_benchmark_with_its_first_events_is_a_benchmark() {
             assert!(own.scale.error(a, b) < 1e-12);
         }
     }
-    assert_eq!(whole.clone().with_at_most(whole.n_events).t_end, whole.t_end);
+    assert_eq!(benchmark_of_first(whole.n_events, &["run.t_end=0.3"]).t_end, whole.t_end);
+}
+
+#[test]
+fn the_horizon_ends_the_first_events_as_it_ends_all() {
+    // Without damping the last bit of the start is seen long before the end.
+    let sets = ["contact.damping=0"];
+    let whole = benchmark_of(&sets);
+    assert!(whole.horizon.is_some_and(|t| t < 2.0), "{:?}", whole.horizon);
+    let same = benchmark_of_first(whole.n_events, &sets);
+    assert_eq!(
+        (same.horizon, same.t_end, same.n_events),
+        (whole.horizon, whole.t_end, whole.n_events)
+    );
+    let fewer = benchmark_of_first(whole.n_events / 2, &sets);
+    assert!(fewer.t_end < whole.t_end && fewer.n_events < whole.n_events);
 }
 
 #[test]

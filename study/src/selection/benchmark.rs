@@ -8,6 +8,10 @@ use crate::part::{Subject, Timing};
 use crate::reference::{Reference, ReferenceError};
 use crate::run::{Limits, Setting};
 
+/// Where the first events alone are asked for, a reference is made of this part of the time first, then of twice as much, and
+/// so on.
+const FIRST_PART: f64 = 1.0 / 16.0;
+
 /// A problem that is predictable for less than this is ill-posed \[[units of time](Subject::unit_of_time)\].
 const ILL_POSED_BELOW: f64 = 0.2;
 
@@ -58,15 +62,46 @@ impl Benchmark {
         Ok(Self { subject, reference, times, t_end, horizon, n_events, max_seconds })
     }
 
-    /// Its first part with the first `most` events, up to a sample; itself where it has no more.
-    pub fn with_at_most(mut self, most: usize) -> Self {
+    /// The part of [`new`](Self::new) that has the first `most` events, up to a sample; all of it where there are no more.
+    ///
+    /// A horizon is told if it is seen before twice that time: one beyond would not end it earlier. So no reference is
+    /// longer than four times what is compared, or than it takes to see the horizon.
+    ///
+    /// # Errors
+    /// [`ReferenceError`] where there is no reference.
+    pub fn of_first(
+        most: usize,
+        subject: Subject,
+        t_end: f64,
+        times: Vec<f64>,
+        limits: Limits<'_>,
+    ) -> Result<Self, ReferenceError> {
+        let mut part = FIRST_PART;
+        while part < 1.0 {
+            let own: Vec<f64> = times.iter().copied().filter(|t| *t <= part * t_end).collect();
+            part *= 2.0;
+            let Some(&own_end) = own.last() else { continue };
+            let first = Self::new(subject.clone(), own_end, own, limits)?;
+            let is_known = |end: f64| first.horizon.is_some() || end <= 0.5 * own_end;
+            if first.end_of_first(most).map_or(first.horizon.is_some(), is_known) {
+                return Ok(first.with_first(most));
+            }
+        }
+        Ok(Self::new(subject, t_end, times, limits)?.with_first(most))
+    }
+
+    /// The first sample with more than `most` events of the reference up to it [s], if it has more.
+    fn end_of_first(&self, most: usize) -> Option<f64> {
         let events = self.reference.parts.iter().flat_map(|part| part.counted_events());
         let mut at: Vec<f64> = events.map(|event| event.t).collect();
         at.sort_by(f64::total_cmp);
-        let Some(last) = at.get(most) else {
-            return self;
-        };
-        if let Some(&t_end) = self.times.iter().find(|t| *t >= last) {
+        let last = at.get(most)?;
+        self.times.iter().find(|t| *t >= last).copied()
+    }
+
+    /// Its first part with the first `most` events, up to a sample; itself where it has no more.
+    fn with_first(mut self, most: usize) -> Self {
+        if let Some(t_end) = self.end_of_first(most) {
             self.t_end = t_end;
             self.times.retain(|t| *t <= t_end);
             self.reference.cut(&self.subject, t_end);
