@@ -334,6 +334,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     }
 
     /// Takes steps to the end of a phase that has begun.
+    // Never inlined: runs alone and those that leave a batch share it.
     #[inline(never)]
     pub(crate) fn finish(
         &mut self,

@@ -46,9 +46,9 @@ impl<P: System> Field for OfSystem<'_, P> {
     }
 
     fn rhs(&self, t: f64, y: &[f64], dydt: &mut [f64]) -> Option<usize> {
-        let y = self.state(y);
-        let mut slope = y.clone();
-        self.problem.rhs(self.mode.clone(), t, &y, &mut slope);
+        // A copy of its own stays in registers where it is short.
+        let mut slope = self.dydt.borrow_mut().take();
+        self.problem.rhs(self.mode.clone(), t, &self.state(y), &mut slope);
         let own = slope.as_ref();
         dydt[..own.len()].copy_from_slice(own);
         let non_finite = own.iter().position(|d| !d.is_finite());

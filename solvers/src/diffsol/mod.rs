@@ -142,9 +142,10 @@ impl<P: System> DiffsolSolver<P> {
     ) -> Result<PhaseEnd, Error> {
         let mode = point.mode.clone();
         let mut before = *stats;
-        let [n_rhs, n_jac] = stepper.n_evaluated();
-        before.restart.n_rhs += n_rhs;
-        before.restart.n_jac += n_jac;
+        let mut begun = Stats::default();
+        stepper.count(&mut begun);
+        before.restart.n_rhs += begun.work.n_rhs;
+        before.restart.n_jac += begun.work.n_jac;
         stepper.stop_at(t_end)?;
         let n = problem.dim();
         let vector = |of: &[f64]| P::State::<f64>::from_fn(n, |i| of[i]);
@@ -164,10 +165,7 @@ impl<P: System> DiffsolSolver<P> {
             // The slope that was evaluated last. The state at the end is one correction of the iteration away, but no
             // further evaluation is needed.
             let slope1 = field.last_slope();
-            let interpolant = |t: f64, y: &mut P::State<f64>| {
-                let past = (t - reached) * (t_end - point.t) > 0.0;
-                stepper.interpolate(if past { reached } else { t }, y.as_mut());
-            };
+            let interpolant = |t: f64, y: &mut P::State<f64>| stepper.interpolate(t, y.as_mut());
             // The stop time of `diffsol` is within rounding of the end.
             let t1 = if at_end { t_end } else { reached };
             let (t0, y0) = (point.t, &point.y);
@@ -189,9 +187,7 @@ impl<P: System> DiffsolSolver<P> {
             }
         }
     }
-}
 
-impl<P: System> DiffsolSolver<P> {
     /// Cuts `step`, the last one of `stepper`, at the guard that falls first on it, and returns that guard.
     fn cut_at_event<F: Fn(f64, &mut P::State<f64>)>(
         &mut self,
@@ -239,11 +235,19 @@ impl<P: System> PhaseSolver<P> for DiffsolSolver<P> {
         if span.abs() <= RESOLUTION * (point.t.abs() + span.abs()) {
             return self.one_euler_step(problem, point, t_end, stats, record);
         }
-        let (mode, y) = (point.mode.clone(), point.y.clone());
-        let (tolerance, first) = (self.tolerance.clone(), self.first.take());
+        let (t, mode, y) = (point.t, point.mode.clone(), point.y.clone());
+        let tolerance = self.tolerance.clone();
         let field = &OfSystem::new(problem, mode.clone());
-        let (scheme, tolerance, mode, t, y) = (self.scheme, &tolerance, &mode, point.t, y.as_ref());
-        let phase = Phase { scheme, tolerance, field, mode, t, y, span, first };
+        let phase = Phase {
+            scheme: self.scheme,
+            tolerance: &tolerance,
+            field,
+            mode: &mode,
+            t,
+            y: y.as_ref(),
+            span,
+            first: self.first.take(),
+        };
         let then = &mut |stepper: &mut dyn Stepper| {
             self.advance(problem, (stepper, field), point, t_end, stats, record)
         };

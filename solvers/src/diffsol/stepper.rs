@@ -40,17 +40,14 @@ pub(super) trait Stepper {
     /// The slope there.
     fn dydt(&self) -> &[f64];
 
-    /// Writes the interpolant at `t` to `y`: not a number where there is none.
+    /// Writes the interpolant at `t` to `y`, beyond the last step that at its end; not a number where there is none.
     fn interpolate(&self, t: f64, y: &mut [f64]);
 
-    /// Writes the slope of the interpolant at `t` to `dydt`.
+    /// Writes the slope of the interpolant at `t` to `dydt`, beyond the last step that at its end.
     fn interpolate_slope(&self, t: f64, dydt: &mut [f64]) -> Result<(), Error>;
 
     /// Adds the work done so far to `stats`.
     fn count(&self, stats: &mut Stats);
-
-    /// Numbers of right-hand sides and Jacobians evaluated so far.
-    fn n_evaluated(&self) -> [u64; 2];
 }
 
 /// What is done with the method on a phase.
@@ -60,19 +57,23 @@ pub(super) type Then<'t> = &'t mut dyn FnMut(&mut dyn Stepper) -> Result<PhaseEn
 pub(super) struct Phase<'f> {
     pub(super) scheme: DiffsolScheme,
     pub(super) tolerance: &'f Tolerance,
-    /// The equations, and the mode that they are of.
+    /// The equations.
     pub(super) field: &'f dyn Field,
+    /// The mode that they are of, for errors.
     pub(super) mode: &'f dyn Debug,
-    /// Where it starts, and how long it is.
+    /// Time at its start.
     pub(super) t: f64,
+    /// State at its start.
     pub(super) y: &'f [f64],
+    /// Its length, negative where time runs backward.
     pub(super) span: f64,
-    /// A first step, where one is given.
+    /// Size of the first step, where one is given.
     pub(super) first: Option<f64>,
 }
 
 impl Phase<'_> {
     /// Begins the phase with dense linear algebra, and hands the method to `then`.
+    // Never inlined: it would be compiled for each system.
     #[inline(never)]
     pub(super) fn with_dense(&self, then: Then<'_>) -> Result<PhaseEnd, Error> {
         self.with::<Dense>(then)
@@ -102,7 +103,7 @@ impl Phase<'_> {
         macro_rules! hand {
             ($solver:ident $(::<$linear:ty>)?) => {{
                 let solver = built.$solver$(::<$linear>)?(self.started(&built)?).map_err(refused)?;
-                then(&mut OnPhase { solver, equations, mode })
+                then(&mut OnPhase { solver, equations, mode, t0: self.t })
             }};
         }
         match self.scheme {
@@ -139,6 +140,16 @@ struct OnPhase<'a, 'f, A: Algebra, S> {
     solver: S,
     equations: &'a Equations<'f, A>,
     mode: &'a dyn Debug,
+    /// Start of the last step.
+    t0: f64,
+}
+
+impl<'a, 'f: 'a, A: Algebra, S: OdeSolverMethod<'a, Equations<'f, A>>> OnPhase<'a, 'f, A, S> {
+    /// `t`, or the time reached where that is beyond.
+    fn within(&self, t: f64) -> f64 {
+        let reached = self.t();
+        if (t - reached) * (reached - self.t0) > 0.0 { reached } else { t }
+    }
 }
 
 impl<'a, 'f: 'a, A: Algebra, S: OdeSolverMethod<'a, Equations<'f, A>>> Stepper
@@ -150,13 +161,13 @@ impl<'a, 'f: 'a, A: Algebra, S: OdeSolverMethod<'a, Equations<'f, A>>> Stepper
     }
 
     fn step(&mut self) -> Result<bool, Error> {
-        let t = self.t();
+        self.t0 = self.t();
         let reason = self.solver.step();
         let of_failed = || self.equations.non_finite.get().filter(|_| reason.is_err());
         if let Some(component) = self.equations.non_finite_row.get().or_else(of_failed) {
-            return Err(non_finite(t, self.mode, component));
+            return Err(non_finite(self.t0, self.mode, component));
         }
-        let reason = reason.map_err(|error| failure(t, self.mode, &error))?;
+        let reason = reason.map_err(|error| failure(self.t0, self.mode, &error))?;
         Ok(reason == OdeSolverStopReason::TstopReached)
     }
 
@@ -173,15 +184,15 @@ impl<'a, 'f: 'a, A: Algebra, S: OdeSolverMethod<'a, Equations<'f, A>>> Stepper
     }
 
     fn interpolate(&self, t: f64, y: &mut [f64]) {
-        match self.solver.interpolate(t) {
+        match self.solver.interpolate(self.within(t)) {
             Ok(found) => y.copy_from_slice(A::components(&found)),
             Err(_) => y.fill(f64::NAN),
         }
     }
 
     fn interpolate_slope(&self, t: f64, dydt: &mut [f64]) -> Result<(), Error> {
-        let found = self.solver.interpolate_dy(t);
-        let found = found.map_err(|error| failure(self.t(), self.mode, &error))?;
+        let found = self.solver.interpolate_dy(self.within(t));
+        let found = found.map_err(|error| failure(self.t0, self.mode, &error))?;
         dydt.copy_from_slice(A::components(&found));
         Ok(())
     }
@@ -189,17 +200,12 @@ impl<'a, 'f: 'a, A: Algebra, S: OdeSolverMethod<'a, Equations<'f, A>>> Stepper
     fn count(&self, stats: &mut Stats) {
         let done = self.solver.get_statistics();
         let rejected = done.number_of_error_test_failures + done.number_of_nonlinear_solver_fails;
-        let [n_rhs, n_jac] = self.n_evaluated();
-        stats.work.n_rhs += n_rhs;
+        stats.work.n_rhs += self.equations.n_rhs.get();
         stats.n_accepted += done.number_of_steps as u64;
         stats.n_rejected += rejected as u64;
-        stats.work.n_jac += n_jac;
+        stats.work.n_jac += self.equations.n_jac.get();
         stats.work.n_factorisations += done.number_of_linear_solver_setups as u64;
         stats.work.n_lin_solves += done.number_of_nonlinear_solver_iterations as u64;
-    }
-
-    fn n_evaluated(&self) -> [u64; 2] {
-        [self.equations.n_rhs.get(), self.equations.n_jac.get()]
     }
 }
 

@@ -337,7 +337,7 @@ fn note_turns<P: System, const N: usize>(
 ) {
     let low = watch.lows().as_ref()[i];
     // False where no touches are to be noted.
-    if p.least() < low {
+    if p.lower_bound() < low {
         p.extend_to(end);
         p.minima::<N>(low, |s, least| watch.note(i, t0 + s * h, least));
     }

@@ -103,7 +103,7 @@ impl Polynomial {
     }
 
     /// A lower bound of its values.
-    pub fn least(&self) -> f64 {
+    pub fn lower_bound(&self) -> f64 {
         self.c[1..=self.degree].iter().fold(self.c[0], |least, c| least + c.min(0.0))
     }
 
