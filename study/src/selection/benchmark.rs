@@ -64,17 +64,19 @@ impl Benchmark {
 
     /// The part of [`new`](Self::new) that has the first `most` events, up to a sample; all of it where there are no more.
     ///
-    /// A horizon is told if it is seen before twice that time: one beyond would not end it earlier. So no reference is
-    /// longer than four times what is compared, or than it takes to see the horizon.
+    /// References are made of longer and longer parts of the time, until one is twice as long as those events take, or as
+    /// the horizon: a horizon beyond would not end the comparison earlier, and scales that are the largest value of a state
+    /// are then measured beyond what is compared. So a storm of events is not followed to the end of the run; a run with
+    /// fewer events is made about twice.
     ///
     /// # Errors
     /// [`ReferenceError`] where there is no reference.
     pub fn of_first(
-        most: usize,
         subject: Subject,
         t_end: f64,
         times: Vec<f64>,
         limits: Limits<'_>,
+        most: usize,
     ) -> Result<Self, ReferenceError> {
         let mut part = FIRST_PART;
         while part < 1.0 {
@@ -82,8 +84,13 @@ impl Benchmark {
             part *= 2.0;
             let Some(&own_end) = own.last() else { continue };
             let first = Self::new(subject.clone(), own_end, own, limits)?;
-            let is_known = |end: f64| first.horizon.is_some() || end <= 0.5 * own_end;
-            if first.end_of_first(most).map_or(first.horizon.is_some(), is_known) {
+            let is_known = match first.horizon {
+                Some(horizon) => horizon <= 0.5 * own_end,
+                // One that is seen later may still make the problem ill-posed.
+                None if own_end < ILL_POSED_BELOW * subject.unit_of_time() => false,
+                None => first.end_of_first(most).is_some_and(|end| end <= 0.5 * own_end),
+            };
+            if is_known {
                 return Ok(first.with_first(most));
             }
         }
