@@ -8,7 +8,7 @@ use crate::parallel::in_parallel;
 use crate::part::Subject;
 use crate::plan::sample_times;
 use crate::run::Limits;
-use crate::selection::{Benchmark, Contest, Entry, Rules, Standings};
+use crate::selection::{Benchmark, Contest, Entry, Known, Rules, Standings};
 use crate::setting::Events;
 
 /// What became of a contest.
@@ -159,7 +159,7 @@ pub fn contested(subject: Subject, plan: &MapPlan, stop: &AtomicBool) -> Vec<Con
     };
     let limits = Limits { max_rhs: plan.max_rhs, max_seconds: plan.max_seconds, stop };
     let (most, times) = (plan.max_events, plan.times.clone());
-    let benchmark = match Benchmark::of_first(most, subject, plan.t_end, times, limits) {
+    let benchmark = match Benchmark::of_first(subject, plan.t_end, times, limits, most) {
         Ok(benchmark) => benchmark,
         Err(error) => {
             let error = Some(error.to_string());
@@ -167,7 +167,7 @@ pub fn contested(subject: Subject, plan: &MapPlan, stop: &AtomicBool) -> Vec<Con
             return plan.accuracies.iter().map(without).collect();
         }
     };
-    let rules = &plan.rules;
+    let (rules, known) = (&plan.rules, Known::default());
     let contest = |accuracy: &f64| {
         let own = Contested {
             t_end_s: Some(benchmark.t_end),
@@ -183,7 +183,7 @@ pub fn contested(subject: Subject, plan: &MapPlan, stop: &AtomicBool) -> Vec<Con
             let error = Some(benchmark.reference.summary.undecided());
             return Contested { status: CellStatus::Undecidable, error, ..own };
         }
-        let standings = contest.run(&rules.candidates, &|_| {});
+        let standings = contest.run_knowing(&known, &rules.candidates, &|_| {});
         let status = if standings.entries.is_empty() { CellStatus::None } else { CellStatus::Ok };
         Contested { status, standings, ..own }
     };
@@ -264,4 +264,35 @@ impl Map {
 /// Every pair of values of two parameters.
 pub fn pairs([right, up]: &[MapAxis; 2]) -> impl Iterator<Item = [f64; 2]> {
     right.values.iter().flat_map(|x| up.values.iter().map(move |y| [*x, *y]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problems::balls::LIGHT_BALL;
+
+    #[test]
+    fn contests_at_several_accuracies_share_their_runs_and_end_as_alone() {
+        let contests = |accuracies: &[f64]| {
+            let rules = Rules { repeats: 1, ..Rules::default() };
+            let plan = MapPlan { accuracies: accuracies.to_vec(), rules, ..MapPlan::new(0.2) };
+            contested(Subject::of(LIGHT_BALL), &plan, &AtomicBool::new(false))
+        };
+        // Times are of the machine, and so is the order by them.
+        let found = |contest: &Contested| {
+            let all = contest.standings.entries.iter();
+            let mut all: Vec<_> =
+                all.map(|entry| (entry.method.clone(), entry.setting(), entry.e)).collect();
+            all.sort_by(|a, b| a.0.cmp(&b.0));
+            all
+        };
+        let n_trials =
+            |all: &[Contested]| all.iter().map(|own| own.standings.n_trials).sum::<usize>();
+        let (both, alone) =
+            (contests(&[1e-4, 1e-6]), [contests(&[1e-4]), contests(&[1e-6])].concat());
+        for (own, other) in both.iter().zip(&alone) {
+            assert_eq!(found(own), found(other), "{}", own.accuracy);
+        }
+        assert!(n_trials(&both) < n_trials(&alone), "{} {}", n_trials(&both), n_trials(&alone));
+    }
 }

@@ -22,7 +22,7 @@ use crate::steps::step_size::{Steps, steps};
 use crate::trace::Trace;
 
 /// Where a run starts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Start {
     /// At the problem's start.
     Exact,

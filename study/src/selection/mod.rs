@@ -19,6 +19,7 @@
 
 mod benchmark;
 mod finals;
+mod known;
 mod ladder;
 mod search;
 mod trial;
@@ -34,6 +35,7 @@ use crate::setting::{Accuracy, Atol, Events, Setting};
 pub use benchmark::Benchmark;
 pub use trial::{Start, Trial, TrialEnd, work};
 
+pub(crate) use known::Known;
 use search::{Search, Step};
 
 /// A setting counts if `e` keeps below this part of the accuracy.
@@ -322,8 +324,18 @@ impl Contest<'_> {
 
     /// Runs the contest between `candidates`; `progress` hears of each that is through.
     pub fn run(&self, candidates: &[Candidate], progress: &dyn Fn(&str)) -> Standings {
+        self.run_knowing(&Known::default(), candidates, progress)
+    }
+
+    /// The same with the runs that contests on this benchmark at other accuracies made.
+    pub(crate) fn run_knowing(
+        &self,
+        known: &Known,
+        candidates: &[Candidate],
+        progress: &dyn Fn(&str),
+    ) -> Standings {
         let mut searches: Vec<Search<'_>> =
-            candidates.iter().map(|candidate| Search::new(self, *candidate)).collect();
+            candidates.iter().map(|candidate| Search::new(self, known, *candidate)).collect();
         let of_note = self.search(&mut searches, progress);
         let mut standings = Standings {
             n_trials: searches.iter().map(|search| search.n_trials).sum(),

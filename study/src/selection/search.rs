@@ -6,7 +6,7 @@ use deltazero_solvers::Error;
 
 use super::ladder::{self, A_DECADE};
 use super::trial::{EARLY, ON_COURSE, Start, Trial, TrialEnd};
-use super::{Candidate, Contest, Entry, Failure, FailureKind, MARGIN, mean_step};
+use super::{Candidate, Contest, Entry, Failure, FailureKind, Known, MARGIN, mean_step};
 use crate::run::Setting;
 
 /// Longest move between two rungs that are looked at: two decades. Where they do not halve the error, tighter settings are
@@ -38,9 +38,10 @@ pub(super) enum Step {
 /// The search of one candidate.
 pub(super) struct Search<'a> {
     contest: &'a Contest<'a>,
+    known: &'a Known,
     pub(super) candidate: Candidate,
     trials: BTreeMap<i32, Trial>,
-    nudged: BTreeMap<i32, Vec<Trial>>,
+    nudged: BTreeMap<i32, [Trial; 2]>,
     verdict: Option<Result<i32, (FailureKind, String)>>,
     last: i32,
     /// Work beyond which its setting need not be found to a quarter of a decade.
@@ -59,9 +60,10 @@ enum Kind {
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(contest: &'a Contest<'a>, candidate: Candidate) -> Self {
+    pub(super) fn new(contest: &'a Contest<'a>, known: &'a Known, candidate: Candidate) -> Self {
         Self {
             contest,
+            known,
             candidate,
             trials: BTreeMap::new(),
             nudged: BTreeMap::new(),
@@ -247,14 +249,13 @@ impl<'a> Search<'a> {
 
     /// Runs a rung, unless that is done, and judges it.
     fn look(&mut self, rung: i32, limit: f64) -> Kind {
-        let (contest, candidate) = (self.contest, self.candidate);
+        let contest = self.contest;
         self.last = rung;
-        let n_trials = &mut self.n_trials;
-        let trial = self.trials.entry(rung).or_insert_with(|| {
-            *n_trials += 1;
-            let setting = contest.setting(candidate, rung);
-            Trial::new(contest.benchmark, &setting, Start::Exact, limit, contest.stop)
-        });
+        if !self.trials.contains_key(&rung) {
+            let trial = self.run(rung, Start::Exact, limit);
+            self.trials.insert(rung, trial);
+        }
+        let trial = &self.trials[&rung];
         let goal = MARGIN * contest.accuracy;
         let (times, more) = CHATTER;
         let whole = contest.benchmark.whole();
@@ -264,10 +265,10 @@ impl<'a> Search<'a> {
             TrialEnd::Cut | TrialEnd::OutOfTime | TrialEnd::Interrupted => Kind::Cut,
             TrialEnd::Failed(_) => Kind::Misses(FAILED),
             TrialEnd::Reached if trial.e <= goal => {
-                // One that was affordable under an earlier, higher limit.
+                // One that was affordable under an earlier, higher limit, or in another contest.
                 if trial.work > limit {
                     Kind::Cut
-                } else if contest.right_events.accept(contest.accuracy, candidate.events, trial) {
+                } else if self.accepts_events(trial) {
                     Kind::Meets
                 } else {
                     Kind::Misses(EVENTS_WRONG)
@@ -283,20 +284,22 @@ impl<'a> Search<'a> {
         if self.trials.get(&rung).is_some_and(|trial| trial.work > self.of_note) {
             return true;
         }
-        let (contest, candidate) = (self.contest, self.candidate);
-        let setting = contest.setting(candidate, rung);
-        let n_trials = &mut self.n_trials;
-        let nudged = self.nudged.entry(rung).or_insert_with(|| {
-            *n_trials += 2;
-            let run =
-                |start| Trial::new(contest.benchmark, &setting, start, f64::INFINITY, contest.stop);
-            vec![run(Start::Up), run(Start::Down)]
-        });
-        let goal = MARGIN * contest.accuracy;
-        nudged.iter().all(|trial| {
-            trial.e <= goal
-                && contest.right_events.accept(contest.accuracy, candidate.events, trial)
-        })
+        if !self.nudged.contains_key(&rung) {
+            let both = [Start::Up, Start::Down].map(|start| self.run(rung, start, f64::INFINITY));
+            self.nudged.insert(rung, both);
+        }
+        let goal = MARGIN * self.contest.accuracy;
+        self.nudged[&rung].iter().all(|trial| trial.e <= goal && self.accepts_events(trial))
+    }
+
+    /// The run of a rung from `start`, as known or made under `limit`.
+    fn run(&mut self, rung: i32, start: Start, limit: f64) -> Trial {
+        let Contest { benchmark, stop, .. } = *self.contest;
+        let setting = self.contest.setting(self.candidate, rung);
+        let make = || Trial::new(benchmark, &setting, start, limit, stop);
+        let (trial, is_made) = self.known.or_make(self.candidate, rung, start, make);
+        self.n_trials += usize::from(is_made);
+        trial
     }
 
     /// How many rungs looser than one that meets the accuracy another might meet it.
