@@ -25,9 +25,8 @@ fn benchmark_of(sets: &[&str]) -> Benchmark {
 /// The same up to the event after the first `most`.
 fn benchmark_of_first(most: usize, sets: &[&str]) -> Benchmark {
     let (config, stop) = (config(sets), AtomicBool::new(false));
-    let limits = Limits { max_rhs: u64::MAX, max_seconds: f64::INFINITY, stop: &stop };
     let (subject, times) = (config.mechanism.subject(&config), map_plan(&config).times);
-    Benchmark::of_first(subject, config.run.t_end, times, limits, most).unwrap()
+    Benchmark::of_first(subject, config.run.t_end, times, Limits::none(&stop), most).unwrap()
 }
 
 /// The contest of `methods` on the first 0.3 s of Table 1, flights included, and on what.
