@@ -175,7 +175,7 @@ fn beside(standings: &Standings, first: &Entry) -> String {
     let step = lost.filter_map(|failure| failure.mean_step_s).fold(0.0, f64::max);
     if step > 0.0 {
         format!(
-            "; no {kind} method comes within {CUT} times its work (mean steps of at most {step:.1e} s \
+            "; no {kind} method that locates events comes within {CUT} times its work (mean steps of at most {step:.1e} s \
              against {:.1e} s)",
             first.mean_step_s
         )

@@ -9,11 +9,12 @@
 //! `e` keeps a [`MARGIN`], and so does the next tighter setting, and both again from a start moved by
 //! its last bit: the spread of the four goes with the answer.
 //!
-//! The search is ordered by *work*, a count that is the same on every machine: all candidates run
-//! under a budget that grows until one of them arrives; from then on a run is cut at [`CUT`] times the
-//! least work so far, or at [`FINAL`] times the least of its own kind (explicit or implicit, located or
-//! blind). So cheap winners come first, hopeless ones cost little, and the best of each kind is known
-//! where it comes within ten times the best of all. Those that stay within [`FINAL`] times the least work of a
+//! The search is ordered by *work*, a count that is the same on every machine: all candidates that locate
+//! events run under a budget that grows until one of them arrives; from then on a run is cut at [`CUT`]
+//! times the least work so far, or at [`FINAL`] times the least of its own kind (explicit or implicit). So
+//! cheap winners come first, hopeless ones cost little, and the best of each kind is known where it comes
+//! within ten times the best of all. Then the blind ones run, each cut at [`FINAL`] times the least of
+//! those that locate events by a method that is the same throughout, too. Those that stay within [`FINAL`] times the least work of a
 //! method that is the same throughout, which `auto` is not, are then timed, one after the other in turns, so
 //! that what disturbs the machine disturbs them alike.
 
@@ -224,7 +225,8 @@ impl Entry {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FailureKind {
-    /// It needs more than [`CUT`] times the least work, [`FINAL`] times that of its kind, or the limit.
+    /// It needs more than [`CUT`] times the least work, [`FINAL`] times that of its kind or, blind, of those that
+    /// locate events, or the limit.
     Cut,
     /// Its error stays above the accuracy, however tight the setting.
     OutOfReach,
@@ -358,31 +360,39 @@ impl Contest<'_> {
     /// Advances every search until it is over, under budgets that grow; the work up to which candidates are
     /// timed.
     fn search(&self, searches: &mut [Search<'_>], progress: &dyn Fn(&str)) -> f64 {
-        let (mut budget, mut least) = (FIRST_BUDGET, Least::default());
-        loop {
-            let mut open = false;
-            for search in searches.iter_mut().filter(|search| !search.is_over()) {
-                let most = self.max_work.min(least.limit(search.candidate));
-                let limit = budget.min(most);
-                match search.advance(limit, least.of_note()) {
-                    Step::Over => {
-                        least.arrived(search.candidate, search.work());
-                        progress(search.candidate.method.name);
-                    }
-                    // A later, lower limit would cut it all the more.
-                    Step::Cut if limit >= most => {
-                        search.give_up(least.of_all());
-                        progress(search.candidate.method.name);
-                    }
-                    Step::Cut => open = true,
-                }
-            }
-            if !open {
-                return least.of_note();
-            }
+        let mut least = Least::default();
+        let next = |least: &Least, budget: f64| {
             let first = least.of_all();
-            budget = if first.is_finite() { CUT * first } else { BUDGET_GROWTH * budget };
+            if first.is_finite() { CUT * first } else { budget }
+        };
+        for &events in Events::ALL {
+            let mut budget = next(&least, FIRST_BUDGET);
+            loop {
+                let mut open = false;
+                let own = searches.iter_mut().filter(|search| search.candidate.events == events);
+                for search in own.filter(|search| !search.is_over()) {
+                    let most = self.max_work.min(least.limit(search.candidate));
+                    let limit = budget.min(most);
+                    match search.advance(limit, least.of_note()) {
+                        Step::Over => {
+                            least.arrived(search.candidate, search.work());
+                            progress(search.candidate.method.name);
+                        }
+                        // A later, lower limit would cut it all the more.
+                        Step::Cut if limit >= most => {
+                            search.give_up(least.of_all());
+                            progress(search.candidate.method.name);
+                        }
+                        Step::Cut => open = true,
+                    }
+                }
+                if !open {
+                    break;
+                }
+                budget = next(&least, BUDGET_GROWTH * budget);
+            }
         }
+        least.of_note()
     }
 
     fn is_interrupted(&self) -> bool {
@@ -401,6 +411,8 @@ struct Least([f64; 5]);
 
 /// Place of `auto` among the kinds.
 const AUTO_KIND: usize = 4;
+/// Places of those that locate events by a method that is the same throughout.
+const LOCATED: [usize; 2] = [0, 2];
 
 impl Default for Least {
     fn default() -> Self {
@@ -432,7 +444,12 @@ impl Least {
 
     /// Where a candidate is cut.
     fn limit(&self, candidate: Candidate) -> f64 {
-        (CUT * self.of_all()).min(FINAL * self.0[Self::kind(candidate)])
+        let own = Self::kind(candidate);
+        let kinds = match candidate.events {
+            Events::Located => &[own] as &[usize],
+            Events::Blind => &[own, LOCATED[0], LOCATED[1]],
+        };
+        (CUT * self.of_all()).min(FINAL * least(kinds.iter().map(|kind| self.0[*kind])))
     }
 }
 
