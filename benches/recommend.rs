@@ -23,7 +23,7 @@ use deltazero_solvers::{METHODS, Method};
 use deltazero_study::recommend::Recommendation;
 use deltazero_study::reference::Reference;
 use deltazero_study::run::{Accuracy, Limits, Setting};
-use deltazero_study::selection::{Benchmark, Start, Trial, TrialEnd};
+use deltazero_study::selection::{Benchmark, Start, Trial, TrialEnd, TrialLimit};
 use deltazero_study::setting::Events;
 use random::Random;
 
@@ -157,7 +157,7 @@ fn rerun(benchmark: &Benchmark, answer: &Recommendation, stop: &AtomicBool) -> T
         benchmark,
         &setting(&first.method, first.events, first.rtol, first.step),
         Start::Exact,
-        f64::INFINITY,
+        TrialLimit::NONE,
         stop,
     )
 }
@@ -193,7 +193,8 @@ fn exhaustive(
                 let (rtol, step) =
                     if method.is_fixed_step() { (None, Some(value)) } else { (Some(value), None) };
                 let setting = setting(method.name, events, rtol, step);
-                let trial = Trial::new(benchmark, &setting, Start::Exact, limit, stop);
+                let trial =
+                    Trial::new(benchmark, &setting, Start::Exact, TrialLimit::work(limit), stop);
                 if trial.end == TrialEnd::Cut && method.order > 1 && trial.stats.n_events < 1000 {
                     break;
                 }
@@ -214,7 +215,7 @@ fn exhaustive(
     for _ in 0..5 {
         for (wall, setting) in &mut reaching {
             *wall = wall.min(
-                Trial::new(benchmark, setting, Start::Exact, f64::INFINITY, stop)
+                Trial::new(benchmark, setting, Start::Exact, TrialLimit::NONE, stop)
                     .took
                     .cpu
                     .as_secs_f64(),

@@ -176,4 +176,8 @@ impl<B: Brake> Brake for TimeOf<'_, B> {
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
         self.inner.rejected(stats)
     }
+
+    fn event(&mut self) -> ControlFlow<()> {
+        self.inner.event()
+    }
 }

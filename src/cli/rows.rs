@@ -77,6 +77,10 @@ impl<B: Brake> Brake for RowBrake<B> {
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
         self.inner.rejected(stats)
     }
+
+    fn event(&mut self) -> ControlFlow<()> {
+        self.inner.event()
+    }
 }
 
 #[cfg(test)]

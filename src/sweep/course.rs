@@ -59,6 +59,10 @@ impl Brake for Among {
         self.is_late = self.clock.is_over();
         if self.is_late { ControlFlow::Break(()) } else { self.own.rejected(stats) }
     }
+
+    fn event(&mut self) -> ControlFlow<()> {
+        self.own.event()
+    }
 }
 
 impl Course {

@@ -332,6 +332,10 @@ impl Brake for Bound<'_> {
     fn rejected(&mut self, _stats: &Stats) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
+
+    fn event(&mut self) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use deltazero_study::map::{CellStatus, Contested};
 use deltazero_study::run::{Accuracy, Limits, Price, Setting};
 use deltazero_study::selection::{
     Benchmark, CUT, Candidate, Contest, Entry, FailureKind, MARGIN, RightEvents, Standings, Start,
-    Trial,
+    Trial, TrialEnd, TrialLimit,
 };
 use deltazero_study::setting::Events;
 use deltazero_study::warning::{Code, Warning};
@@ -61,7 +61,13 @@ fn a_setting_that_a_contest_finds_holds_beside_itself_and_a_decade_looser_does_n
             };
             let method = Method::named(&entry.method).unwrap();
             let setting = Setting { method, events: entry.events, accuracy };
-            Trial::new(&benchmark, &setting, Start::Exact, f64::INFINITY, &AtomicBool::new(false))
+            Trial::new(
+                &benchmark,
+                &setting,
+                Start::Exact,
+                TrialLimit::NONE,
+                &AtomicBool::new(false),
+            )
         };
         let [own, tighter, looser] = [1.0, 0.56, 10.0].map(run);
         let is_right = |trial: &Trial| RightEvents::FromTight.accept(accuracy, entry.events, trial);
@@ -149,6 +155,25 @@ fn what_disturbs_the_machine_names_no_winner_and_what_the_times_leave_open_is_to
     let mut rows = timed(&[taylor([3e-3; 3], 7e-3), vern98]);
     rows.iter_mut().for_each(|row| row.cpu_s_min = None);
     assert_eq!(cheapest(&rows, 1e-9).unwrap().method, "vern98");
+}
+
+#[test]
+fn a_run_with_far_more_events_than_the_reference_is_broken_off_where_they_must_be_right() {
+    let benchmark = benchmark_of(&["run.t_end=0.3", "contact.stiffness=1e12"]);
+    for events in Events::ALL {
+        let setting = Setting {
+            method: Method::named("bs32").unwrap(),
+            events: *events,
+            accuracy: Accuracy::Rtol(1e-3, None),
+        };
+        let run = |chatter| {
+            let limit = TrialLimit { work: f64::INFINITY, chatter };
+            Trial::new(&benchmark, &setting, Start::Exact, limit, &AtomicBool::new(false))
+        };
+        let [whole, short] = [false, true].map(run);
+        assert_eq!((whole.end, short.end), (TrialEnd::Reached, TrialEnd::Chatters), "{events}");
+        assert!(whole.spurious > 10 * benchmark.n_events && short.work < 0.5 * whole.work);
+    }
 }
 
 #[test]

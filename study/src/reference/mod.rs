@@ -106,6 +106,8 @@ pub struct PartReference {
     pub nodes: Vec<Node>,
     /// Whether its first event is the start's own.
     pub starts_on_surface: bool,
+    /// All events of its run, also those that runs are not compared by, and those after a [cut](Reference::cut).
+    pub n_all_events: u64,
 }
 
 /// JSON has no infinity.
@@ -232,6 +234,11 @@ impl Reference {
     pub fn n_events(&self) -> usize {
         self.parts.iter().map(PartReference::n_events).sum()
     }
+
+    /// The number of [all events](PartReference::n_all_events) of its runs.
+    pub fn n_all_events(&self) -> u64 {
+        self.parts.iter().map(|part| part.n_all_events).sum()
+    }
 }
 
 /// The scales of the groups of all parts, each name once.
@@ -286,6 +293,7 @@ impl PartReference {
             times: path.trace.times,
             samples: path.trace.states,
             lost_at,
+            n_all_events: path.run.stats.n_events,
             t_end: path.run.t,
             y_end: path.run.y,
             scale,

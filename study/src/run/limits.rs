@@ -151,6 +151,9 @@ pub trait Brake {
 
     /// More attempts were rejected; see [`Record::rejected`].
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()>;
+
+    /// An event has happened, one that ends the run among them.
+    fn event(&mut self) -> ControlFlow<()>;
 }
 
 impl<B: Brake + ?Sized> Brake for &mut B {
@@ -160,6 +163,10 @@ impl<B: Brake + ?Sized> Brake for &mut B {
 
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
         (**self).rejected(stats)
+    }
+
+    fn event(&mut self) -> ControlFlow<()> {
+        (**self).event()
     }
 }
 
@@ -172,7 +179,7 @@ impl<P: System> Record<P> for Braked<'_> {
     }
 
     fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
+        self.0.event()
     }
 
     fn passed(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {
@@ -227,6 +234,10 @@ impl Brake for Watch<'_> {
         let is_too_much = self.price.of(stats) > self.limits.max_rhs as f64;
         let is_late = self.clock().is_over();
         self.judge(is_too_much, is_late)
+    }
+
+    fn event(&mut self) -> ControlFlow<()> {
+        ControlFlow::Continue(())
     }
 }
 

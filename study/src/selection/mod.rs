@@ -14,7 +14,8 @@
 //! times the least work so far, or at [`FINAL`] times the least of its own kind (explicit or implicit). So
 //! cheap winners come first, hopeless ones cost little, and the best of each kind is known where it comes
 //! within ten times the best of all. Then the blind ones run, each cut at [`FINAL`] times the least of
-//! those that locate events by a method that is the same throughout, too. Those that stay within [`FINAL`] times the least work of a
+//! those that locate events by a method that is the same throughout, too. Where events must be right, a run
+//! with far more of them than the reference is broken off. Those that stay within [`FINAL`] times the least work of a
 //! method that is the same throughout, which `auto` is not, are then timed, one after the other in turns, so
 //! that what disturbs the machine disturbs them alike.
 
@@ -34,7 +35,7 @@ use crate::json_number;
 use crate::setting::{Accuracy, Atol, Events, Setting};
 
 pub use benchmark::Benchmark;
-pub use trial::{Start, Trial, TrialEnd, work};
+pub use trial::{Start, Trial, TrialEnd, TrialLimit, work};
 
 pub(crate) use known::Known;
 use search::{Search, Step};
@@ -80,11 +81,14 @@ pub enum RightEvents {
 }
 
 impl RightEvents {
+    /// Whether a run that treats events in this way must have them right at this accuracy.
+    pub(super) fn must_be_right(self, accuracy: f64, events: Events) -> bool {
+        self == Self::Always || accuracy <= EVENTS_FROM && events == Events::Located
+    }
+
     /// Whether `trial`, which treats events in this way, has them right, or need not have at this accuracy.
     pub fn accept(self, accuracy: f64, events: Events, trial: &Trial) -> bool {
-        let is_free =
-            self == Self::FromTight && (accuracy > EVENTS_FROM || events == Events::Blind);
-        is_free || trial.events_are_right()
+        !self.must_be_right(accuracy, events) || trial.events_are_right()
     }
 }
 
@@ -234,7 +238,8 @@ pub enum FailureKind {
     EventsWrong,
     /// Its iteration does not converge.
     NoConvergence,
-    /// Its events accumulate, or two modes hand over to each other.
+    /// Its events accumulate, two modes hand over to each other, or it has far more events than the reference where
+    /// they must be right.
     EventStorm,
     /// It stopped for another reason.
     Failed,

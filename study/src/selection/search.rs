@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use deltazero_solvers::Error;
 
 use super::ladder::{self, A_DECADE};
-use super::trial::{EARLY, ON_COURSE, Start, Trial, TrialEnd};
+use super::trial::{CHATTER, EARLY, ON_COURSE, Start, Trial, TrialEnd, TrialLimit};
 use super::{Candidate, Contest, Entry, Failure, FailureKind, Known, MARGIN, mean_step};
 use crate::run::Setting;
 
@@ -16,9 +16,6 @@ const LONGEST: i32 = 2 * A_DECADE;
 /// fails.
 const EVENTS_WRONG: i32 = 2;
 const FAILED: i32 = A_DECADE;
-/// A run cut with more than this many times the events that the reference has by then, and some, chatters:
-/// a tighter one may cost less.
-const CHATTER: (f64, f64) = (4.0, 10.0);
 /// Errors above this tell nothing: the run has lost the motion.
 const LOST: f64 = 0.1;
 /// Largest distance of two rungs whose steps are compared for [`Entry::growth`].
@@ -105,10 +102,7 @@ impl<'a> Search<'a> {
             is_judged && trial.needs(whole) > ON_COURSE * limit
         };
         self.trials.retain(|_, trial| trial.end != TrialEnd::Cut || is_hopeless(trial));
-        let found = match self.bracket(limit) {
-            Ok(rung) => self.confirm(rung, limit),
-            Err(end) => Err(end),
-        };
+        let found = self.bracket(limit).and_then(|rung| self.confirm(rung, limit));
         if self.contest.is_interrupted() {
             let message = "interrupted".to_owned();
             self.verdict = Some(Err((FailureKind::Interrupted, message)));
@@ -199,10 +193,12 @@ impl<'a> Search<'a> {
     /// To how many rungs the setting is to be found: to one where it may be among the fastest; to any
     /// where what misses already needs too much for that, and to a decade where what meets does.
     fn fineness(&self, misses: i32, meets: Option<i32>) -> i32 {
-        let is_dear = |rung: i32| self.trials.get(&rung).is_some_and(|t| t.work > self.of_note);
+        let is_dear = |trial: &&Trial| trial.work > self.of_note;
+        // One that did not come to its end may cost more than a tighter one: it rejects, or chatters.
+        let least = self.trials.get(&misses).filter(|trial| trial.end == TrialEnd::Reached);
         match meets {
-            Some(_) if is_dear(misses) => i32::MAX,
-            Some(meets) if is_dear(meets) => A_DECADE,
+            Some(_) if least.filter(is_dear).is_some() => i32::MAX,
+            Some(meets) if self.trials.get(&meets).filter(is_dear).is_some() => A_DECADE,
             _ => 1,
         }
     }
@@ -258,10 +254,13 @@ impl<'a> Search<'a> {
         let trial = &self.trials[&rung];
         let goal = MARGIN * contest.accuracy;
         let (times, more) = CHATTER;
-        let whole = contest.benchmark.whole();
-        let most_events = times * contest.benchmark.n_events as f64 * trial.covered / whole + more;
+        let so_far = trial.covered / contest.benchmark.whole();
+        let n_events = contest.benchmark.reference.n_all_events() as f64 * so_far;
+        let most_events = times as f64 * n_events + more as f64;
         match &trial.end {
-            TrialEnd::Cut if trial.stats.n_events as f64 > most_events => Kind::Misses(LONGEST),
+            TrialEnd::Chatters => Kind::Misses(LONGEST),
+            // Cut with far more events than the reference has by then: a tighter one may cost less.
+            TrialEnd::Cut if trial.n_events as f64 > most_events => Kind::Misses(LONGEST),
             TrialEnd::Cut | TrialEnd::OutOfTime | TrialEnd::Interrupted => Kind::Cut,
             TrialEnd::Failed(_) => Kind::Misses(FAILED),
             TrialEnd::Reached if trial.e <= goal => {
@@ -294,8 +293,10 @@ impl<'a> Search<'a> {
 
     /// The run of a rung from `start`, as known or made under `limit`.
     fn run(&mut self, rung: i32, start: Start, limit: f64) -> Trial {
-        let Contest { benchmark, stop, .. } = *self.contest;
+        let Contest { benchmark, accuracy, right_events, stop, .. } = *self.contest;
         let setting = self.contest.setting(self.candidate, rung);
+        let chatter = right_events.must_be_right(accuracy, self.candidate.events);
+        let limit = TrialLimit { work: limit, chatter };
         let make = || Trial::new(benchmark, &setting, start, limit, stop);
         let (trial, is_made) = self.known.or_make(self.candidate, rung, start, make);
         self.n_trials += usize::from(is_made);
@@ -331,6 +332,10 @@ impl<'a> Search<'a> {
         let setting = self.contest.setting(self.candidate, rung).accuracy;
         let (kind, what) = match &trial.end {
             TrialEnd::Cut | TrialEnd::OutOfTime | TrialEnd::Interrupted => return End::Cut,
+            TrialEnd::Chatters => {
+                let message = format!("far more events than the reference: {}", trial.n_events);
+                (FailureKind::EventStorm, message)
+            }
             TrialEnd::Failed(error) => {
                 let kind = match error {
                     Error::NoConvergence { .. } => FailureKind::NoConvergence,
@@ -355,7 +360,11 @@ impl<'a> Search<'a> {
 
     /// Whether a setting tighter than the one found has the events wrong.
     fn grazes(&self, rung: i32) -> bool {
-        let wrong = |trial: &Trial| trial.end == TrialEnd::Reached && !self.accepts_events(trial);
+        let wrong = |trial: &Trial| match trial.end {
+            TrialEnd::Reached => !self.accepts_events(trial),
+            TrialEnd::Chatters => true,
+            _ => false,
+        };
         self.trials.range(rung + 1..).any(|(_, trial)| wrong(trial))
     }
 

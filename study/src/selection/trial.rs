@@ -36,6 +36,8 @@ pub enum TrialEnd {
     Reached,
     /// At the limit of work.
     Cut,
+    /// With more than four times the events of the reference, and ten.
+    Chatters,
     /// At the limit of time.
     OutOfTime,
     /// It could not go on.
@@ -43,6 +45,28 @@ pub enum TrialEnd {
     /// Interrupted from outside.
     Interrupted,
 }
+
+/// Where a run is broken off.
+#[derive(Clone, Copy, Debug)]
+pub struct TrialLimit {
+    /// [`work`] beyond which it is cut, or where it is on course for twice that.
+    pub work: f64,
+    /// Whether one that [chatters](TrialEnd::Chatters) is broken off: where events must be right, it has lost.
+    pub chatter: bool,
+}
+
+impl TrialLimit {
+    /// Nowhere.
+    pub const NONE: Self = Self::work(f64::INFINITY);
+
+    /// At so much work alone.
+    pub const fn work(work: f64) -> Self {
+        Self { work, chatter: false }
+    }
+}
+
+/// A run with more than so many times the events of the reference, and so many, chatters.
+pub(super) const CHATTER: (u64, u64) = (4, 10);
 
 /// A run, judged by the reference.
 #[derive(Clone, Debug)]
@@ -55,6 +79,8 @@ pub struct Trial {
     pub missed: usize,
     /// Events that the reference lacks.
     pub spurious: usize,
+    /// Events that it had, those that are not compared, too.
+    pub n_events: u64,
     /// Counts.
     pub stats: Stats,
     /// Work; see [`work`].
@@ -66,13 +92,12 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Runs `setting` on `benchmark` from `start`, and cuts it at `limit` of [`work`], or where it is on
-    /// course for twice that.
+    /// Runs `setting` on `benchmark` from `start` up to `limit`.
     pub fn new(
         benchmark: &Benchmark,
         setting: &Setting,
         start: Start,
-        limit: f64,
+        limit: TrialLimit,
         stop: &AtomicBool,
     ) -> Self {
         let mut trial = Self {
@@ -80,6 +105,7 @@ impl Trial {
             e: 0.0,
             missed: 0,
             spurious: 0,
+            n_events: 0,
             stats: Stats::default(),
             work: 0.0,
             covered: 0.0,
@@ -99,22 +125,27 @@ impl Trial {
         &mut self,
         (part, reference): (&Part, &PartReference),
         (benchmark, setting, start): (&Benchmark, &Setting, Start),
-        limit: f64,
+        limit: TrialLimit,
         stop: &AtomicBool,
     ) {
+        let (times, more) = CHATTER;
+        let most_events = times * reference.n_all_events + more;
         let mut brake = WorkLimit {
             setting,
             work_before: self.work,
             t_before: self.covered,
             whole: benchmark.whole(),
-            limit,
+            limit: limit.work,
+            most_events: limit.chatter.then_some(most_events),
             stop,
             clock: Clock::of(benchmark.max_seconds - self.took.wall.as_secs_f64()),
             reached: 0.0,
+            n_events: 0,
             cut: None,
         };
         let grid = Grid::Times(benchmark.times.clone());
         let (run, trace) = part.run(setting, start, benchmark.t_end, &grid, &mut brake);
+        self.n_events += brake.n_events;
         self.stats += run.stats;
         self.work += work(setting.method, setting.rtol(), &run.stats.work);
         self.covered += run.t;
@@ -148,7 +179,7 @@ impl Trial {
 }
 
 /// Breaks a run off at a limit of work, or once an [early part](EARLY) of that shows that it is on course for twice the
-/// limit; at the limit of time; or from outside.
+/// limit; with too many events; at the limit of time; or from outside.
 struct WorkLimit<'a> {
     setting: &'a Setting,
     /// Work and time of the parts before.
@@ -157,10 +188,14 @@ struct WorkLimit<'a> {
     /// Time of all parts.
     whole: f64,
     limit: f64,
+    /// Events of this part beyond which it chatters.
+    most_events: Option<u64>,
     stop: &'a AtomicBool,
     clock: Clock,
     /// Time of the last accepted step.
     reached: f64,
+    /// Events so far.
+    n_events: u64,
     /// The end that it made.
     cut: Option<TrialEnd>,
 }
@@ -199,5 +234,14 @@ impl Brake for WorkLimit<'_> {
     fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
         let besides = Price::of_setting(self.setting).rejected(stats);
         self.judge(stats, besides, self.clock.is_over())
+    }
+
+    fn event(&mut self) -> ControlFlow<()> {
+        self.n_events += 1;
+        if self.most_events.is_none_or(|most| self.n_events <= most) {
+            return ControlFlow::Continue(());
+        }
+        self.cut = Some(TrialEnd::Chatters);
+        ControlFlow::Break(())
     }
 }
