@@ -146,7 +146,7 @@ impl MapPlan {
     }
 }
 
-/// The contests on one subject, one an accuracy.
+/// The contests on one subject, one an accuracy, in the order of the plan.
 pub fn contested(subject: Subject, plan: &MapPlan, stop: &AtomicBool) -> Vec<Contested> {
     let empty = |accuracy: f64| Contested {
         accuracy,
@@ -187,7 +187,13 @@ pub fn contested(subject: Subject, plan: &MapPlan, stop: &AtomicBool) -> Vec<Con
         let status = if standings.entries.is_empty() { CellStatus::None } else { CellStatus::Ok };
         Contested { status, standings, ..own }
     };
-    plan.accuracies.iter().map(contest).collect()
+    // The smallest error first: what reaches it reaches a larger one, too.
+    let mut order: Vec<usize> = (0..plan.accuracies.len()).collect();
+    order.sort_by(|a, b| plan.accuracies[*a].total_cmp(&plan.accuracies[*b]));
+    let mut all: Vec<(usize, Contested)> =
+        order.into_iter().map(|i| (i, contest(&plan.accuracies[i]))).collect();
+    all.sort_by_key(|(i, _)| *i);
+    all.into_iter().map(|(_, own)| own).collect()
 }
 
 /// A parameter of a model with the values that a map has of it.

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use deltazero::study::plan::benchmark;
 use deltazero::study::regimes::map_plan;
 use deltazero_solvers::{Grid, Method};
-use deltazero_study::map::{CellStatus, Contested};
+use deltazero_study::map::{CellStatus, Contested, contested};
 use deltazero_study::run::{Accuracy, Limits, Price, Setting};
 use deltazero_study::selection::{
     Benchmark, CUT, Candidate, Contest, Entry, FailureKind, MARGIN, RightEvents, Standings, Start,
@@ -174,6 +174,24 @@ fn a_run_with_far_more_events_than_the_reference_is_broken_off_where_they_must_b
         assert_eq!((whole.end, short.end), (TrialEnd::Reached, TrialEnd::Chatters), "{events}");
         assert!(whole.spurious > 10 * benchmark.n_events && short.work < 0.5 * whole.work);
     }
+}
+
+#[test]
+fn what_reaches_a_smaller_error_reaches_a_larger_one() {
+    // Critically damped: of the settings of `auto` few have every event right.
+    let config = config(&["contact.stiffness=1e8", "contact.damping=49501.5"]);
+    let mut plan = map_plan(&config);
+    let methods = ["auto".to_owned(), "bdf".to_owned()];
+    plan.rules.candidates = Candidate::all(&methods, &[Events::Located]);
+    let all = contested(config.mechanism.subject(&config), &plan, &AtomicBool::new(false));
+    let who = |contest: &Contested| {
+        let mut who: Vec<_> =
+            contest.standings.entries.iter().map(|entry| entry.method.clone()).collect();
+        who.sort();
+        who
+    };
+    assert_eq!(all.iter().map(|own| own.accuracy).collect::<Vec<_>>(), [1e-3, 1e-6]);
+    assert_eq!(all.iter().map(who).collect::<Vec<_>>(), [methods.clone(), methods]);
 }
 
 #[test]

@@ -1,36 +1,105 @@
-//! The runs that were made on a benchmark: contests at several accuracies look at the same settings.
+//! What contests on one benchmark, at smaller and smaller demands, know of each other: they look at the same settings.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
 
 use super::Candidate;
-use super::trial::{Start, Trial, TrialEnd};
+use super::trial::{Start, Trial, TrialEnd, TrialLimit};
 use crate::setting::Events;
 
 /// A run: its method, what that does about events, its rung, its start.
 type Key = (&'static str, Events, i32, Start);
 
-/// Runs that came to their end.
+/// What the contests so far on a benchmark found out; they are held from the smallest error to the largest.
 #[derive(Debug, Default)]
-pub(crate) struct Known(RefCell<HashMap<Key, Trial>>);
+pub(crate) struct Known {
+    /// Each run with the limit of work that it was made under.
+    runs: RefCell<HashMap<Key, (Trial, f64)>>,
+    /// The last rung at which each method, by what it does about events, reached an accuracy.
+    reached: RefCell<HashMap<(&'static str, Events), i32>>,
+}
 
 impl Known {
-    /// The run of `candidate` at `rung` from `start`, and whether it had to be made, by `make`.
+    /// The run of `candidate` at `rung` from `start` up to `limit`, and whether it had to be made, by `make`: one that was
+    /// broken off is made again under a wider limit.
     pub(super) fn or_make(
         &self,
-        candidate: Candidate,
-        rung: i32,
-        start: Start,
+        (candidate, rung, start): (Candidate, i32, Start),
+        limit: TrialLimit,
         make: impl FnOnce() -> Trial,
     ) -> (Trial, bool) {
         let key = (candidate.method.name, candidate.events, rung, start);
-        if let Some(trial) = self.0.borrow().get(&key) {
-            return (trial.clone(), false);
+        if let Some((trial, own)) = self.runs.borrow().get(&key) {
+            let serves = match trial.end {
+                TrialEnd::Reached | TrialEnd::Failed(_) | TrialEnd::OutOfTime => true,
+                TrialEnd::Cut => limit.work <= *own,
+                TrialEnd::Chatters => limit.chatter,
+                TrialEnd::Interrupted => false,
+            };
+            if serves {
+                return (trial.clone(), false);
+            }
         }
         let trial = make();
-        if trial.end == TrialEnd::Reached {
-            self.0.borrow_mut().insert(key, trial.clone());
-        }
+        self.runs.borrow_mut().insert(key, (trial.clone(), limit.work));
         (trial, true)
+    }
+
+    /// Keeps that `candidate` reaches an accuracy at `rung`.
+    pub(super) fn note_reached(&self, candidate: Candidate, rung: i32) {
+        self.reached.borrow_mut().insert((candidate.method.name, candidate.events), rung);
+    }
+
+    /// The rung at which `candidate` reached a smaller error, if it did: it reaches a larger one there, too.
+    pub(super) fn reached(&self, candidate: Candidate) -> Option<i32> {
+        self.reached.borrow().get(&(candidate.method.name, candidate.events)).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use deltazero_solvers::{Method, Stats};
+
+    use super::*;
+    use crate::run::Took;
+
+    fn trial(end: TrialEnd) -> Trial {
+        Trial {
+            end,
+            e: f64::INFINITY,
+            missed: 0,
+            spurious: 0,
+            n_events: 0,
+            stats: Stats::default(),
+            work: 0.0,
+            covered: 0.0,
+            took: Took::default(),
+        }
+    }
+
+    #[test]
+    fn a_run_that_was_broken_off_serves_where_it_would_be_again() {
+        let candidate =
+            Candidate { method: Method::named("rk45").unwrap(), events: Events::Located };
+        let wide = |work| TrialLimit { work, chatter: false };
+        let narrow = |work| TrialLimit { work, chatter: true };
+        for (end, made_under, serves, not) in [
+            (TrialEnd::Reached, wide(1e3), vec![wide(1e2), narrow(1e9)], vec![]),
+            (TrialEnd::Cut, wide(1e3), vec![wide(1e3), narrow(1e2)], vec![wide(2e3)]),
+            (TrialEnd::Chatters, narrow(1e3), vec![narrow(1e9)], vec![wide(1e3)]),
+            (TrialEnd::Interrupted, wide(1e3), vec![], vec![wide(1e3)]),
+        ] {
+            let is_made = |limit, is_asked_before: bool| {
+                let known = Known::default();
+                let key = (candidate, 3, Start::Exact);
+                if is_asked_before {
+                    known.or_make(key, made_under, || trial(end.clone()));
+                }
+                known.or_make(key, limit, || trial(TrialEnd::Reached)).1
+            };
+            assert!(serves.iter().all(|limit| !is_made(*limit, true)), "{end:?}");
+            assert!(not.iter().all(|limit| is_made(*limit, true)), "{end:?}");
+            assert!(is_made(made_under, false));
+        }
     }
 }

@@ -334,7 +334,7 @@ impl Contest<'_> {
         self.run_knowing(&Known::default(), candidates, progress)
     }
 
-    /// The same with the runs that contests on this benchmark at other accuracies made.
+    /// The same, knowing what contests on this benchmark at smaller errors found out.
     pub(crate) fn run_knowing(
         &self,
         known: &Known,

@@ -103,6 +103,11 @@ impl<'a> Search<'a> {
         };
         self.trials.retain(|_, trial| trial.end != TrialEnd::Cut || is_hopeless(trial));
         let found = self.bracket(limit).and_then(|rung| self.confirm(rung, limit));
+        // Where events are right at few settings, the search may pass by the one that is known.
+        let found = found.or_else(|end| match self.known.reached(self.candidate) {
+            Some(rung) => self.confirm(rung, limit),
+            None => Err(end),
+        });
         if self.contest.is_interrupted() {
             let message = "interrupted".to_owned();
             self.verdict = Some(Err((FailureKind::Interrupted, message)));
@@ -110,6 +115,7 @@ impl<'a> Search<'a> {
         }
         match found {
             Ok(rung) => {
+                self.known.note_reached(self.candidate, rung);
                 self.verdict = Some(Ok(rung));
                 Step::Over
             }
@@ -298,7 +304,7 @@ impl<'a> Search<'a> {
         let chatter = right_events.must_be_right(accuracy, self.candidate.events);
         let limit = TrialLimit { work: limit, chatter };
         let make = || Trial::new(benchmark, &setting, start, limit, stop);
-        let (trial, is_made) = self.known.or_make(self.candidate, rung, start, make);
+        let (trial, is_made) = self.known.or_make((self.candidate, rung, start), limit, make);
         self.n_trials += usize::from(is_made);
         trial
     }
