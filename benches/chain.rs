@@ -7,9 +7,9 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use deltazero::config::Config;
 use deltazero::mechanisms::strut::chain_of;
-use deltazero::model::Chain;
+use deltazero::model::{Chain, Jointed as _};
 use deltazero_solvers::{Method, System};
-use deltazero_study::run::{Accuracy, Setting, integrate};
+use deltazero_study::run::{Accuracy, Setting};
 use deltazero_study::setting::Events;
 
 const BAYS: [u32; 4] = [10, 100, 500, 1000];
@@ -59,7 +59,7 @@ fn steps(criterion: &mut Criterion) {
             let accuracy = Accuracy::Rtol(1e-6, None);
             let y0 = START.repeat(chain.bays);
             let setting = Setting { method, events: Events::Located, accuracy };
-            let run = || integrate(&chain, &setting, y0.clone(), SPAN, &mut ());
+            let run = || chain.integrate(&setting, y0.clone(), SPAN, &mut ());
             let stats = run().stats;
             assert_eq!(stats.n_events, 0, "{name}, {bays} bays: {stats:?}");
             group.throughput(Throughput::Elements(stats.n_accepted * u64::from(bays)));

@@ -7,10 +7,10 @@ use std::error::Error;
 use std::time::Instant;
 
 use deltazero::config::Config;
-use deltazero::model::{Block, Joints, State};
+use deltazero::model::{Block, Jointed as _, Joints, State};
 use deltazero::run::BlockTrajectory;
 use deltazero_solvers::{Grid, Method, Stats, Trajectory};
-use deltazero_study::run::{Accuracy, Setting, integrate, integrate_all};
+use deltazero_study::run::{Accuracy, Setting, integrate_all};
 use deltazero_study::setting::Events;
 
 /// Starts of each joint in a batch of many, each turning a little faster than the one before [rad/s].
@@ -106,7 +106,7 @@ fn begun<'b>(
 fn one_by_one(setting: &Setting, blocks: &[&Block], n: usize) -> Results {
     let (starts, trajectories) = begun(blocks, n);
     let run = |((block, y), mut trajectory): ((&Block, State<f64>), _)| {
-        (integrate(block, setting, y, T_END, &mut trajectory).stats, trajectory)
+        (block.integrate(setting, y, T_END, &mut trajectory).stats, trajectory)
     };
     starts.into_iter().zip(trajectories).map(run).collect()
 }

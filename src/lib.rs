@@ -1,21 +1,10 @@
 //! Which integrator, at which setting, for this contact?
 //!
 //! A pin rattles in a bush with clearance c: free flight, then contact through a stiff spring with
-//! damping and friction, some fifteen times a second, each change at the zero crossing δ = 0. The
-//! mechanism is a deployable strut bay with two such joints; joint 1 carries (x01, y01, θ1),
-//! joint 2 (y02, z02, θ2), and the two share no term. In the coordinates (X, Y, θ) of one of them
-//!
-//! ```text
-//! | M_x         0           S_x cos θ       | |Ẍ|   | S_x sin θ θ̇²           + Q_X |
-//! | 0           M_y        −S_y sin θ       | |Ÿ| = | S_y cos θ θ̇²           + Q_Y |
-//! | S_x cos θ  −S_y sin θ   I_0 + I_c cos²θ | |θ̈|   | I_c sin θ cos θ θ̇² + M + Q_θ |
-//!
-//! δ = √(X² + Y²) − c,   F_N = K δⁿ + D δ̇ in contact,   F_T = −sign(v_T) μ F_N or what v_T = 0 takes
-//! ```
-//!
-//! with modes free, slip+, slip− and stick. [`model`] is these equations, [`deltazero_solvers`]
-//! integrates them with the modes frozen within each step and every event located, and [`deltazero_study`]
-//! compares methods and settings by error and work against a reference.
+//! damping and friction, some fifteen times a second, each change at the zero crossing δ = 0.
+//! The equations are in [`deltazero_mechanics`]; [`deltazero_solvers`] integrates them with the modes frozen within each
+//! step and every event located; [`deltazero_study`] compares methods and settings by error and work against a reference.
+//! This crate is the program that runs all that and reports.
 //!
 //! ```
 //! use deltazero::config::Config;
@@ -38,10 +27,7 @@
 //!
 //! | module | what it is |
 //! |---|---|
-//! | [`keys`] | parameters with units and sources, the paper's Table 1 as the default |
-//! | [`model`] | pins in bushes as hybrid systems, each a block, or a chain where there are several bays or bristles, with their laws; no time, no loop |
-//! | [`mechanisms`] | the mechanisms, one a file: keys, problem, words |
-//! | [`config`] | the configuration: keys and mechanism, read and checked |
+//! | [`keys`], [`model`], [`mechanisms`], [`config`] | what is integrated, of [`deltazero_mechanics`] |
 //! | [`run`] | one run of a mechanism, joint by joint |
 //! | [`study`] | what a configuration asks of the study, and the experiments on the paper's mechanism |
 //! | [`chunks`] | many runs, in parallel, kept on disk as they are made |
@@ -52,15 +38,13 @@
 //! | [`whole`] | files that are there whole or not at all |
 
 pub mod chunks;
-pub mod config;
 mod csv;
 pub mod figures;
-pub mod keys;
-pub mod mechanisms;
-pub mod model;
 pub mod report;
 pub mod run;
 pub mod studied;
 pub mod study;
 pub mod sweep;
 pub mod whole;
+
+pub use deltazero_mechanics::{config, keys, mechanisms, model};

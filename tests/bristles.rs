@@ -7,12 +7,12 @@ use std::ops::ControlFlow;
 
 use common::{balance, config, distance, located, run, run_chain, setting};
 use deltazero::mechanisms::strut::chain_of;
-use deltazero::model::Chain;
+use deltazero::model::{Chain, Jointed as _};
 use deltazero::run::{mode_changes, trajectories};
 use deltazero_solvers::{Accepted, Event, Next, Record};
 use deltazero_study::Problem as _;
 use deltazero_study::errors::{ErrorScale, ScaledGroup, log_log_slope, match_events, worse};
-use deltazero_study::run::{Accuracy, Setting, integrate};
+use deltazero_study::run::{Accuracy, Setting};
 use deltazero_study::setting::Events;
 
 const LUGRE: &str = "friction.law=lugre";
@@ -52,7 +52,7 @@ fn bristles_are_unbent_where_a_contact_begins() {
         let config = config(&["bays=3", LUGRE, set, "run.t_end=0.2"]);
         let chain = chain_of(&config);
         let mut seen = Touches { bent: 0, begun: 0 };
-        let run = integrate(&chain, &located("rk45", 1e-8), chain.start(), 0.2, &mut seen);
+        let run = chain.integrate(&located("rk45", 1e-8), chain.start(), 0.2, &mut seen);
         assert!(run.outcome.is_ok() && seen.begun > 10 && seen.bent > 0, "{seen:?}");
     }
 }

@@ -87,9 +87,9 @@ impl<B: Brake> Brake for RowBrake<B> {
 mod tests {
     use std::sync::atomic::AtomicBool;
 
-    use deltazero::model::Joints;
+    use deltazero::model::{Jointed as _, Joints};
     use deltazero_solvers::Outcome;
-    use deltazero_study::run::{Braked, Limits, Price, integrate};
+    use deltazero_study::run::{Braked, Limits, Price};
 
     use super::*;
 
@@ -102,7 +102,7 @@ mod tests {
         rows.most_steps = 10.0;
         let (stop, block) = (AtomicBool::new(false), joints.blocks()[0]);
         let mut brake = rows.over(Limits::none(&stop).watch(Price::of_setting(&setting)));
-        let run = integrate(block, &setting, block.initial_state(), 2.0, &mut Braked(&mut brake));
+        let run = block.integrate(&setting, block.initial_state(), 2.0, &mut Braked(&mut brake));
         assert_eq!((run.outcome, run.stats.n_accepted), (Ok(Outcome::Interrupted), 11));
         let complaint = brake.complaint(run.t).unwrap();
         assert!(complaint.contains("run.sample = 0") && complaint.contains(WAY_OUT), "{complaint}");

@@ -3,9 +3,7 @@
 mod joints;
 
 use deltazero_solvers::{Error, Grid, Next, Outcome, Stats, Switch, Trajectory};
-use deltazero_study::run::{
-    Braked, Limit, Limits, ModeChange, PartRun, Price, Setting, Took, integrate,
-};
+use deltazero_study::run::{Braked, Limit, Limits, ModeChange, PartRun, Price, Setting, Took};
 
 use crate::config::Config;
 use crate::model::{Jointed, Joints, Mode, Part, State};
@@ -100,7 +98,7 @@ fn one<P: Jointed>(
 ) -> (PartRun, Vec<BlockTrajectory>, Option<Limit>) {
     let mut watch = limits.watch(Price::of_setting(setting));
     let mut record = (Trajectory::on(grid.clone()), Braked(&mut watch));
-    let run = integrate(part, setting, part.start(), t_end, &mut record);
+    let run = part.integrate(setting, part.start(), t_end, &mut record);
     let trajectories = trajectories(part, &record.0);
     (run.plain(), trajectories, watch.cut)
 }

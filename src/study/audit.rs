@@ -3,14 +3,13 @@
 use std::sync::atomic::AtomicBool;
 
 use deltazero_solvers::{Grid, Method, Trajectory};
-use deltazero_study::Part;
 use deltazero_study::Problem as _;
 use deltazero_study::energy_balance::EnergyBalance;
 use deltazero_study::errors::Largest;
 use deltazero_study::parallel::in_parallel;
 use deltazero_study::part::{Start, counted};
 use deltazero_study::reference::parted_at;
-use deltazero_study::run::{Accuracy, Braked, Limits, OwnRun, Price, Setting, integrate};
+use deltazero_study::run::{Accuracy, Braked, Limits, OwnRun, Price, Setting};
 use deltazero_study::setting::Events;
 use deltazero_study::trace::Trace;
 use deltazero_study::work_precision::Progress;
@@ -23,7 +22,7 @@ use super::torque_ratio::{TorqueRatio, torque_ratio};
 use crate::config::Config;
 use crate::keys::ReadingName;
 use crate::mechanisms::strut::struts;
-use crate::model::{Block, State};
+use crate::model::{Block, Jointed as _, Part, State};
 use crate::run::{BlockTrajectory, mode_changes};
 
 /// Method and relative tolerance of the runs.
@@ -238,7 +237,7 @@ fn followed(
     let balance = EnergyBalance::new(block, Events::Located, &y0);
     let mut watch = limits.watch(Price::of_setting(setting));
     let mut record = ((Binning::new(block, BIN_S), balance), (samples, Braked(&mut watch)));
-    let run = integrate(block, setting, y0, t_end, &mut record);
+    let run = block.integrate(setting, y0, t_end, &mut record);
     let ((binning, balance), (trajectory, _)) = record;
 
     let bins = binning.bins;
@@ -280,7 +279,8 @@ fn failure(run: &OwnRun<Block>, cut: Option<String>) -> Option<String> {
 /// The first sample time at which two runs differ by more than [`HORIZON_ERROR`](deltazero_study::reference::HORIZON_ERROR) [s].
 fn lost_at(block: &Block, one: &BlockTrajectory, other: &BlockTrajectory) -> Option<f64> {
     let [one, other] = [one, other].map(|run| Trace::of(block, run));
-    let (part, mut largest) = (Part::new(block.clone()), Largest::default());
+    let (part, mut largest) =
+        (deltazero_study::Part::from(Part::Block(block.clone())), Largest::default());
     part.measure(&one.states, &mut largest);
     parted_at(&one, &other, &part.error_scale(&largest))
 }

@@ -182,12 +182,12 @@ impl Record<Block> for Binning<'_> {
 #[cfg(test)]
 mod tests {
     use deltazero_solvers::Method;
-    use deltazero_study::run::{Accuracy, Setting, integrate};
+    use deltazero_study::run::{Accuracy, Setting};
     use deltazero_study::setting::Events;
 
     use super::*;
     use crate::config::Config;
-    use crate::model::Joints;
+    use crate::model::{Jointed as _, Joints};
 
     #[test]
     fn bins_cover_the_run_without_a_gap_and_hold_its_integrals() {
@@ -196,7 +196,7 @@ mod tests {
         let (method, accuracy) = (Method::named("vern98").unwrap(), Accuracy::Rtol(1e-10, None));
         let setting = Setting { method, events: Events::Located, accuracy };
         let mut record = Binning::new(block, 0.01);
-        let run = integrate(block, &setting, block.initial_state(), 0.5, &mut record);
+        let run = block.integrate(&setting, block.initial_state(), 0.5, &mut record);
         let bins = record.bins;
         assert_eq!(bins.len(), 50);
         for (k, bin) in bins.iter().enumerate() {

@@ -13,14 +13,14 @@
 
 use deltazero_solvers::Method;
 use deltazero_study::quadrature::GAUSS;
-use deltazero_study::run::{Accuracy, Setting, integrate};
+use deltazero_study::run::{Accuracy, Setting};
 use deltazero_study::setting::Events;
 use serde::{Deserialize, Serialize};
 
 use crate::config::Config;
 use crate::keys::Inertia;
 use crate::mechanisms::strut::struts;
-use crate::model::{Block, Body};
+use crate::model::{Block, Body, Jointed as _};
 
 /// 90° [rad].
 pub const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
@@ -106,5 +106,5 @@ fn integrated(block: &Block, t_end: f64) -> Option<f64> {
     let (name, rtol) = INTEGRATED_BY;
     let method = Method::named(name)?;
     let setting = Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(rtol, None) };
-    integrate(block, &setting, block.initial_state(), t_end, &mut ()).stopped_at()
+    block.integrate(&setting, block.initial_state(), t_end, &mut ()).stopped_at()
 }

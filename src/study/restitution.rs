@@ -6,14 +6,14 @@
 use std::ops::ControlFlow;
 
 use deltazero_solvers::{Accepted, Event, Method, Needs, Next, Record};
-use deltazero_study::run::{Accuracy, Setting, integrate};
+use deltazero_study::run::{Accuracy, Setting};
 use deltazero_study::setting::Events;
 use serde::Serialize;
 
 use crate::config::{Config, ConfigError};
 use crate::keys::ContactLaw;
 use crate::model::restitution::{delivered, hysteresis_factor};
-use crate::model::{Block, Joints, Mode};
+use crate::model::{Block, Jointed as _, Joints, Mode};
 
 /// Speed of the impact [m/s]; what is delivered does not depend on it.
 const SPEED: f64 = 0.01;
@@ -80,7 +80,7 @@ fn simulated(law: ContactLaw, e: f64) -> Result<f64, ConfigError> {
     start[4] = -SPEED;
     let mut leaves = Leaves { speed: f64::NAN };
     let setting = Setting { method, events: Events::Located, accuracy };
-    integrate(&block, &setting, start, 1.0, &mut leaves);
+    block.integrate(&setting, start, 1.0, &mut leaves);
     Ok(leaves.speed / SPEED)
 }
 

@@ -2,7 +2,7 @@
 
 use deltazero_solvers::{Grid, Method, Outcome, System, Trajectory};
 use deltazero_study::errors::worse;
-use deltazero_study::run::{Accuracy, Braked, Limits, Price, Setting, integrate};
+use deltazero_study::run::{Accuracy, Braked, Limits, Price, Setting};
 use deltazero_study::setting::Events;
 use deltazero_study::work_precision::WorkPrecision;
 use nalgebra::{Complex, Matrix6};
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::sample_times;
 use crate::config::Config;
-use crate::model::{Block, Joints, Mode, Part, State};
+use crate::model::{Block, Jointed as _, Joints, Mode, Part, State};
 use crate::run::BlockTrajectory;
 
 /// Tolerance of the run whose contacts are looked at, and whose states errors are measured against.
@@ -118,7 +118,7 @@ pub fn stability(config: &Config, table: &WorkPrecision, limits: Limits<'_>) -> 
         let mut watch = limits.watch(Price::of_setting(setting));
         let mut record = (Trajectory::on(Grid::Times(times.clone())), Braked(&mut watch));
         let (y0, t_end) = (block.initial_state(), config.run.t_end);
-        let run = integrate(block, setting, y0, t_end, &mut record);
+        let run = block.integrate(setting, y0, t_end, &mut record);
         (record.0, matches!(run.outcome, Ok(Outcome::Finished | Outcome::Stopped)))
     };
     let mut result = Stability::default();

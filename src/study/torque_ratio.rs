@@ -8,7 +8,7 @@
 use deltazero_solvers::Method;
 use deltazero_solvers::root::{Bracket, find_root};
 use deltazero_study::parallel::in_parallel;
-use deltazero_study::run::{Accuracy, Braked, Limits, Price, Setting, integrate};
+use deltazero_study::run::{Accuracy, Braked, Limits, Price, Setting};
 use deltazero_study::setting::Events;
 use deltazero_study::work_precision::Progress;
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ use super::audit::{patience, under};
 use super::ideal::{RIGHT_ANGLE, time_to, without_clearance};
 use crate::config::Config;
 use crate::keys::{Inertia, ReadingName};
-use crate::model::Block;
+use crate::model::{Block, Jointed as _};
 
 /// Method and relative tolerance of the runs; those of AF are good to 1e-9 s under `pin`, `full`, `cosine`.
 const RUN_BY: (&str, f64) = ("vern98", 1e-9);
@@ -146,7 +146,8 @@ impl<'a> Arrivals<'a> {
         let (events, accuracy) = (Events::Located, Accuracy::Rtol(rtol, None));
         let setting = Setting { method: Method::named(name)?, events, accuracy };
         let mut watch = self.limits.watch(Price::of_setting(&setting));
-        integrate(block, &setting, block.initial_state(), patience(block), &mut Braked(&mut watch))
+        block
+            .integrate(&setting, block.initial_state(), patience(block), &mut Braked(&mut watch))
             .stopped_at()
     }
 

@@ -8,7 +8,8 @@ use super::draw::{Law, MOST_SOBOL, MOST_SOBOL_KEYS, Sampling};
 use super::plan::{Axis, Draw, Plan, Random, Values};
 use super::table::{Table, pair, refused, tables};
 use super::{MOST_CHUNKS, SweepError, keys};
-use crate::config::{ConfigError, Datum, Given, Model, Variants, Varied, document, read};
+use crate::config::toml_source::{document, read};
+use crate::config::{ConfigError, Datum, Given, Model, Variants, Varied};
 use crate::keys::Kind;
 
 /// Largest number of runs.

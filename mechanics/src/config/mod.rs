@@ -1,7 +1,7 @@
 //! The configuration: every parameter with its unit and source, the paper's Table 1 as the default.
 //!
 //! ```
-//! use deltazero::config::{Config, ConfigError};
+//! use deltazero_mechanics::config::{Config, ConfigError};
 //!
 //! let stiffer = Config::load(None, &["joint2.contact.stiffness=2e7".to_owned()])?;
 //! assert_eq!(stiffer.joints[0].contact.stiffness, 1e7);
@@ -35,7 +35,7 @@ mod nearest;
 mod print;
 mod schema;
 mod together;
-mod toml_source;
+pub mod toml_source;
 mod values;
 mod variants;
 
@@ -51,15 +51,13 @@ use serde_json::{Map, Value};
 
 pub use all_keys::{find, keys};
 pub use error::{ConfigError, Place};
+pub use given::{Datum, Given};
 pub use model::Model;
+pub use nearest::nearest_word;
 pub use print::default_toml;
 pub use schema::json_schema;
 pub use together::{MOST_ROWS, ROW_BYTES};
 pub use variants::{Variants, Varied};
-
-pub(crate) use given::{Datum, Given};
-pub(crate) use nearest::nearest_word;
-pub(crate) use toml_source::{document, read};
 
 use crate::keys::{JOINT_TABLES, JOINTS, Shared};
 use crate::mechanisms::Chosen;

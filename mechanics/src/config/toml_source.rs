@@ -22,7 +22,7 @@ struct Source<'a> {
 ///
 /// # Errors
 /// The file is missing, a directory, not to be read, or not UTF-8.
-pub(crate) fn read(path: &Path) -> Result<String, ConfigError> {
+pub fn read(path: &Path) -> Result<String, ConfigError> {
     let bytes = fs::read(path).map_err(|error| ConfigError::Unreadable {
         path: path.to_owned(),
         reason: error.to_string().into(),
@@ -41,7 +41,7 @@ pub(crate) fn read(path: &Path) -> Result<String, ConfigError> {
 ///
 /// # Errors
 /// The text is not TOML.
-pub(crate) fn document(file: &str, text: &str) -> Result<Given, ConfigError> {
+pub fn document(file: &str, text: &str) -> Result<Given, ConfigError> {
     let source = Source::new(text, Place::Line { file: file.into(), line: 1 });
     let table = DeTable::parse(text).map_err(|error| source.syntax(&error))?;
     Ok(Given {

@@ -171,7 +171,7 @@ pub fn chain_of(shared: &Shared) -> Chain {
 }
 
 /// The two joints of one bay.
-pub(crate) fn struts(shared: &Shared) -> [Block; 2] {
+pub fn struts(shared: &Shared) -> [Block; 2] {
     let (strut, drive) = (&shared.strut, &shared.drive);
     let of = |joint, inertia, torque| {
         let body = Body::Struts(inertia);

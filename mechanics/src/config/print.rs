@@ -35,7 +35,7 @@ const OTHERS: &str = "
 /// Keys without a default stand there as comments, with an example.
 ///
 /// ```
-/// assert!(deltazero::config::default_toml().contains("stiffness = 1e7"));
+/// assert!(deltazero_mechanics::config::default_toml().contains("stiffness = 1e7"));
 /// ```
 pub fn default_toml() -> String {
     let [default, others @ ..] = MECHANISMS else { return String::new() };

@@ -12,7 +12,7 @@ pub mod rocking_block;
 mod runs;
 mod slider_crank;
 pub mod strut;
-pub(crate) mod text;
+pub mod text;
 
 use std::fmt;
 use std::ops::Deref;
@@ -25,7 +25,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use crate::keys::{Key, Shared};
-use crate::model::{Joints, Part};
+use crate::model::Joints;
 
 /// All mechanisms; the first is the default.
 pub const MECHANISMS: &[&Entry] = &[
@@ -127,11 +127,7 @@ pub trait Mechanism: Send + Sync {
 
     /// What a study integrates.
     fn subject(&self, shared: &Shared) -> Subject {
-        let part = |part: Part| match part {
-            Part::Block(block) => deltazero_study::Part::new(block),
-            Part::Chain(chain) => deltazero_study::Part::new(chain),
-        };
-        Subject { parts: self.joints(shared).parts.into_iter().map(part).collect() }
+        Subject { parts: self.joints(shared).parts.into_iter().map(Into::into).collect() }
     }
 
     /// Its joints with what hangs on them; empty of a mechanism that is not made of joints.

@@ -20,7 +20,7 @@ const OWN: &str = "tables of the mechanism";
 /// A configuration of which some keys take other values from run to run.
 ///
 /// ```
-/// use deltazero::config::{Config, ConfigError, Place, Variants};
+/// use deltazero_mechanics::config::{Config, ConfigError, Place, Variants};
 ///
 /// let key = ("joint2.contact.stiffness", Place::Default);
 /// let mut variants = Variants::new(None, None, &[], &[key])?;
@@ -110,7 +110,7 @@ impl Variants {
     ///
     /// # Errors
     /// What the key does not take.
-    pub(crate) fn checked(&self, i: usize, given: &Given) -> Result<Value, ConfigError> {
+    pub fn checked(&self, i: usize, given: &Given) -> Result<Value, ConfigError> {
         let key = &self.keys[i];
         key.kind.check(&key.path, &key.unit, given)
     }

@@ -12,8 +12,7 @@ mod shared;
 mod words;
 
 pub(crate) use common::COMMON;
-pub(crate) use key::one_joint;
-pub use key::{DefaultValue, FINITE, JOINT_TABLES, JOINTS, Key, NOT_NEGATIVE, POSITIVE};
+pub use key::{DefaultValue, FINITE, JOINT_TABLES, JOINTS, Key, NOT_NEGATIVE, POSITIVE, one_joint};
 pub use kind::Kind;
 pub(crate) use kind::listing;
 pub use range::{End, Range};

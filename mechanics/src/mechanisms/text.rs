@@ -12,7 +12,7 @@ use super::{Chosen, Entry, Mechanism};
 use crate::keys::Shared;
 
 /// The tables of a configuration that hold a model and the values of its parameters.
-pub(crate) const TABLES: [&str; 2] = ["model", "parameters"];
+pub const TABLES: [&str; 2] = ["model", "parameters"];
 
 /// Models from files stand in no list: a file chooses its own.
 static TEXT: Entry = Entry {

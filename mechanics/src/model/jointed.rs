@@ -5,7 +5,7 @@ use deltazero_study::Problem;
 use deltazero_study::problem::{
     EndName, Energy, Group, GroupScale, Laws, Power, Quantity, Role, Touch,
 };
-use deltazero_study::run::{Begun, OwnRun, Setting, at_once, blind, extended};
+use deltazero_study::run::{Begun, OwnRun, Setting, at_once, blind, extended, integrate};
 
 use super::block::{Block, ContactForces, State};
 use super::body::Body;
@@ -32,6 +32,20 @@ pub trait Jointed: Problem {
         let offset = self.offset(k);
         std::array::from_fn(|i| y[offset + i])
     }
+
+    /// A run of it; see [`run::integrate`](integrate).
+    ///
+    /// It has no default: what is generic is compiled anew, with every method, in each crate that calls it. What stands in
+    /// an `impl` is compiled here alone.
+    fn integrate(
+        &self,
+        setting: &Setting,
+        y0: Self::State<f64>,
+        t_end: f64,
+        record: &mut dyn Record<Self>,
+    ) -> OwnRun<Self>
+    where
+        Self: Sized;
 
     /// The joint nearest to where it ends, at 90° or at the range of its contact law; the first of several.
     fn joint_nearest_end(&self, mode: &Self::Mode, y: &[f64]) -> usize {
@@ -337,6 +351,16 @@ impl Jointed for Block {
     fn joint_mode(mode: &Mode, _k: usize) -> Mode {
         *mode
     }
+
+    fn integrate(
+        &self,
+        setting: &Setting,
+        y0: State<f64>,
+        t_end: f64,
+        record: &mut dyn Record<Self>,
+    ) -> OwnRun<Self> {
+        integrate(self, setting, y0, t_end, record)
+    }
 }
 
 /// A chain runs in f64 with its events located: the other two would be a second and a third copy of every
@@ -496,5 +520,15 @@ impl Jointed for Chain {
 
     fn joint_mode(modes: &Modes, k: usize) -> Mode {
         modes[k]
+    }
+
+    fn integrate(
+        &self,
+        setting: &Setting,
+        y0: Vec<f64>,
+        t_end: f64,
+        record: &mut dyn Record<Self>,
+    ) -> OwnRun<Self> {
+        integrate(self, setting, y0, t_end, record)
     }
 }

@@ -64,6 +64,15 @@ pub enum Part {
     Chain(Chain),
 }
 
+impl From<Part> for deltazero_study::Part {
+    fn from(part: Part) -> Self {
+        match part {
+            Part::Block(block) => Self::new(block),
+            Part::Chain(chain) => Self::new(chain),
+        }
+    }
+}
+
 impl Part {
     /// `bays` joints like `block` in a row.
     pub fn of(block: Block, bays: usize) -> Self {

@@ -12,23 +12,29 @@ const EXCERPT: usize = 60;
 
 /// A value with its place.
 #[derive(Clone, Debug)]
-pub(crate) struct Given {
+pub struct Given {
     /// Line of its key, or of itself inside a list.
-    pub(crate) place: Place,
+    pub place: Place,
     /// As written, on one line, shortened.
-    pub(crate) text: String,
+    pub text: String,
     /// What it is.
-    pub(crate) datum: Datum,
+    pub datum: Datum,
 }
 
 /// What a value is.
 #[derive(Clone, Debug)]
-pub(crate) enum Datum {
+pub enum Datum {
+    /// `true` or `false`.
     Boolean(bool),
+    /// An integer.
     Integer(i64),
+    /// A decimal number.
     Number(f64),
+    /// A text.
     Word(String),
+    /// Several.
     List(Vec<Given>),
+    /// Entries by name, in their order.
     Table(Vec<(String, Given)>),
     /// Nothing that a key takes: its type, with article.
     Other(&'static str),
@@ -51,7 +57,7 @@ impl Datum {
 
 impl Given {
     /// The number that it is, from an integer as well.
-    pub(crate) fn number(&self) -> Option<f64> {
+    pub fn number(&self) -> Option<f64> {
         match self.datum {
             Datum::Integer(i) => Some(i as f64),
             Datum::Number(x) => Some(x),
@@ -66,7 +72,7 @@ impl Given {
     }
 
     /// The complaint that it is of the wrong type.
-    pub(crate) fn wrong_type(&self, key: &str, expected: &str) -> ConfigError {
+    pub fn wrong_type(&self, key: &str, expected: &str) -> ConfigError {
         ConfigError::WrongType {
             place: self.place.clone(),
             key: key.into(),

@@ -81,7 +81,7 @@ pub const FINITE: Kind = Kind::Number(Range::FINITE);
 
 /// `joint2` and `contact.stiffness` of `joint2.contact.stiffness`; none for a path that is not of
 /// one joint.
-pub(crate) fn one_joint(path: &str) -> Option<(&'static str, &str)> {
+pub fn one_joint(path: &str) -> Option<(&'static str, &str)> {
     JOINTS.iter().find_map(|joint| {
         let rest = path.strip_prefix(joint)?.strip_prefix('.')?;
         Some((*joint, rest))

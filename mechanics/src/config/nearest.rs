@@ -44,10 +44,7 @@ pub(super) fn nearest_of(path: &str, candidates: Vec<String>) -> Option<String> 
 }
 
 /// The word most like `word`, as it is given or in small letters.
-pub(crate) fn nearest_word<'a>(
-    word: &str,
-    words: impl IntoIterator<Item = &'a str>,
-) -> Option<&'a str> {
+pub fn nearest_word<'a>(word: &str, words: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let given = [word, &word.to_lowercase()];
     let score = |candidate: &&str| given.map(|given| similarity(given, candidate));
     nearest(words, |candidate| score(candidate).into_iter().fold(0.0, f64::max))
