@@ -180,7 +180,8 @@ fn cost(cells: &[Cell]) -> Drawing {
     }
     let caption = format!(
         "Time of the fastest explicit and the fastest implicit method against contact stiffness; a \
-         missing point is one that does not reach the accuracy within ten times the least work. \
+         missing point is one that does not reach the accuracy within ten times the least work, \
+         a blind run within three times. \
          Crossovers (vertical lines): {}.",
         if crossovers.is_empty() { "none".to_owned() } else { crossovers.join("; ") }
     );

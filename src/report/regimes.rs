@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use deltazero_study::map::{CellStatus, Contested, Map, MapCell};
-use deltazero_study::selection::{CUT, EVENTS_FROM, Entry, Failure, Standings};
+use deltazero_study::selection::{CUT, EVENTS_FROM, Entry, FINAL, Failure, Standings};
 use deltazero_study::setting::Events;
 
 use crate::config::Config;
@@ -101,7 +101,8 @@ pub fn lead(config: &Config) -> String {
     format!(
         "The fastest method and setting that reaches an accuracy e, over contact stiffness K and damping \
          ratio ζ, both joints, 0 to {} s, or half the time over which the motion is predictable, or {} \
-         events where there are more. {right}. A run is cut at {CUT} times the least work.",
+         events where there are more. {right}. A run is cut at {CUT} times the least work, a blind one at {FINAL} \
+         times that of the best that locates events.",
         config.run.t_end, config.regimes.max_events
     )
 }
@@ -193,7 +194,7 @@ fn implicit(cells: &[&Cell]) -> String {
     if alone > 0 {
         let _ = write!(
             text,
-            ". In {alone} of them no explicit method comes within {CUT} times its work"
+            ". In {alone} of them no explicit method that locates events comes within {CUT} times its work"
         );
     }
     text + "."
@@ -238,7 +239,8 @@ fn location(cells: &[&Cell]) -> String {
     let (located, blind) = (only(Events::Located), only(Events::Blind));
     let _ = write!(
         text,
-        "Only located runs arrive in {}, only blind ones in {blind}.",
+        "Only located runs arrive in {}, where a blind one is given up at {FINAL} times the work of the best of \
+         them; only blind ones in {blind}.",
         n_cells(located)
     );
     let wrong = cells

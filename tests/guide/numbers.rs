@@ -45,6 +45,7 @@ fn all_rust_is_quoted_from_files_that_are_compiled() {
 
 /// A cell of the map that has a winner.
 struct Cell {
+    reading: String,
     stiffness: f64,
     damping_ratio: f64,
     accuracy: String,
@@ -59,6 +60,7 @@ fn cells() -> Vec<Cell> {
     let cell = |line: &str| {
         let row: BTreeMap<&str, &str> = header.iter().copied().zip(line.split(',')).collect();
         Some(Cell {
+            reading: row["reading"].to_owned(),
             stiffness: row["stiffness"].parse().unwrap(),
             damping_ratio: row["damping_ratio"].parse().unwrap(),
             accuracy: row["accuracy"].to_owned(),
@@ -71,10 +73,16 @@ fn cells() -> Vec<Cell> {
 /// A part of the map.
 type Part = (&'static str, fn(&Cell) -> bool);
 
+/// Lightly damped and stiff.
+fn is_stiff(cell: &Cell) -> bool {
+    cell.damping_ratio <= 0.1 && cell.stiffness >= 1e9
+}
+
 /// The parts of the map of which `which.md` speaks.
-const PARTS: [Part; 3] = [
+const PARTS: [Part; 4] = [
     ("ζ ≤ 0.1, K ≤ 1e8", |cell| cell.damping_ratio <= 0.1 && cell.stiffness <= 1e8),
-    ("ζ ≤ 0.1, K ≥ 1e9", |cell| cell.damping_ratio <= 0.1 && cell.stiffness >= 1e9),
+    ("ζ ≤ 0.1, K ≥ 1e9, `pin`", |cell| is_stiff(cell) && cell.reading == "pin"),
+    ("ζ ≤ 0.1, K ≥ 1e9, `full`", |cell| is_stiff(cell) && cell.reading == "full"),
     ("ζ ≥ 1", |cell| cell.damping_ratio >= 1.0),
 ];
 
