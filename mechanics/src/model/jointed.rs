@@ -9,7 +9,6 @@ use deltazero_study::run::{Begun, OwnRun, Setting, at_once, blind, extended, int
 
 use super::block::{Block, ContactForces, State};
 use super::body::Body;
-use super::chain::{Chain, Modes};
 use super::contact;
 use super::linkage::{Linkage as _, Outputs};
 use super::mode::Mode;
@@ -57,12 +56,12 @@ pub trait Jointed: Problem {
 }
 
 /// The name of a joint's part.
-fn part_name(block: &Block) -> String {
+pub(super) fn part_name(block: &Block) -> String {
     format!("joint {}", block.joint)
 }
 
 /// The states of one joint, the scales of which are `scale`.
-fn joint_quantities(scale: State<f64>) -> impl Iterator<Item = Quantity> {
+pub(super) fn joint_quantities(scale: State<f64>) -> impl Iterator<Item = Quantity> {
     let names = ["X", "Y", "θ", "Ẋ", "Ẏ", "ω"];
     let units = ["m", "m", "rad", "m/s", "m/s", "rad/s"];
     let pairs = names.into_iter().zip(units).zip(scale);
@@ -70,7 +69,7 @@ fn joint_quantities(scale: State<f64>) -> impl Iterator<Item = Quantity> {
 }
 
 /// The pin over its clearance (0.1 mm where there is none), the angle over its largest.
-fn joint_groups(block: &Block, offset: usize, site: usize) -> [Group; 2] {
+pub(super) fn joint_groups(block: &Block, offset: usize, site: usize) -> [Group; 2] {
     let clearance = if block.clearance > 0.0 { block.clearance } else { 1e-4 };
     let group = |name: &'static str, unit: &'static str, states: &[usize], scale| Group {
         name: name.into(),
@@ -85,7 +84,7 @@ fn joint_groups(block: &Block, offset: usize, site: usize) -> [Group; 2] {
     ]
 }
 
-fn role(mode: Mode) -> Role {
+pub(super) fn role(mode: Mode) -> Role {
     match mode {
         Mode::Pinned => Role::Held,
         Mode::Apart | Mode::Relaxing(_) => Role::Free,
@@ -95,7 +94,7 @@ fn role(mode: Mode) -> Role {
 }
 
 /// The contact of a joint like `block`; none of one whose pin is held.
-fn touch<S: Real>(block: &Block, mode: Mode, y: &State<S>) -> Option<Touch<S>> {
+pub(super) fn touch<S: Real>(block: &Block, mode: Mode, y: &State<S>) -> Option<Touch<S>> {
     if block.clearance == 0.0 {
         return None;
     }
@@ -109,7 +108,7 @@ fn touch<S: Real>(block: &Block, mode: Mode, y: &State<S>) -> Option<Touch<S>> {
 
 /// A reading that feeds energy in has no balance. Friction only takes energy where it acts as a force, without
 /// bristles, on a contact that never pulls.
-fn laws(block: &Block) -> Laws {
+pub(super) fn laws(block: &Block) -> Laws {
     Laws {
         balances: block.reading.is_consistent(),
         damping_takes: true,
@@ -121,10 +120,10 @@ fn laws(block: &Block) -> Laws {
 }
 
 /// What a joint has done that a terminal event ended.
-const REACHED_90: EndName = EndName { key: "reached_90", words: "reached 90 degrees" };
+pub(super) const REACHED_90: EndName = EndName { key: "reached_90", words: "reached 90 degrees" };
 
 /// Another way out, of a law with hysteresis.
-fn out_of_stiffness(block: &Block) -> &'static str {
+pub(super) fn out_of_stiffness(block: &Block) -> &'static str {
     match block.normal.hysteresis {
         0.0 => "",
         _ => ", or, where a contact begins slowly, a larger contact.impact_speed_floor",
@@ -133,7 +132,7 @@ fn out_of_stiffness(block: &Block) -> &'static str {
 
 impl Block {
     /// The columns of its motion: pin, angle, their rates, what moves with them, and the forces of the contact.
-    fn motion_columns(&self) -> Vec<Quantity> {
+    pub(super) fn motion_columns(&self) -> Vec<Quantity> {
         let column = |(name, unit): (&'static str, &'static str)| Quantity::new(name, unit, 1.0);
         const ANGLE: [(&str, &str); 2] = [("theta", "rad"), ("omega", "rad/s")];
         const CRANK: [(&str, &str); 2] = [("crank", "rad"), ("crank", "rad/s")];
@@ -152,7 +151,12 @@ impl Block {
     }
 
     /// Its motion in these columns.
-    fn motion_row(&self, mode: Mode, y: &State<f64>, forces: ContactForces<f64>) -> Vec<f64> {
+    pub(super) fn motion_row(
+        &self,
+        mode: Mode,
+        y: &State<f64>,
+        forces: ContactForces<f64>,
+    ) -> Vec<f64> {
         let in_order = self.in_paper_order(y);
         let (pin, rates) = in_order.split_at(3);
         let forces_on_pin = [forces.normal, forces.tangential];
@@ -169,7 +173,7 @@ impl Block {
 }
 
 /// Whether a dent in a bush is left, or taken up again, between these modes.
-fn relaxes(before: Mode, after: Mode) -> bool {
+pub(super) fn relaxes(before: Mode, after: Mode) -> bool {
     [before, after].iter().any(|mode| matches!(mode, Mode::Relaxing(_)))
 }
 
@@ -356,176 +360,6 @@ impl Jointed for Block {
         &self,
         setting: &Setting,
         y0: State<f64>,
-        t_end: f64,
-        record: &mut dyn Record<Self>,
-    ) -> OwnRun<Self> {
-        integrate(self, setting, y0, t_end, record)
-    }
-}
-
-/// A chain runs in f64 with its events located: the other two would be a second and a third copy of every
-/// method, for what one bay has shown.
-impl Problem for Chain {
-    fn name(&self) -> String {
-        part_name(&self.bay)
-    }
-
-    fn check(&self) -> Result<(), Error> {
-        self.bay.check_load()
-    }
-
-    fn start(&self) -> Vec<f64> {
-        self.of_each(self.bay.initial_state(), 0.0)
-    }
-
-    fn states(&self) -> Vec<Quantity> {
-        let bay: Vec<_> = joint_quantities(self.bay.scale()).collect();
-        let bristles = Quantity::new("z", "m", self.bristle_scale());
-        let own: Vec<_> = bay.into_iter().chain([bristles]).take(self.stride()).collect();
-        std::iter::repeat_n(own, self.bays).flatten().collect()
-    }
-
-    fn groups(&self) -> Vec<Group> {
-        (0..self.bays).flat_map(|k| joint_groups(&self.bay, self.offset(k), k)).collect()
-    }
-
-    fn n_sites(&self) -> usize {
-        self.bays
-    }
-
-    fn site_name(&self, site: usize) -> String {
-        match self.bays {
-            1 => self.name(),
-            _ => format!("bay {}, {}", site + 1, self.name()),
-        }
-    }
-
-    fn site_of_guard(&self, _modes: &Modes, guard: usize) -> usize {
-        Self::bay_of(guard)
-    }
-
-    fn role(&self, modes: &Modes, site: usize) -> Role {
-        role(modes[site])
-    }
-
-    fn code(&self, modes: &Modes, site: usize) -> i8 {
-        modes[site].code()
-    }
-
-    fn is_counted(&self, before: &Modes, after: &Modes, site: usize) -> bool {
-        before[site].code() != after[site].code()
-    }
-
-    fn starts_on_surface(&self) -> bool {
-        self.bay.starts_in_contact()
-    }
-
-    fn unit_of_time(&self) -> f64 {
-        self.bay.body_time()
-    }
-
-    fn touch<S: Real>(&self, modes: &Modes, _t: S, y: &Vec<S>, site: usize) -> Option<Touch<S>> {
-        touch(&self.bay, modes[site], &self.state_of(y, site))
-    }
-
-    fn energies(&self, modes: &Modes, _t: f64, y: &Vec<f64>) -> Option<Energy> {
-        Some(self.energy(modes, y))
-    }
-
-    fn powers(&self, modes: &Modes, _t: f64, y: &Vec<f64>) -> Option<Power> {
-        Some(self.power(modes, y))
-    }
-
-    fn drive_work(&self, y0: &Vec<f64>, y1: &Vec<f64>) -> Option<f64> {
-        let of_bay = |k| self.bay.drive_work(&self.joint_state(y0, k), &self.joint_state(y1, k));
-        (0..self.bays).map(of_bay).sum()
-    }
-
-    fn mode_name(&self, modes: &Modes, site: usize) -> String {
-        modes[site].code().to_string()
-    }
-
-    fn labels(&self, site: usize) -> Vec<(&'static str, usize)> {
-        vec![("bay", site + 1), ("joint", self.bay.joint)]
-    }
-
-    fn columns(&self, _site: usize) -> Vec<Quantity> {
-        self.bay.motion_columns()
-    }
-
-    fn rows(&self, modes: &Modes, _t: f64, y: &Vec<f64>, row: &mut dyn FnMut(usize, &[f64])) {
-        for (k, forces) in self.forces(modes, y).into_iter().enumerate() {
-            row(k, &self.bay.motion_row(modes[k], &self.joint_state(y, k), forces));
-        }
-    }
-
-    fn in_brief(&self, y: &Vec<f64>) -> String {
-        let angle = |k: usize| format!("{:.6e}", self.joint_state(y, k)[2]);
-        match self.bays {
-            1 => format!("theta = {} rad", angle(0)),
-            bays => format!("theta = {} to {} rad", angle(0), angle(bays - 1)),
-        }
-    }
-
-    fn end_name(&self) -> EndName {
-        REACHED_90
-    }
-
-    fn begins_at_speed_floor(&self, before: &Modes, after: &Modes) -> bool {
-        (0..self.bays).any(|k| self.bay.begins_at_floor(before[k], after[k]))
-    }
-
-    fn out_of_stiffness(&self) -> &'static str {
-        out_of_stiffness(&self.bay)
-    }
-
-    fn nearest_end(&self, modes: &Modes, y: &Vec<f64>) -> Option<usize> {
-        Some(self.joint_nearest_end(modes, y))
-    }
-
-    fn takes_energy(&self, before: &Modes, after: &Modes) -> bool {
-        before.iter().zip(after.iter()).any(|(a, b)| a != b && relaxes(*a, *b))
-    }
-
-    fn laws(&self) -> Laws {
-        laws(&self.bay)
-    }
-
-    /// The same for every bay, in the paper's order; that of bristles stays.
-    fn spread(&self, each: &[f64], all: &mut [f64]) {
-        let Ok(each) = each.try_into() else { return };
-        let each = self.bay.in_paper_order(each);
-        for k in 0..self.bays {
-            let offset = self.offset(k);
-            all[offset..offset + each.len()].copy_from_slice(&each);
-        }
-    }
-
-    fn judged(
-        &self,
-        outcome: Result<Outcome, Error>,
-        t: f64,
-        modes: &Modes,
-        y: &Vec<f64>,
-    ) -> Result<Outcome, Error> {
-        let k = self.joint_nearest_end(modes, y);
-        self.bay.range_judged(outcome, t, modes[k], &self.joint_state(y, k))
-    }
-}
-
-impl Jointed for Chain {
-    fn block(&self) -> &Block {
-        &self.bay
-    }
-
-    fn joint_mode(modes: &Modes, k: usize) -> Mode {
-        modes[k]
-    }
-
-    fn integrate(
-        &self,
-        setting: &Setting,
-        y0: Vec<f64>,
         t_end: f64,
         record: &mut dyn Record<Self>,
     ) -> OwnRun<Self> {

@@ -17,6 +17,7 @@
 mod energy;
 mod jacobian;
 mod mode;
+mod problem;
 
 use std::ops::Range;
 
