@@ -58,24 +58,9 @@ impl Known {
 
 #[cfg(test)]
 mod tests {
-    use deltazero_solvers::{Method, Stats};
+    use deltazero_solvers::Method;
 
     use super::*;
-    use crate::run::Took;
-
-    fn trial(end: TrialEnd) -> Trial {
-        Trial {
-            end,
-            e: f64::INFINITY,
-            missed: 0,
-            spurious: 0,
-            n_events: 0,
-            stats: Stats::default(),
-            work: 0.0,
-            covered: 0.0,
-            took: Took::default(),
-        }
-    }
 
     #[test]
     fn a_run_that_was_broken_off_serves_where_it_would_be_again() {
@@ -93,9 +78,9 @@ mod tests {
                 let known = Known::default();
                 let key = (candidate, 3, Start::Exact);
                 if is_asked_before {
-                    known.or_make(key, made_under, || trial(end.clone()));
+                    known.or_make(key, made_under, || Trial { end: end.clone(), ..Trial::begun() });
                 }
-                known.or_make(key, limit, || trial(TrialEnd::Reached)).1
+                known.or_make(key, limit, Trial::begun).1
             };
             assert!(serves.iter().all(|limit| !is_made(*limit, true)), "{end:?}");
             assert!(not.iter().all(|limit| is_made(*limit, true)), "{end:?}");

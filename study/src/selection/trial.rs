@@ -100,7 +100,19 @@ impl Trial {
         limit: TrialLimit,
         stop: &AtomicBool,
     ) -> Self {
-        let mut trial = Self {
+        let mut trial = Self::begun();
+        for (part, reference) in benchmark.subject.parts.iter().zip(&benchmark.reference.parts) {
+            trial.add((part, reference), (benchmark, setting, start), limit, stop);
+            if trial.end != TrialEnd::Reached {
+                break;
+            }
+        }
+        trial
+    }
+
+    /// One of which nothing is run.
+    pub(super) fn begun() -> Self {
+        Self {
             end: TrialEnd::Reached,
             e: 0.0,
             missed: 0,
@@ -110,14 +122,7 @@ impl Trial {
             work: 0.0,
             covered: 0.0,
             took: Took::default(),
-        };
-        for (part, reference) in benchmark.subject.parts.iter().zip(&benchmark.reference.parts) {
-            trial.add((part, reference), (benchmark, setting, start), limit, stop);
-            if trial.end != TrialEnd::Reached {
-                break;
-            }
         }
-        trial
     }
 
     /// Runs one part, which has this reference.
