@@ -27,6 +27,15 @@ pub enum Control {
     Adaptive(Tolerance),
 }
 
+impl Control {
+    pub(crate) fn tolerance(&self) -> Option<&Tolerance> {
+        match self {
+            Self::Fixed(_) => None,
+            Self::Adaptive(tolerance) => Some(tolerance),
+        }
+    }
+}
+
 /// How steps are chosen, with limits. The limits have defaults where a [`Control`] is given in its place:
 ///
 /// ```

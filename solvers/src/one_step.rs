@@ -401,7 +401,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     ) -> Result<Option<PhaseEnd>, Error> {
         match verdict {
             Verdict::Reject(smaller) => return self.rejected(context, phase, smaller),
-            Verdict::Accept(next) => phase.h = next.abs().min(self.longest).copysign(next),
+            Verdict::Accept(next) => phase.h = self.next_size(next),
         }
         let landed_on = match self.completed(context) {
             // The step left the domain of the model, or its Newton iteration diverged when continued to rounding. The
@@ -463,6 +463,12 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             self.method.advance();
         }
         landed_on.map(PhaseEnd::Guard)
+    }
+
+    /// The size of the next step, of which `h` is proposed after an accepted one.
+    #[inline(always)]
+    pub(crate) fn next_size(&mut self, h: f64) -> f64 {
+        h.abs().min(self.longest).copysign(h)
     }
 
     /// Counts an accepted step to `t1`. Where the method proposes step sizes, the choice of the next one is then due.

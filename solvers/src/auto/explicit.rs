@@ -1,24 +1,28 @@
 //! The explicit one of the two methods.
 
 use super::LOOSE;
-use crate::control::{Control, Steps};
+use crate::control::Steps;
 use crate::erk::ExplicitRk;
 use crate::methods::{DORMAND_PRINCE_853, KUTTA_43};
 use crate::one_step::{OneStepSolver, Paced};
 use crate::phase::Point;
 use crate::system::System;
 use crate::taylor::{TaylorMethod, n_operations, order_for};
-use crate::tolerance::Tolerance;
 
 /// Most operations of a right-hand side and its guards, and most states, for which a series is cheaper than the
 /// stages of a pair.
 const MOST_OPERATIONS: usize = 48;
 const MOST_STATES: usize = 8;
 
-/// An explicit method, with what the rule of switching must know of it.
-pub(super) struct Explicit<'p, P: System> {
-    pub(super) solver: Box<dyn Paced<P> + 'p>,
-    pub(super) pace: Pace,
+/// The explicit method that is used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Explicit {
+    /// [`KUTTA_43`].
+    FourthOrder,
+    /// [`DORMAND_PRINCE_853`].
+    EighthOrder,
+    /// Series of this order.
+    Series(usize),
 }
 
 /// What the rule of switching must know of an explicit method.
@@ -48,33 +52,46 @@ impl Pace {
     }
 }
 
-impl<'p, P: System + 'p> Explicit<'p, P>
-where
-    P::Mode: 'p,
-{
-    /// The one for `problem` at `tolerance`, by the operations of the mode at `point`.
-    pub(super) fn new(
-        problem: &P,
-        point: &Point<P>,
-        tolerance: &Tolerance,
-        (first, longest): (Option<f64>, f64),
-    ) -> Self {
-        let n = problem.dim();
-        let steps = Steps { control: Control::Adaptive(tolerance.clone()), first, longest };
-        if tolerance.rtol >= LOOSE {
-            let pair = ExplicitRk::new(&KUTTA_43, n);
-            let solver = Box::new(OneStepSolver::new(problem, pair, steps));
-            return Self { solver, pace: Pace::OF_PAIRS };
+impl Explicit {
+    /// The one for `problem` at `rtol`, by the operations of the mode at `point`.
+    pub(crate) fn of<P: System>(problem: &P, point: &Point<P>, rtol: f64) -> Self {
+        if rtol >= LOOSE {
+            return Self::FourthOrder;
         }
-        let is_small = n <= MOST_STATES
+        let is_small = problem.dim() <= MOST_STATES
             && n_operations(problem, &point.mode, point.t, &point.y) <= MOST_OPERATIONS;
-        if is_small {
-            let order = order_for(tolerance.rtol);
-            let series = TaylorMethod::new(n, problem.n_guards(), order);
-            let solver = Box::new(OneStepSolver::new(problem, series, steps));
-            return Self { solver, pace: Pace::of_series(order) };
+        if is_small { Self::Series(order_for(rtol)) } else { Self::EighthOrder }
+    }
+
+    pub(super) fn pace(self) -> Pace {
+        match self {
+            Self::FourthOrder | Self::EighthOrder => Pace::OF_PAIRS,
+            Self::Series(order) => Pace::of_series(order),
         }
-        let pair = ExplicitRk::new(&DORMAND_PRINCE_853, n);
-        Self { solver: Box::new(OneStepSolver::new(problem, pair, steps)), pace: Pace::OF_PAIRS }
+    }
+
+    /// Applies the method to `problem`.
+    pub(super) fn solver<'p, P: System + 'p>(
+        self,
+        problem: &P,
+        steps: Steps,
+    ) -> Box<dyn Paced<P> + 'p>
+    where
+        P::Mode: 'p,
+    {
+        let n = problem.dim();
+        match self {
+            Self::FourthOrder => {
+                Box::new(OneStepSolver::new(problem, ExplicitRk::new(&KUTTA_43, n), steps))
+            }
+            Self::EighthOrder => {
+                let method = ExplicitRk::new(&DORMAND_PRINCE_853, n);
+                Box::new(OneStepSolver::new(problem, method, steps))
+            }
+            Self::Series(order) => {
+                let method = TaylorMethod::new(n, problem.n_guards(), order);
+                Box::new(OneStepSolver::new(problem, method, steps))
+            }
+        }
     }
 }

@@ -41,25 +41,22 @@
 mod explicit;
 mod pilot;
 mod spectrum;
+mod turns;
 
 use crate::control::{Control, Steps};
 use crate::error::Error;
-use crate::methods::RADAU_IIA_5;
-use crate::one_step::{OneStepSolver, Paced};
+use crate::one_step::Paced;
 use crate::phase::{PhaseEnd, PhaseSolver, Point};
-use crate::radau::RadauMethod;
 use crate::record::Record;
 use crate::stats::Stats;
 use crate::system::System;
 use crate::tolerance::Tolerance;
-use explicit::Explicit;
-use pilot::{Leg, Pilot, Turn};
+pub(crate) use explicit::Explicit;
+pub(crate) use pilot::Turn;
+pub(crate) use turns::Turns;
 
 /// Smallest relative tolerance at which the explicit method is the fourth-order pair.
 pub(crate) const LOOSE: f64 = 1e-4;
-
-/// Fraction of the tolerance that the implicit method works to.
-const IMPLICIT_SHARE: f64 = 0.1;
 
 /// Both methods applied to one system.
 pub(crate) struct AutoSolver<'p, P: System> {
@@ -67,23 +64,13 @@ pub(crate) struct AutoSolver<'p, P: System> {
     /// Size of the first step, where it is given, and the longest step.
     limits: (Option<f64>, f64),
     /// Chosen where the first run begins.
-    explicit: Option<Explicit<'p, P>>,
-    implicit: Box<dyn Paced<P> + 'p>,
-    pilot: Pilot,
+    methods: Option<(Box<dyn Paced<P> + 'p>, Turns<'p, P>)>,
 }
 
 impl<'p, P: System + 'p> AutoSolver<'p, P> {
-    /// Both methods on `problem`, with the first and the longest step as limits.
-    pub(crate) fn new(problem: &P, tolerance: Tolerance, limits: (Option<f64>, f64)) -> Self {
-        let n = problem.dim();
-        let held = Control::Adaptive(Tolerance {
-            rtol: IMPLICIT_SHARE * tolerance.rtol,
-            atol: tolerance.atol.iter().map(|atol| IMPLICIT_SHARE * atol).collect(),
-        });
-        let radau = RadauMethod::new(&RADAU_IIA_5, n, &held).on_slow_solutions();
-        let steps = Steps { longest: limits.1, ..held.into() };
-        let implicit = Box::new(OneStepSolver::new(problem, radau, steps));
-        Self { tolerance, limits, explicit: None, implicit, pilot: Pilot::new(n) }
+    /// Both methods on a system, with the first and the longest step as limits.
+    pub(crate) fn new(tolerance: Tolerance, limits: (Option<f64>, f64)) -> Self {
+        Self { tolerance, limits, methods: None }
     }
 }
 
@@ -99,33 +86,14 @@ where
         stats: &mut Stats,
         record: &mut dyn Record<P>,
     ) -> Result<PhaseEnd, Error> {
-        let Self { tolerance, limits, explicit, implicit, pilot } = self;
-        let Explicit { solver: explicit, pace } =
-            explicit.get_or_insert_with(|| Explicit::new(problem, point, tolerance, *limits));
-        pilot.keep_to(*pace);
-        let mut turn = pilot.begin_phase(problem, point, stats);
-        loop {
-            let (half, is_implicit, h) = match turn {
-                Turn::Explicit { h } => (&mut *explicit, false, h),
-                Turn::Implicit { h } => (&mut *implicit, true, h),
-            };
-            if let Some(h) = h {
-                half.begin_with(h);
-            }
-            if !is_implicit {
-                half.keep_below(pilot.longest());
-            }
-            let mut leg = Leg::new(pilot, problem, record, is_implicit, stats);
-            let end = half.solve_phase(problem, point, t_end, stats, &mut leg);
-            let next = leg.over(stats);
-            turn = match (end, next) {
-                (Err(Error::NoConvergence { .. }), _) if is_implicit => {
-                    pilot.give_up();
-                    Turn::Explicit { h: None }
-                }
-                (Ok(PhaseEnd::Interrupted), Some(next)) => next,
-                (end, _) => return end,
-            };
-        }
+        let Self { tolerance, limits, methods } = self;
+        let (explicit, turns) = methods.get_or_insert_with(|| {
+            let explicit = Explicit::of(problem, point, tolerance.rtol);
+            let control = Control::Adaptive(tolerance.clone());
+            let steps = Steps { control, first: limits.0, longest: limits.1 };
+            let turns = Turns::new(problem, tolerance, limits.1, explicit);
+            (explicit.solver(problem, steps), turns)
+        });
+        turns.with(&mut **explicit).solve_phase(problem, point, t_end, stats, record)
     }
 }

@@ -34,7 +34,7 @@ const PAYING: u64 = 8;
 
 /// The method whose turn is next, and the step size that it begins with.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Turn {
+pub(crate) enum Turn {
     Explicit { h: Option<f64> },
     Implicit { h: Option<f64> },
 }
@@ -94,23 +94,17 @@ pub(super) struct Pilot {
 }
 
 impl Pilot {
-    /// The rule for a system of `n` states.
-    pub(super) fn new(n: usize) -> Self {
-        let spectrum = Spectrum::new(n);
+    /// The rule for a system of `n` states and an explicit method of this `pace`.
+    pub(super) fn new(n: usize, pace: Pace) -> Self {
         Self {
-            spectrum,
-            pace: Pace::OF_PAIRS,
+            spectrum: Spectrum::new(n),
+            pace,
             radius: 0.0,
             wait: WAIT,
             waited: 0,
             since: None,
             stiff: None,
         }
-    }
-
-    /// Judges an explicit method of this `pace` from here on.
-    pub(super) fn keep_to(&mut self, pace: Pace) {
-        self.pace = pace;
     }
 
     /// The longest explicit step.
@@ -186,7 +180,7 @@ impl Pilot {
 }
 
 /// One turn of one method.
-pub(super) struct Leg<'a, P: System> {
+pub(crate) struct Leg<'a, P: System> {
     pilot: &'a mut Pilot,
     problem: &'a P,
     record: &'a mut dyn Record<P>,
@@ -221,7 +215,7 @@ impl<'a, P: System> Leg<'a, P> {
 
     /// Ends the turn and returns the next one, if this turn ended by the rule. The work of the rule itself is added
     /// to `stats`.
-    pub(super) fn over(self, stats: &mut Stats) -> Option<Turn> {
+    pub(crate) fn over(self, stats: &mut Stats) -> Option<Turn> {
         self.book(stats);
         self.next
     }

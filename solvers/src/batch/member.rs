@@ -1,25 +1,24 @@
 //! One run of a batch: what is its own between two steps.
 
 use super::Entry;
+use super::alone::Alone;
 use super::parameters::ByParameters;
 use super::steps::Steps;
 use crate::control::Verdict;
 use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
 use crate::lanes::Simd;
-use crate::one_step::{OneStep, OneStepSolver, PhaseContext, PhaseState};
+use crate::one_step::{OneStep, PhaseState};
 use crate::phase::PhaseEnd;
-use crate::record::{Needs, Record};
+use crate::record::Needs;
 use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{Alike, Vector};
 
-/// A run with its recorder, in a phase whose mode has parameters.
+/// A run in a phase whose mode has parameters.
 pub(super) struct Member<'r, 'a, P: Alike, M> {
     pub(super) index: usize,
-    run: &'r mut Integration<'a, P>,
-    record: &'r mut dyn Record<P>,
-    solver: OneStepSolver<P, M>,
+    own: Alone<'r, 'a, P, M>,
     phase: PhaseState,
     parameters: P::Parameters<f64>,
     /// End and size of the step that it is to take.
@@ -53,15 +52,12 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
         method: M,
         t_end: f64,
     ) -> Result<Self, Result<Outcome, Error>> {
-        let Entry { index, run, control, record } = entry;
-        let mut solver = OneStepSolver::new(run.problem, method, control.clone());
-        let ended = run.begin(t_end, record).map_err(Err)?;
-        let (phase, parameters) = enter(run, record, &mut solver, (ended, t_end))?;
+        let index = entry.index;
+        let mut own = Alone::new(entry, method);
+        let (phase, parameters) = own.to_lane(None, t_end)?;
         Ok(Self {
             index,
-            run,
-            record,
-            solver,
+            own,
             phase,
             parameters,
             t1: 0.0,
@@ -85,14 +81,15 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
         steps: &mut S,
     ) {
         field.set(lane, &self.parameters);
-        steps.judgement_mut().tolerate(lane, self.solver.controller.control());
-        steps.load(lane, &self.solver.method, self.solver.watch.lows());
+        steps.judgement_mut().tolerate(lane, self.own.solver.controller.control());
+        steps.load(lane, &self.own.solver.method, self.own.solver.watch.lows());
     }
 
     /// Takes over the start in its `lane` where that is [newer](Self::is_stale) than its own.
     pub(super) fn refresh<V: Simd, S: Steps<P, V, Method = M>>(&mut self, lane: usize, steps: &S) {
         if std::mem::take(&mut self.is_stale) {
-            let (point, method) = (&mut self.run.point, &mut self.solver.method);
+            let Alone { run, solver, .. } = &mut self.own;
+            let (point, method) = (&mut run.point, &mut solver.method);
             steps.unload_start(lane, point.t, method);
             point.y.clone_from(method.step().y0());
         }
@@ -101,9 +98,10 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
     /// Chooses the end of its next step.
     #[inline(always)]
     pub(super) fn aim<V: Simd, S: Steps<P, V, Method = M>>(&mut self, lane: usize, steps: &S) {
-        let Integration { problem, point, stats, .. } = &mut *self.run;
+        let Alone { run, solver, .. } = &mut self.own;
+        let Integration { problem, point, stats, .. } = &mut **run;
         let phase = &mut self.phase;
-        self.solver.choose_step_by(problem, point, phase, stats, |method, _, stats| {
+        solver.choose_step_by(problem, point, phase, stats, |method, _, stats| {
             stats.work.add_series();
             steps.propose(lane, method)
         });
@@ -126,15 +124,15 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
         let judged = if let Some(error) = self.failed.take() {
             self.refresh(lane, steps);
             Err(error)
-        } else if steps.serves(&self.solver.method) {
+        } else if steps.serves(&self.own.solver.method) {
             self.judge(lane, steps)
         } else {
             self.refresh(lane, steps);
-            steps.unload_within(lane, &mut self.solver.method);
+            steps.unload_within(lane, &mut self.own.solver.method);
             self.attempt()
         };
         match judged {
-            Ok(None) if self.run.point.t != self.phase.t_end => {
+            Ok(None) if self.own.run.point.t != self.phase.t_end => {
                 if self.stays_in_lane {
                     Fate::Stays
                 } else {
@@ -157,28 +155,29 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
             self.check(lane, steps)?;
         }
         let judgement = steps.judgement();
-        let (is_proposed, error_sq) = (self.solver.is_proposed, judgement.error_sq.lane(lane));
-        let verdict = self.solver.controller.verdict(is_proposed, self.h, |_| error_sq);
-        let knows = !S::TESTS_ENDS || self.solver.watch.knows(self.h);
+        let Alone { run, solver, .. } = &mut self.own;
+        let (is_proposed, error_sq) = (solver.is_proposed, judgement.error_sq.lane(lane));
+        let verdict = solver.controller.verdict(is_proposed, self.h, |_| error_sq);
+        let knows = !S::TESTS_ENDS || solver.watch.knows(self.h);
         let is_plain = judgement.is_plain & (1 << lane) != 0 && knows;
         let is_clear = || judgement.is_clear & (1 << lane) != 0 && knows;
-        self.run.stats.work.n_rhs += S::N_RHS;
+        run.stats.work.n_rhs += S::N_RHS;
         if let Verdict::Accept(next) = verdict
             && (is_plain || is_clear() && self.tell_touches(lane, steps))
         {
-            self.run.stats.work.n_rhs += S::n_rhs_of_end(&self.solver.method);
-            self.phase.h = next;
+            let Alone { run, solver, .. } = &mut self.own;
+            run.stats.work.n_rhs += S::n_rhs_of_end(&solver.method);
+            self.phase.h = solver.next_size(next);
             self.stays_in_lane = true;
             return Ok(self.accept(lane, steps));
         }
         self.unload(lane, steps);
-        steps.unload_within(lane, &mut self.solver.method);
-        let (step, mode) = (self.solver.method.step(), self.run.point.mode.clone());
-        let (problem, watch) = (self.run.problem, &mut self.solver.watch);
-        watch.start_at(problem, mode, step.t0(), step.y0(), step.slope0());
-        let (phase, h) = (&mut self.phase, self.h);
-        let context = &mut context(self.run, self.record);
-        self.solver.apply_verdict(context, phase, h, verdict)
+        let Self { own, phase, h, .. } = self;
+        let Alone { run, solver, .. } = own;
+        steps.unload_within(lane, &mut solver.method);
+        let (step, mode) = (solver.method.step(), run.point.mode.clone());
+        solver.watch.start_at(run.problem, mode, step.t0(), step.y0(), step.slope0());
+        own.shown(|solver, context| solver.apply_verdict(context, phase, *h, verdict))
     }
 
     /// Tells of the touches on the step in its `lane`; false where the step is to be unloaded for that.
@@ -189,7 +188,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
         lane: usize,
         steps: &S,
     ) -> bool {
-        let Self { run, record, solver, t1, h, .. } = self;
+        let Self { own: Alone { run, record, solver, .. }, t1, h, .. } = self;
         steps.note_turns(lane, (run.point.t, *h), &mut solver.watch);
         solver.watch.tell_known(*t1, *h, &mut |graze| {
             run.stats.n_grazing += 1;
@@ -204,29 +203,30 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
         lane: usize,
         steps: &S,
     ) -> Option<PhaseEnd> {
-        let needs = self.record.needs(self.run.point.t, self.t1);
+        let needs = self.own.needs(self.t1);
         if needs == Needs::Nothing {
-            let Integration { point, stats, .. } = &mut *self.run;
-            self.solver.arrive(self.t1, &mut point.t, &mut self.phase, stats);
+            let Alone { run, record, solver, .. } = &mut self.own;
+            let Integration { point, stats, .. } = &mut **run;
+            solver.arrive(self.t1, &mut point.t, &mut self.phase, stats);
             self.is_stale = true;
-            let go_on = self.record.passed(self.t1, stats);
+            let go_on = record.passed(self.t1, stats);
             return go_on.is_break().then_some(PhaseEnd::Interrupted);
         }
         self.unload(lane, steps);
+        let Self { own, phase, .. } = self;
         if needs == Needs::DenseOutput {
-            let (problem, mode) = (self.run.problem, self.run.point.mode.clone());
-            steps.unload_dense(lane, &mut self.solver.method);
-            self.solver.method.densify(problem, mode, &mut Stats::default());
+            let method = &mut own.solver.method;
+            steps.unload_dense(lane, method);
+            method.densify(own.run.problem, own.run.point.mode.clone(), &mut Stats::default());
         }
-        let context = &mut context(self.run, self.record);
-        self.solver.accept(context, &mut self.phase, None, needs)
+        own.shown(|solver, context| solver.accept(context, phase, None, needs))
     }
 
     /// Takes over both ends of the step in its `lane`.
     #[inline(always)]
     fn unload<V: Simd, S: Steps<P, V, Method = M>>(&mut self, lane: usize, steps: &S) {
         self.refresh(lane, steps);
-        steps.unload_end(lane, self.t1, self.h, &mut self.solver.method);
+        steps.unload_end(lane, self.t1, self.h, &mut self.own.solver.method);
     }
 
     /// Compares slope and guards at the end of the step in its `lane` with those of the system in its mode.
@@ -239,8 +239,9 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
     ) -> Result<(), Error> {
         self.is_checked = true;
         self.unload(lane, steps);
-        let (problem, mode) = (self.run.problem, &self.run.point.mode);
-        let (t, step) = (self.t1, self.solver.method.step());
+        let Alone { run, solver, .. } = &self.own;
+        let (problem, mode) = (run.problem, &run.point.mode);
+        let (t, step) = (self.t1, solver.method.step());
         let mut slope = step.y1().clone();
         problem.rhs(mode.clone(), t, step.y1(), &mut slope);
         let mut guards = P::Guards::<f64>::from_fn(problem.n_guards(), |_| 0.0);
@@ -263,20 +264,17 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
 
     /// Takes its step alone, and returns how the phase ended, if it did.
     fn attempt(&mut self) -> Result<Option<PhaseEnd>, Error> {
-        let Self { run, record, solver, phase, t1, h, .. } = self;
-        let (problem, mode) = (run.problem, run.point.mode.clone());
-        solver.method.attempt(problem, mode, *t1, *h, &mut run.stats);
-        solver.judge(&mut context(run, *record), phase, *h)
+        let Self { own, phase, t1, h, .. } = self;
+        let Alone { run, solver, .. } = &mut *own;
+        let mode = run.point.mode.clone();
+        solver.method.attempt(run.problem, mode, *t1, *h, &mut run.stats);
+        own.shown(|solver, context| solver.judge(context, phase, *h))
     }
 
-    /// Passes from a phase that ended to the next one whose mode has parameters.
+    /// Passes from a phase that ended, or from its turn, to the next one in its lane.
     fn pass(&mut self, end: PhaseEnd) -> Fate {
-        let Self { run, record, solver, phase, .. } = self;
-        let entered = match run.pass(end, *record) {
-            Ok(ended) => enter(run, *record, solver, (ended, phase.t_end)),
-            Err(error) => Err(Err(error)),
-        };
-        match entered {
+        let ended = self.own.pass(end).map_err(Err);
+        match ended.and_then(|ended| self.own.to_lane(ended, self.phase.t_end)) {
             Ok((phase, parameters)) => {
                 (self.phase, self.parameters, self.is_checked) = (phase, parameters, false);
                 Fate::Moves
@@ -287,44 +285,6 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
 
     /// Goes on alone to the end of the run.
     pub(super) fn finish(self) -> Result<Outcome, Error> {
-        let Self { run, record, mut solver, mut phase, .. } = self;
-        let (step, mode) = (solver.method.step(), run.point.mode.clone());
-        solver.watch.start_at(run.problem, mode, step.t0(), step.y0(), step.slope0());
-        let end = solver.finish(&mut context(run, record), &mut phase)?;
-        let ended = run.pass(end, record)?;
-        run.go_on(ended, phase.t_end, &mut solver, record)
+        self.own.finish(self.phase)
     }
-}
-
-/// Unless the run has `ended`, integrates it alone to the first phase whose mode has parameters. Returns that phase,
-/// or how the run ended.
-fn enter<P: Alike, M: OneStep<P>>(
-    run: &mut Integration<'_, P>,
-    record: &mut dyn Record<P>,
-    solver: &mut OneStepSolver<P, M>,
-    (mut ended, t_end): (Option<Outcome>, f64),
-) -> Result<(PhaseState, P::Parameters<f64>), Result<Outcome, Error>> {
-    loop {
-        if let Some(outcome) = ended {
-            return Err(Ok(outcome));
-        }
-        if run.point.t == t_end {
-            return Err(Ok(Outcome::Finished));
-        }
-        let mut phase =
-            solver.begin(run.problem, &run.point, t_end, &mut run.stats).map_err(Err)?;
-        if let Some(parameters) = run.problem.parameters(&run.point.mode) {
-            return Ok((phase, parameters));
-        }
-        let end = solver.finish(&mut context(run, record), &mut phase).map_err(Err)?;
-        ended = run.pass(end, record).map_err(Err)?;
-    }
-}
-
-/// What the solver of a run changes.
-fn context<'c, P: Alike>(
-    run: &'c mut Integration<'_, P>,
-    record: &'c mut dyn Record<P>,
-) -> PhaseContext<'c, P> {
-    PhaseContext { problem: run.problem, point: &mut run.point, stats: &mut run.stats, record }
 }

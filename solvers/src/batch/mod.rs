@@ -18,8 +18,9 @@
 //! or where the recorder [needs](crate::Needs) it.
 //!
 //! A run whose mode has no parameters goes on alone until it has some again; its lane waits. A run that ends leaves its
-//! lane to the next one of the batch.
+//! lane to the next one of the batch. A run of [`auto`](crate::auto) is in its lane in its explicit turns.
 
+mod alone;
 mod member;
 mod parameters;
 mod series;
@@ -28,6 +29,7 @@ mod tableau;
 
 use wide::{f64x2, f64x8};
 
+use crate::auto::Explicit;
 use crate::control::Control;
 use crate::erk::ExplicitRk;
 use crate::error::{Error, Outcome};
@@ -43,12 +45,14 @@ use series::SeriesSteps;
 use steps::Steps;
 use tableau::TableauSteps;
 
-/// One run of a batch, with its place among the results.
+/// One run of a batch, which has [begun](Integration::begin), with its place among the results.
 pub(crate) struct Entry<'r, 'a, P: Alike> {
     pub(crate) index: usize,
     pub(crate) run: &'r mut Integration<'a, P>,
     pub(crate) control: &'r Control,
     pub(crate) record: &'r mut dyn Record<P>,
+    /// The method of the batch, where an implicit one takes turns with it.
+    pub(crate) in_turns: Option<Explicit>,
 }
 
 /// How runs ended, by their places.

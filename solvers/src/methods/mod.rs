@@ -21,7 +21,7 @@ pub use radau_iia_5::RADAU_IIA_5;
 pub use rodas_5p::RODAS_5P;
 pub use verner_98::VERNER_98;
 
-use crate::auto::{AutoSolver, LOOSE};
+use crate::auto::{self, AutoSolver, LOOSE};
 use crate::batch::{self, Entry};
 use crate::control::{Control, Steps};
 use crate::diffsol::DiffsolScheme;
@@ -215,7 +215,7 @@ impl Method {
 
     /// Whether the method can compute several runs [at once](Self::run_batch).
     pub fn is_for_batches(&self) -> bool {
-        matches!(self.scheme, Scheme::Explicit(_) | Scheme::Taylor)
+        matches!(self.scheme, Scheme::Explicit(_) | Scheme::Taylor | Scheme::Auto)
     }
 
     /// Order of the Taylor series at a relative tolerance, or with a fixed step for `None`; `None` for a method that
@@ -293,7 +293,7 @@ impl Method {
             }
             Scheme::Auto => {
                 let Steps { control, first, longest } = steps;
-                Box::new(AutoSolver::new(problem, self.tolerance(control)?, (first, longest)))
+                Box::new(AutoSolver::new(self.tolerance(control)?, (first, longest)))
             }
         })
     }
@@ -336,33 +336,56 @@ impl Method {
         for (index, ((run, control), record)) in
             runs.iter_mut().zip(controls).zip(records).enumerate()
         {
-            entries.push(Entry { index, run, control, record: &mut **record });
+            match run.begin(t_end, *record).transpose() {
+                Some(end) => ends[index] = end,
+                None => {
+                    let in_turns = self.in_turns(run, control);
+                    let record = &mut **record;
+                    entries.push(Entry { index, run, control, record, in_turns });
+                }
+            }
         }
         // Runs in one batch have vectors of the same lengths, and series of the same order.
-        let class = |Entry { run, control, .. }: &Entry<'_, '_, P>| {
-            let rtol = match control {
-                Control::Adaptive(tolerance) => Some(tolerance.rtol),
-                Control::Fixed(_) => None,
-            };
-            (run.problem.dim(), run.problem.n_guards(), rtol.and_then(|_| self.series_order(rtol)))
+        let class = |Entry { run, control, in_turns, .. }: &Entry<'_, '_, P>| {
+            let order = control.tolerance().and_then(|own| self.series_order(Some(own.rtol)));
+            (run.problem.dim(), run.problem.n_guards(), order, *in_turns)
         };
         while let Some(first) = entries.first().map(class) {
             let (same, others) = entries.into_iter().partition(|entry| class(entry) == first);
             entries = others;
-            match (&self.scheme, first.2) {
-                (Scheme::Explicit(explicit), _) => for_any_stages!(*explicit, tableau => {
+            let (.., order, in_turns) = first;
+            match (&self.scheme, order, in_turns) {
+                (Scheme::Explicit(explicit), ..) => for_any_stages!(*explicit, tableau => {
                     batch::by_tableau(tableau, same, t_end, &mut ends);
                 }),
-                (Scheme::Taylor, Some(order)) => batch::by_series(order, same, t_end, &mut ends),
+                (.., Some(auto::Explicit::FourthOrder)) => {
+                    batch::by_tableau(&KUTTA_43, same, t_end, &mut ends);
+                }
+                (.., Some(auto::Explicit::EighthOrder)) => {
+                    batch::by_tableau(&DORMAND_PRINCE_853, same, t_end, &mut ends);
+                }
+                (.., Some(auto::Explicit::Series(order))) | (Scheme::Taylor, Some(order), None) => {
+                    batch::by_series(order, same, t_end, &mut ends);
+                }
                 _ => {
-                    for Entry { index, run, control, record } in same {
+                    for Entry { index, run, control, record, .. } in same {
                         let mut solver = self.solver(run.problem, control.clone())?;
-                        ends[index] = run.run(t_end, &mut *solver, record);
+                        ends[index] = run.go_on(None, t_end, &mut *solver, record);
                     }
                 }
             }
         }
         Ok(ends)
+    }
+
+    /// The explicit method of a run that has begun, where an implicit one takes turns with it.
+    fn in_turns<P: System>(
+        &self,
+        run: &Integration<'_, P>,
+        control: &Control,
+    ) -> Option<auto::Explicit> {
+        let tolerance = control.tolerance().filter(|_| self.chooses())?;
+        Some(auto::Explicit::of(run.problem, &run.point, tolerance.rtol))
     }
 
     /// Checks that the method can work on `n` states under `control`.

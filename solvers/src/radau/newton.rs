@@ -102,14 +102,10 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         let rest = tolerance.as_ref().map_or(0.0, |tolerance| {
             (10.0 * f64::EPSILON / tolerance.rtol).max(tolerance.rtol.sqrt().min(REST))
         });
-        let asked = match control {
-            Control::Fixed(_) => None,
-            Control::Adaptive(tolerance) => Some(tolerance.clone()),
-        };
         Self {
             tableau,
             tolerance,
-            asked,
+            asked: control.tolerance().cloned(),
             rest,
             jacobian: Jacobian::new(n),
             real: Shifted::new(n),

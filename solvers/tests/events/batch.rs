@@ -86,9 +86,9 @@ fn many_have_same_bits<P: Alike<State<f64> = [f64; 2]>>(
     same_bits(method, &vec![control.clone(); n], &runs, t_end, || recorders::<P>(n)).0
 }
 
-/// Explicit tableau methods, series, and one that is neither.
+/// Explicit tableau methods, series, one that takes turns, and one that is none of these.
 fn tried() -> impl Iterator<Item = Setting> {
-    let names = ["rk4", "bs32", "rk45", "dop853", "vern98", "taylor", "radau5"];
+    let names = ["rk4", "bs32", "rk45", "dop853", "vern98", "taylor", "auto", "radau5"];
     settings().into_iter().filter(move |(method, _)| names.contains(&method.name))
 }
 
@@ -333,6 +333,32 @@ fn two_runs_whose_series_do_not_end_have_the_bits_of_runs_alone() {
         }
     }
     assert!(n_rejected > 0);
+}
+
+#[test]
+fn turns_of_two_methods_have_the_bits_of_runs_alone() {
+    let drag = |stiffness, drag, floor| Drag { stiffness, drag, floor };
+    // Resting in the drag most of the time, at times, never.
+    let all = [drag(1e5, 1e5, -0.5), drag(2e4, 3e3, -1e-3), drag(9.0, 0.3, -0.5)];
+    let method = Method::named("auto").unwrap();
+    for rtol in [1e-3, 1e-8] {
+        for n in [1, 2, 3, 12] {
+            let runs: Vec<_> = (0..n).map(|i| (&all[i % 3], 0.0, [1.0, 0.1 * i as f64])).collect();
+            let controls = vec![crate::common::tolerance(rtol); n];
+            for t_end in [2.0, 0.1] {
+                same_bits(method, &controls, &runs, t_end, || recorders::<Drag>(n));
+            }
+        }
+        let turns = all.map(|system| {
+            let mut run = Integration::new(&system, 0.0, [1.0, 0.1]);
+            let control = crate::common::tolerance(rtol);
+            let mut solver = method.solver(&system, control).unwrap();
+            run.run(2.0, &mut *solver, &mut ()).unwrap();
+            (run.stats.n_implicit, run.stats.n_accepted)
+        });
+        assert!(turns[0].0 > 0 && turns[0].0 < turns[0].1, "{turns:?}");
+        assert_eq!(turns[2].0, 0);
+    }
 }
 
 #[test]
