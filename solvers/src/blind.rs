@@ -107,7 +107,8 @@ impl<'a, P: ModeOfState, R: Record<P>> Record<Blind<'a, P>> for Unblind<'a, P, R
 
     fn step(&mut self, accepted: &Accepted<'_, Blind<'a, P>>) -> ControlFlow<()> {
         let (step, before) = (accepted.step, self.mode.clone());
-        let seen = Accepted { mode: before.clone(), step, landed_on: None, stats: accepted.stats };
+        let Accepted { proposed, stats, .. } = *accepted;
+        let seen = Accepted { mode: before.clone(), step, landed_on: None, proposed, stats };
         let go_on = self.record.step(&seen);
         let after = self.problem.mode_of_state(step.t1(), step.y1());
         if after == before || go_on.is_break() {

@@ -130,6 +130,8 @@ pub struct OneStepSolver<P: System, M> {
     h: Option<f64>,
     /// Size that the first step of the run does not exceed; infinite after it.
     first: f64,
+    /// Size that was proposed last, whatever the longest step.
+    proposed: f64,
     /// Longest step at present.
     longest: f64,
     /// Longest step of the run.
@@ -151,6 +153,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             method,
             h: first,
             first: first.unwrap_or(f64::INFINITY),
+            proposed: 0.0,
             longest,
             limit: longest,
             is_proposed: false,
@@ -287,7 +290,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         let proposed = proposed.map(|h| h.min(span.abs()));
         match due {
             Due::Next => {
-                phase.h = proposed.unwrap_or(phase.h).abs().min(self.longest).copysign(span);
+                self.proposed = proposed.unwrap_or(phase.h).abs();
+                phase.h = self.proposed.min(self.longest).copysign(span);
             }
             Due::First { least } => {
                 let h = match (proposed.or(self.h), self.controller.control()) {
@@ -297,7 +301,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
                     }
                 };
                 let first = std::mem::replace(&mut self.first, f64::INFINITY);
-                phase.h = h.abs().min(first).min(self.longest).max(least).copysign(span);
+                self.proposed = h.abs().min(first);
+                phase.h = self.proposed.min(self.longest).max(least).copysign(span);
                 stats.restart += stats.work - before;
             }
         }
@@ -454,7 +459,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             record.passed(point.t, stats)
         } else {
             let (mode, step) = (point.mode.clone(), self.method.step());
-            record.step(&Accepted { mode, step, landed_on, stats })
+            let proposed = Some(self.proposed);
+            record.step(&Accepted { mode, step, landed_on, proposed, stats })
         };
         if go_on.is_break() {
             return Some(PhaseEnd::Interrupted);
@@ -468,6 +474,9 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     /// The size of the next step, of which `h` is proposed after an accepted one.
     #[inline(always)]
     pub(crate) fn next_size(&mut self, h: f64) -> f64 {
+        if !(M::PROPOSES && self.is_proposed) {
+            self.proposed = h.abs();
+        }
         h.abs().min(self.longest).copysign(h)
     }
 

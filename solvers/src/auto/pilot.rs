@@ -9,28 +9,26 @@ use crate::record::{Accepted, Event, Grazing, Needs, Record};
 use crate::stats::Stats;
 use crate::system::System;
 
-/// Cost of an attempt of an implicit step in right-hand sides: 1.9 µs against 46 ns, both with all work that belongs
-/// to them (measured on contacts of six states).
-const IMPLICIT_COST: f64 = 40.0;
+/// Cost of an attempt of an implicit step in right-hand sides. Beside the [cost](Pace::cost) of a series it is 20 to 40
+/// on contacts of six states, as one takes 2 to 4 times as long as a series of order 13. Of 15 to 40, 20 gave the least
+/// time over 24 cells of the map.
+const IMPLICIT_COST: f64 = 20.0;
 /// A trial begins with this fraction of the step that pays. The first implicit step has a poor starting guess for its
-/// iteration, and a size that fails is reached again only slowly.
-const TRIAL: f64 = 0.4;
-/// `hρ` of the mean step, as a fraction of the reach, above which steps may be limited by stability. It lies below the
-/// stability bound because steps after an event and up to an event are shorter.
-const STABILITY: f64 = 0.6;
-/// `hρ` of the mean step, as a fraction of the reach, above which the bound on steps may have kept them short.
-const HELD_BACK: f64 = 0.4;
-/// Right-hand sides in explicit steps between two evaluations of the Jacobian, and between two trials: at first, at
-/// most after failed trials, and after implicit steps that paid.
-const WAIT: u64 = 2_048;
+/// iteration; from a small step the size grows by large factors, but one that failed is reached again only by steps that
+/// are each a tenth longer.
+const TRIAL: f64 = 0.02;
+/// Right-hand sides in explicit steps held back, one after the other, before a trial: at first and after implicit steps
+/// that paid, and at most after failed trials.
+const WAIT: u64 = 128;
 const LONGEST_WAIT: u64 = 8_192;
-const SHORTEST_WAIT: u64 = 128;
-/// A phase begins implicit where ρ is at least this fraction of its value when implicit steps were last tried or
-/// paid. Explicit steps may grow where ρ has fallen below this fraction.
+/// Right-hand sides in explicit steps between two evaluations of the Jacobian.
+const LOOK: u64 = 2_048;
+/// A phase after an implicit turn begins implicit where ρ is at least this fraction of its value in that turn. The bound
+/// of explicit steps is set anew where ρ has changed by this factor.
 const AS_STIFF: f64 = 0.5;
 /// Number of attempts over which implicit steps must pay, over which those of a trial may grow until they do, and
 /// between two evaluations of the Jacobian.
-const PAYING: u64 = 8;
+const PAYING: u64 = 12;
 
 /// The method whose turn is next, and the step size that it begins with.
 #[derive(Clone, Copy, Debug)]
@@ -59,8 +57,7 @@ impl Bound {
     }
 }
 
-/// Start of the present measurement of explicit work. Events on the way, and the starts of their phases, are included
-/// in the measurement.
+/// Where explicit steps stood when a measurement of them began.
 #[derive(Clone, Copy, Debug)]
 struct Since {
     t: f64,
@@ -84,12 +81,13 @@ struct Stiff {
 pub(super) struct Pilot {
     spectrum: Spectrum,
     pace: Pace,
-    /// ρ as last evaluated.
+    /// ρ that bounds explicit steps.
     radius: f64,
-    /// Right-hand sides between two trials, and those counted so far.
+    /// Right-hand sides in steps held back before the next trial.
     wait: u64,
-    waited: u64,
+    /// The last explicit step that was not held back, and the last evaluation of the Jacobian.
     since: Option<Since>,
+    looked: Option<Since>,
     stiff: Option<Stiff>,
 }
 
@@ -101,8 +99,8 @@ impl Pilot {
             pace,
             radius: 0.0,
             wait: WAIT,
-            waited: 0,
             since: None,
+            looked: None,
             stiff: None,
         }
     }
@@ -112,8 +110,8 @@ impl Pilot {
         self.pace.reach / self.radius
     }
 
-    /// The method that begins a phase at `point`. It is the implicit one where that was tried or paid last and the
-    /// phase is about as stiff as then, or where a trial is due.
+    /// The method that begins a phase at `point`. It is the implicit one where that ended the phase before, and this
+    /// one is about as stiff.
     pub(super) fn begin_phase<P: System>(
         &mut self,
         problem: &P,
@@ -121,50 +119,53 @@ impl Pilot {
         stats: &mut Stats,
     ) -> Turn {
         stats.work.n_jac += 1;
-        let radius = self.spectrum.radius(problem, point.mode.clone(), point.t, &point.y);
-        self.radius = radius;
-        if let Some(stiff) = &mut self.stiff
-            && radius >= AS_STIFF * stiff.bound.radius
-        {
-            stiff.bound = stiff.bound.at(radius);
-            self.since = None;
-            return Turn::Implicit { h: None };
+        self.radius = self.spectrum.radius(problem, point.mode.clone(), point.t, &point.y);
+        (self.since, self.looked) = (None, None);
+        match &mut self.stiff {
+            Some(stiff) if self.radius >= AS_STIFF * stiff.bound.radius => {
+                stiff.bound = stiff.bound.at(self.radius);
+                Turn::Implicit { h: None }
+            }
+            _ => {
+                self.stiff = None;
+                Turn::Explicit { h: None }
+            }
         }
-        self.consider(point.t, stats, |_| radius).unwrap_or(Turn::Explicit { h: None })
     }
 
-    /// After explicit steps up to `t`, starts a trial of implicit steps where they may pay, and lets explicit steps
-    /// grow where the stiffness that limited them is gone.
+    /// After an explicit step to `t`, with the size that was last `proposed` for a step, starts a trial of implicit steps
+    /// where they may pay, and another explicit turn where stiffness has changed.
     fn consider(
         &mut self,
-        t: f64,
+        (t, proposed): (f64, f64),
         stats: &Stats,
         radius: impl FnOnce(&mut Spectrum) -> f64,
     ) -> Option<Turn> {
         let now = Since { t, n_rhs: stats.work.n_rhs, n_accepted: stats.n_accepted };
-        // Counts that are smaller than before belong to another run.
-        let since = self.since.filter(|since| since.n_rhs <= now.n_rhs).unwrap_or(now);
-        self.since = Some(since);
-        let work = self.pace.cost * (now.n_rhs - since.n_rhs);
-        if work < self.wait.min(WAIT) {
+        let cost = self.pace.cost;
+        let work = |since: Since| cost * (now.n_rhs - since.n_rhs);
+        if proposed < self.longest() {
+            self.since = Some(now);
+        }
+        let since = *self.since.get_or_insert(now);
+        let is_due = work(since) >= self.wait;
+        if !is_due && work(*self.looked.get_or_insert(now)) < LOOK {
             return None;
         }
-        self.since = Some(now);
-        self.waited += work;
-        if self.waited < self.wait {
+        self.looked = Some(now);
+        let radius = radius(&mut self.spectrum);
+        let has_changed = radius < AS_STIFF * self.radius || self.radius < AS_STIFF * radius;
+        if !has_changed && !is_due {
             return None;
+        }
+        self.radius = radius;
+        if has_changed {
+            self.since = None;
+            return Some(Turn::Explicit { h: None });
         }
         let forward = (t - since.t).abs();
-        let h = forward / (now.n_accepted - since.n_accepted).max(1) as f64;
-        let radius = radius(&mut self.spectrum);
-        let held = std::mem::replace(&mut self.radius, radius);
-        if h * radius <= STABILITY * self.pace.reach {
-            self.wait = self.wait.max(WAIT);
-            // Steps may grow where the stiffness that kept them short is gone.
-            let is_held_back = radius < AS_STIFF * held && h * held > HELD_BACK * self.pace.reach;
-            return is_held_back.then_some(Turn::Explicit { h: None });
-        }
-        let rate = forward / work as f64;
+        let h = forward / (now.n_accepted - since.n_accepted) as f64;
+        let rate = forward / work(since) as f64;
         let bound = Bound { rate, h, radius };
         self.stiff = Some(Stiff { bound, is_trial: true, forward: 0.0, n_attempts: 0 });
         Some(Turn::Implicit { h: Some(TRIAL * IMPLICIT_COST * rate) })
@@ -173,8 +174,7 @@ impl Pilot {
     /// Ends the turn of the implicit method. The wait until the next trial is twice as long as the last one.
     pub(super) fn give_up(&mut self) {
         self.wait = (2 * self.wait).min(LONGEST_WAIT);
-        self.waited = 0;
-        self.since = None;
+        (self.since, self.looked) = (None, None);
         self.stiff = None;
     }
 }
@@ -228,7 +228,8 @@ impl<'a, P: System> Leg<'a, P> {
     /// Applies the rule after an explicit step.
     fn explicit(&mut self, accepted: &Accepted<'_, P>) -> Option<Turn> {
         let (step, n_jac) = (accepted.step, &mut self.n_jac);
-        self.pilot.consider(step.t1(), accepted.stats, |spectrum| {
+        let at = (step.t1(), accepted.proposed?);
+        self.pilot.consider(at, accepted.stats, |spectrum| {
             *n_jac += 1;
             spectrum.radius(self.problem, accepted.mode.clone(), step.t1(), step.y1())
         })
@@ -260,7 +261,7 @@ impl<'a, P: System> Leg<'a, P> {
         pilot.radius = radius;
         let bound = stiff.bound.at(radius);
         *stiff = Stiff { bound, is_trial: false, forward: 0.0, n_attempts: 0 };
-        pilot.wait = SHORTEST_WAIT;
+        pilot.wait = WAIT;
         None
     }
 }

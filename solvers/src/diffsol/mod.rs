@@ -122,7 +122,8 @@ impl<P: System> DiffsolSolver<P> {
             slope1: slope.clone(),
         };
         point.t = t_end;
-        let go_on = record.step(&Accepted { mode, step: &step, landed_on, stats });
+        let proposed = None;
+        let go_on = record.step(&Accepted { mode, step: &step, landed_on, proposed, stats });
         Ok(match landed_on {
             _ if go_on.is_break() => PhaseEnd::Interrupted,
             Some(guard) => PhaseEnd::Guard(guard),
@@ -175,8 +176,8 @@ impl<P: System> DiffsolSolver<P> {
             let at = Place { landed_on, h, phase_from, n_steps: stats.n_accepted };
             let told = self.tell_grazing((problem, &mode), &step, at, record);
             (before.n_grazing, stats.n_grazing) = (before.n_grazing + told, stats.n_grazing + told);
-            let go_on =
-                record.step(&Accepted { mode: mode.clone(), step: &step, landed_on, stats });
+            let (mode, proposed) = (mode.clone(), None);
+            let go_on = record.step(&Accepted { mode, step: &step, landed_on, proposed, stats });
             let SolverStep { t1, y1, slope1, .. } = step;
             (point.t, point.y, slope0) = (t1, y1, slope1);
             match landed_on {

@@ -149,8 +149,8 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
             }
             let landed_on = self.locate()?;
             self.stats.n_accepted += 1;
-            let accepted =
-                Accepted { mode: mode.clone(), step: &self.step, landed_on, stats: &self.stats };
+            let (step, stats, proposed) = (&self.step, &self.stats, None);
+            let accepted = Accepted { mode: mode.clone(), step, landed_on, proposed, stats };
             let go_on = record.step(&accepted);
             self.t = self.t1;
             std::mem::swap(&mut self.y[0], &mut self.y1);
