@@ -16,9 +16,9 @@ pub struct Accepted<'a, P: System> {
     pub step: &'a dyn Step<P::State<f64>>,
     /// The guard that the step landed on, if any.
     pub landed_on: Option<usize>,
-    /// The size that the step control last proposed, for this step or for the next one, whatever the longest step;
-    /// `None` for methods of `diffsol` and in extended precision.
-    pub proposed: Option<f64>,
+    /// The size that the step control proposed whatever the longest step: a series for this step, before any rejection,
+    /// another method for the next one; `None` for methods of `diffsol` and in extended precision.
+    pub(crate) proposed: Option<f64>,
     /// The work done so far.
     pub stats: &'a Stats,
 }

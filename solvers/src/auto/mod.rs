@@ -17,25 +17,26 @@
 //! of order N as 0.75 N. Let ρ be the spectral radius of the Jacobian, computed by power iteration, and r the reach of
 //! the explicit method: 2.5 for a pair, 0.5 + 0.3 N for a series.
 //!
-//! - An explicit step is at most `r/ρ`, inside the stability bound. The reason for the limit: at the stability bound,
-//!   error control keeps errors of the size of the tolerance alive, so that a contact stiffer than the tolerance
-//!   resolves opens and closes by noise, and every second step is rejected. ρ is computed at the start of each phase and
-//!   every 2048 right-hand sides within it; the bound is set anew where ρ has changed by a factor of two.
-//! - An explicit step is *held back* where the step control, which sees the error alone, proposes more than that bound:
+//! - An explicit step is at most `r/ρ`, inside the stability bound, with ρ as last computed: at the start of each phase,
+//!   and after every 2048 right-hand sides within it where it has changed by a factor of two. The reason for the limit: at the
+//!   stability bound, error control keeps errors of the size of the tolerance alive, so that a contact stiffer than the
+//!   tolerance resolves opens and closes by noise, and every second step is rejected.
+//! - An explicit step is *held back* where the step control, which sees the error alone, proposes at least that bound:
 //!   the fast motion has died below the tolerance. After 128 right-hand sides in such steps, one after the other,
 //!   implicit steps are tried. An implicit step *pays* where it is at least as long as the distance that the explicit
 //!   method covers with the same work.
 //! - A trial begins with a step of 0.02 of that distance, and is kept if its step pays after twelve attempts.
 //! - Implicit steps continue while their equations can be solved and twelve attempts together pay. The distance that
 //!   pays is then computed anew from ρ, because an explicit step limited by stability is proportional to 1/ρ. The next
-//!   phase begins implicit where its ρ is at least half of the value at that time. Each other phase begins explicit: after
-//!   an impact, the fast motion is above the tolerance again.
+//!   phase begins implicit where its ρ is at least half of the value at that time. Each other phase, and the first of a
+//!   new solver, begins explicit: after an impact, the fast motion is above the tolerance again.
 //! - Otherwise the explicit method continues. Each turn that ends so doubles the 128 right-hand sides until the next
-//!   trial, up to 8192; steps that pay reset them.
+//!   trial, up to 8192; steps that pay reset them. A trial that an event cuts short is not judged: where each of many
+//!   phases is as short as that, trials are most of the work.
 //!
-//! So a trial that fails costs about 240 right-hand sides, and all trials together a small part of a run. A system
-//! whose steps are never held back is integrated by the explicit method, bit for bit; the only price is one Jacobian per
-//! phase and one per 2048 right-hand sides. No decision depends on a clock, so a run is repeatable.
+//! So a trial that fails costs some 240 right-hand sides, and those of a long phase together are a small part of it. A
+//! system whose steps are never held back is integrated by the explicit method, bit for bit; the only price is one
+//! Jacobian per phase and one per 2048 right-hand sides. No decision depends on a clock, so a run is repeatable.
 //!
 //! [`Stats::n_implicit`] counts the implicit steps among the accepted ones.
 

@@ -9,9 +9,9 @@ use crate::record::{Accepted, Event, Grazing, Needs, Record};
 use crate::stats::Stats;
 use crate::system::System;
 
-/// Cost of an attempt of an implicit step in right-hand sides. Beside the [cost](Pace::cost) of a series it is 20 to 40
-/// on contacts of six states, as one takes 2 to 4 times as long as a series of order 13. Of 15 to 40, 20 gave the least
-/// time over 24 cells of the map.
+/// Cost of an attempt of an implicit step in right-hand sides. On contacts of six states it takes 2 to 4 times as long as
+/// a series of order 13, whose [cost](Pace::cost) is 9: so it is 20 to 40. Of 15 to 40, 20 gave the least time on 24
+/// mechanisms of stiffness from 1e7 to 1e12 N/m.
 const IMPLICIT_COST: f64 = 20.0;
 /// A trial begins with this fraction of the step that pays. The first implicit step has a poor starting guess for its
 /// iteration; from a small step the size grows by large factors, but one that failed is reached again only by steps that
@@ -81,23 +81,25 @@ struct Stiff {
 pub(super) struct Pilot {
     spectrum: Spectrum,
     pace: Pace,
-    /// ρ that bounds explicit steps.
+    /// ρ that bounds explicit steps, and the longest step of the run.
     radius: f64,
+    limit: f64,
     /// Right-hand sides in steps held back before the next trial.
     wait: u64,
-    /// The last explicit step that was not held back, and the last evaluation of the Jacobian.
+    /// Where steps held back began, and the last evaluation of the Jacobian or the first step of the phase.
     since: Option<Since>,
     looked: Option<Since>,
     stiff: Option<Stiff>,
 }
 
 impl Pilot {
-    /// The rule for a system of `n` states and an explicit method of this `pace`.
-    pub(super) fn new(n: usize, pace: Pace) -> Self {
+    /// The rule for a system of `n` states and an explicit method of this `pace`, with steps of at most `limit`.
+    pub(super) fn new(n: usize, pace: Pace, limit: f64) -> Self {
         Self {
             spectrum: Spectrum::new(n),
             pace,
             radius: 0.0,
+            limit,
             wait: WAIT,
             since: None,
             looked: None,
@@ -144,25 +146,28 @@ impl Pilot {
         let now = Since { t, n_rhs: stats.work.n_rhs, n_accepted: stats.n_accepted };
         let cost = self.pace.cost;
         let work = |since: Since| cost * (now.n_rhs - since.n_rhs);
-        if proposed < self.longest() {
+        let is_held_back = |bound: f64| proposed >= bound && bound < self.limit;
+        if !is_held_back(self.longest()) {
             self.since = Some(now);
         }
         let since = *self.since.get_or_insert(now);
+        let looked = *self.looked.get_or_insert(now);
         let is_due = work(since) >= self.wait;
-        if !is_due && work(*self.looked.get_or_insert(now)) < LOOK {
+        if !is_due && work(looked) < LOOK {
             return None;
         }
         self.looked = Some(now);
         let radius = radius(&mut self.spectrum);
-        let has_changed = radius < AS_STIFF * self.radius || self.radius < AS_STIFF * radius;
-        if !has_changed && !is_due {
+        let bounds = (self.longest(), self.pace.reach / radius);
+        let has_changed = bounds.0 < AS_STIFF * bounds.1 || bounds.1 < AS_STIFF * bounds.0;
+        if has_changed && is_held_back(bounds.0.min(bounds.1)) {
+            (self.radius, self.since) = (radius, None);
+            return Some(Turn::Explicit { h: None });
+        }
+        if !is_due {
             return None;
         }
         self.radius = radius;
-        if has_changed {
-            self.since = None;
-            return Some(Turn::Explicit { h: None });
-        }
         let forward = (t - since.t).abs();
         let h = forward / (now.n_accepted - since.n_accepted) as f64;
         let rate = forward / work(since) as f64;
@@ -174,8 +179,7 @@ impl Pilot {
     /// Ends the turn of the implicit method. The wait until the next trial is twice as long as the last one.
     pub(super) fn give_up(&mut self) {
         self.wait = (2 * self.wait).min(LONGEST_WAIT);
-        (self.since, self.looked) = (None, None);
-        self.stiff = None;
+        (self.since, self.looked, self.stiff) = (None, None, None);
     }
 }
 

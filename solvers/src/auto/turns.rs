@@ -43,7 +43,7 @@ where
         let radau = RadauMethod::new(&RADAU_IIA_5, n, &held).on_slow_solutions();
         let steps = Steps { longest, ..held.into() };
         let implicit = Box::new(OneStepSolver::new(problem, radau, steps));
-        Self { implicit, pilot: Pilot::new(n, explicit.pace()) }
+        Self { implicit, pilot: Pilot::new(n, explicit.pace(), longest) }
     }
 
     /// The turn that begins a phase at `point`.
@@ -64,13 +64,17 @@ where
         loop {
             let h = match turn {
                 Turn::Explicit { h } => {
-                    h.into_iter().for_each(|h| explicit.begin_with(h));
+                    if let Some(h) = h {
+                        explicit.begin_with(h);
+                    }
                     explicit.keep_below(self.pilot.longest());
                     return Ok(ControlFlow::Continue(()));
                 }
                 Turn::Implicit { h } => h,
             };
-            h.into_iter().for_each(|h| self.implicit.begin_with(h));
+            if let Some(h) = h {
+                self.implicit.begin_with(h);
+            }
             let mut leg = Leg::new(&mut self.pilot, *problem, *record, true, stats);
             let end = self.implicit.solve_phase(problem, point, t_end, stats, &mut leg);
             turn = match (end, leg.over(stats)) {

@@ -1,8 +1,8 @@
 //! One run of a batch: what is its own between two steps.
 
 use super::Entry;
-use super::alone::Alone;
 use super::parameters::ByParameters;
+use super::runner::Runner;
 use super::steps::Steps;
 use crate::control::Verdict;
 use crate::error::{Error, Outcome};
@@ -18,7 +18,7 @@ use crate::system::{Alike, Vector};
 /// A run in a phase whose mode has parameters.
 pub(super) struct Member<'r, 'a, P: Alike, M> {
     pub(super) index: usize,
-    own: Alone<'r, 'a, P, M>,
+    own: Runner<'r, 'a, P, M>,
     phase: PhaseState,
     parameters: P::Parameters<f64>,
     /// End and size of the step that it is to take.
@@ -53,8 +53,8 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
         t_end: f64,
     ) -> Result<Self, Result<Outcome, Error>> {
         let index = entry.index;
-        let mut own = Alone::new(entry, method);
-        let (phase, parameters) = own.to_lane(None, t_end)?;
+        let mut own = Runner::new(entry, method);
+        let (phase, parameters) = own.enter_lane(None, t_end)?;
         Ok(Self {
             index,
             own,
@@ -88,7 +88,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
     /// Takes over the start in its `lane` where that is [newer](Self::is_stale) than its own.
     pub(super) fn refresh<V: Simd, S: Steps<P, V, Method = M>>(&mut self, lane: usize, steps: &S) {
         if std::mem::take(&mut self.is_stale) {
-            let Alone { run, solver, .. } = &mut self.own;
+            let Runner { run, solver, .. } = &mut self.own;
             let (point, method) = (&mut run.point, &mut solver.method);
             steps.unload_start(lane, point.t, method);
             point.y.clone_from(method.step().y0());
@@ -98,7 +98,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
     /// Chooses the end of its next step.
     #[inline(always)]
     pub(super) fn aim<V: Simd, S: Steps<P, V, Method = M>>(&mut self, lane: usize, steps: &S) {
-        let Alone { run, solver, .. } = &mut self.own;
+        let Runner { run, solver, .. } = &mut self.own;
         let Integration { problem, point, stats, .. } = &mut **run;
         let phase = &mut self.phase;
         solver.choose_step_by(problem, point, phase, stats, |method, _, stats| {
@@ -155,7 +155,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
             self.check(lane, steps)?;
         }
         let judgement = steps.judgement();
-        let Alone { run, solver, .. } = &mut self.own;
+        let Runner { run, solver, .. } = &mut self.own;
         let (is_proposed, error_sq) = (solver.is_proposed, judgement.error_sq.lane(lane));
         let verdict = solver.controller.verdict(is_proposed, self.h, |_| error_sq);
         let knows = !S::TESTS_ENDS || solver.watch.knows(self.h);
@@ -165,7 +165,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
         if let Verdict::Accept(next) = verdict
             && (is_plain || is_clear() && self.tell_touches(lane, steps))
         {
-            let Alone { run, solver, .. } = &mut self.own;
+            let Runner { run, solver, .. } = &mut self.own;
             run.stats.work.n_rhs += S::n_rhs_of_end(&solver.method);
             self.phase.h = solver.next_size(next);
             self.stays_in_lane = true;
@@ -173,11 +173,11 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
         }
         self.unload(lane, steps);
         let Self { own, phase, h, .. } = self;
-        let Alone { run, solver, .. } = own;
+        let Runner { run, solver, .. } = own;
         steps.unload_within(lane, &mut solver.method);
         let (step, mode) = (solver.method.step(), run.point.mode.clone());
         solver.watch.start_at(run.problem, mode, step.t0(), step.y0(), step.slope0());
-        own.shown(|solver, context| solver.apply_verdict(context, phase, *h, verdict))
+        own.solve(|solver, context| solver.apply_verdict(context, phase, *h, verdict))
     }
 
     /// Tells of the touches on the step in its `lane`; false where the step is to be unloaded for that.
@@ -188,7 +188,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
         lane: usize,
         steps: &S,
     ) -> bool {
-        let Self { own: Alone { run, record, solver, .. }, t1, h, .. } = self;
+        let Self { own: Runner { run, record, solver, .. }, t1, h, .. } = self;
         steps.note_turns(lane, (run.point.t, *h), &mut solver.watch);
         solver.watch.tell_known(*t1, *h, &mut |graze| {
             run.stats.n_grazing += 1;
@@ -205,7 +205,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
     ) -> Option<PhaseEnd> {
         let needs = self.own.needs(self.t1);
         if needs == Needs::Nothing {
-            let Alone { run, record, solver, .. } = &mut self.own;
+            let Runner { run, record, solver, .. } = &mut self.own;
             let Integration { point, stats, .. } = &mut **run;
             solver.arrive(self.t1, &mut point.t, &mut self.phase, stats);
             self.is_stale = true;
@@ -219,7 +219,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
             steps.unload_dense(lane, method);
             method.densify(own.run.problem, own.run.point.mode.clone(), &mut Stats::default());
         }
-        own.shown(|solver, context| solver.accept(context, phase, None, needs))
+        own.solve(|solver, context| solver.accept(context, phase, None, needs))
     }
 
     /// Takes over both ends of the step in its `lane`.
@@ -239,7 +239,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
     ) -> Result<(), Error> {
         self.is_checked = true;
         self.unload(lane, steps);
-        let Alone { run, solver, .. } = &self.own;
+        let Runner { run, solver, .. } = &self.own;
         let (problem, mode) = (run.problem, &run.point.mode);
         let (t, step) = (self.t1, solver.method.step());
         let mut slope = step.y1().clone();
@@ -265,16 +265,16 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
     /// Takes its step alone, and returns how the phase ended, if it did.
     fn attempt(&mut self) -> Result<Option<PhaseEnd>, Error> {
         let Self { own, phase, t1, h, .. } = self;
-        let Alone { run, solver, .. } = &mut *own;
+        let Runner { run, solver, .. } = &mut *own;
         let mode = run.point.mode.clone();
         solver.method.attempt(run.problem, mode, *t1, *h, &mut run.stats);
-        own.shown(|solver, context| solver.judge(context, phase, *h))
+        own.solve(|solver, context| solver.judge(context, phase, *h))
     }
 
     /// Passes from a phase that ended, or from its turn, to the next one in its lane.
     fn pass(&mut self, end: PhaseEnd) -> Fate {
         let ended = self.own.pass(end).map_err(Err);
-        match ended.and_then(|ended| self.own.to_lane(ended, self.phase.t_end)) {
+        match ended.and_then(|ended| self.own.enter_lane(ended, self.phase.t_end)) {
             Ok((phase, parameters)) => {
                 (self.phase, self.parameters, self.is_checked) = (phase, parameters, false);
                 Fate::Moves

@@ -18,11 +18,12 @@
 //! or where the recorder [needs](crate::Needs) it.
 //!
 //! A run whose mode has no parameters goes on alone until it has some again; its lane waits. A run that ends leaves its
-//! lane to the next one of the batch. A run of [`auto`](crate::auto) is in its lane in its explicit turns.
+//! lane to the next one of the batch. A run of [`auto`](crate::auto) is in its lane in its explicit turns, and its rule sees the
+//! ends of all steps.
 
-mod alone;
 mod member;
 mod parameters;
+mod runner;
 mod series;
 mod steps;
 mod tableau;

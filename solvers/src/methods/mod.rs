@@ -219,7 +219,7 @@ impl Method {
     }
 
     /// Order of the Taylor series at a relative tolerance, or with a fixed step for `None`; `None` for a method that
-    /// takes none there. [`auto`](crate::auto) may take others than series, [`Work::n_series`](crate::Work) tells.
+    /// takes none there. [`auto`] may take others than series, [`Work::n_series`](crate::Work) tells.
     pub fn series_order(&self, rtol: Option<f64>) -> Option<usize> {
         match self.scheme {
             Scheme::Taylor => Some(rtol.map_or(taylor::FIXED_STEP_ORDER, taylor::order_for)),
@@ -310,9 +310,9 @@ impl Method {
     /// and returns how each ended.
     ///
     /// The results are, to the bit, those of [`Integration::run`] with a [solver](Self::solver) for each run. Methods
-    /// with an explicit tableau, and Taylor series of one order to tolerances, compute several runs [at
-    /// once](crate::batch) while their modes differ only in [parameters](Alike::parameters). Other runs follow one after
-    /// the other.
+    /// with an explicit tableau, Taylor series of one order to tolerances, and [`auto`] in its explicit turns
+    /// compute several runs [at once](crate::batch) while their modes differ only in [parameters](Alike::parameters).
+    /// Other runs follow one after the other.
     ///
     /// # Errors
     /// As [`solver`](Self::solver), before any run begins.
@@ -347,7 +347,8 @@ impl Method {
         }
         // Runs in one batch have vectors of the same lengths, and series of the same order.
         let class = |Entry { run, control, in_turns, .. }: &Entry<'_, '_, P>| {
-            let order = control.tolerance().and_then(|own| self.series_order(Some(own.rtol)));
+            let tolerance = control.tolerance().filter(|_| in_turns.is_none());
+            let order = tolerance.and_then(|tolerance| self.series_order(Some(tolerance.rtol)));
             (run.problem.dim(), run.problem.n_guards(), order, *in_turns)
         };
         while let Some(first) = entries.first().map(class) {

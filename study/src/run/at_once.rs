@@ -114,6 +114,7 @@ mod tests {
             ("rk45", &step, 3),
             ("taylor", &rtol, 3),
             ("taylor", &step, 1),
+            ("auto", &rtol, 3),
             ("radau5", &rtol, 1),
         ] {
             let setting = setting(method, accuracy.clone());

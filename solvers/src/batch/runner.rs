@@ -1,4 +1,4 @@
-//! One run of a batch outside of its lane.
+//! One run of a batch, and how it goes on outside of its lane.
 
 use std::ops::ControlFlow;
 
@@ -12,8 +12,8 @@ use crate::record::{Needs, Record};
 use crate::step::Step;
 use crate::system::Alike;
 
-/// A run with its recorder, and with what integrates it where its lane does not.
-pub(super) struct Alone<'r, 'a, P: Alike, M> {
+/// A run with its recorder, and with the solvers that integrate it where its lane does not.
+pub(super) struct Runner<'r, 'a, P: Alike, M> {
     pub(super) run: &'r mut Integration<'a, P>,
     pub(super) record: &'r mut dyn Record<P>,
     pub(super) solver: OneStepSolver<P, M>,
@@ -26,7 +26,7 @@ pub(super) struct Alone<'r, 'a, P: Alike, M> {
 /// A phase whose mode has parameters, and these.
 type InLane<P> = (PhaseState, <P as Alike>::Parameters<f64>);
 
-impl<'r, 'a, P: Alike, M: OneStep<P>> Alone<'r, 'a, P, M> {
+impl<'r, 'a, P: Alike, M: OneStep<P>> Runner<'r, 'a, P, M> {
     /// A run by `method`.
     pub(super) fn new(entry: Entry<'r, 'a, P>, method: M) -> Self {
         let Entry { run, control, record, in_turns, .. } = entry;
@@ -39,7 +39,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Alone<'r, 'a, P, M> {
 
     /// Unless the run has `ended`, integrates it to the first explicit turn in a mode with parameters. Returns how the
     /// run ended where none comes.
-    pub(super) fn to_lane(
+    pub(super) fn enter_lane(
         &mut self,
         mut ended: Option<Outcome>,
         t_end: f64,
@@ -63,7 +63,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Alone<'r, 'a, P, M> {
             if let Some(parameters) = problem.parameters(&point.mode) {
                 return Ok((phase, parameters));
             }
-            let end = self.shown(|solver, context| solver.finish(context, &mut phase));
+            let end = self.solve(|solver, context| solver.finish(context, &mut phase));
             ended = self.pass(end.map_err(Err)?).map_err(Err)?;
         }
     }
@@ -90,9 +90,9 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Alone<'r, 'a, P, M> {
         if self.turns.is_some() { needs.max(Needs::Ends) } else { needs }
     }
 
-    /// Applies `f` to the solver; what it accepts is shown to the recorder and to the rule of turns.
+    /// Goes on by `f`, which the solver is given to; the recorder and the rule of turns see what is accepted.
     #[inline(always)]
-    pub(super) fn shown<T>(
+    pub(super) fn solve<T>(
         &mut self,
         f: impl FnOnce(&mut OneStepSolver<P, M>, &mut PhaseContext<'_, P>) -> T,
     ) -> T {
@@ -115,7 +115,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Alone<'r, 'a, P, M> {
         let (run, OneStepSolver { method, watch, .. }) = (&mut *self.run, &mut self.solver);
         let step = method.step();
         watch.start_at(run.problem, run.point.mode.clone(), step.t0(), step.y0(), step.slope0());
-        let end = self.shown(|solver, context| solver.finish(context, &mut phase))?;
+        let end = self.solve(|solver, context| solver.finish(context, &mut phase))?;
         let Self { run, record, mut solver, turns, next } = self;
         let Some(mut turns) = turns else {
             let ended = run.pass(end, record)?;
