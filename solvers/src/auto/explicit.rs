@@ -7,11 +7,11 @@ use crate::methods::{DORMAND_PRINCE_853, KUTTA_43};
 use crate::one_step::{OneStepSolver, Paced};
 use crate::phase::Point;
 use crate::system::System;
-use crate::taylor::{TaylorMethod, n_operations, order_for};
+use crate::taylor::{Operations, TaylorMethod, order_for};
 
 /// Most operations of a right-hand side and its guards, and most states, for which a series is cheaper than the
 /// stages of a pair.
-const MOST_OPERATIONS: usize = 48;
+const MOST_OPERATIONS: usize = 64;
 const MOST_STATES: usize = 8;
 
 /// The explicit method that is used.
@@ -58,9 +58,21 @@ impl Explicit {
         if rtol >= LOOSE {
             return Self::FourthOrder;
         }
-        let is_small = problem.dim() <= MOST_STATES
-            && n_operations(problem, &point.mode, point.t, &point.y) <= MOST_OPERATIONS;
-        if is_small { Self::Series(order_for(rtol)) } else { Self::EighthOrder }
+        if is_small(problem, point, &mut Operations::default()) {
+            Self::Series(order_for(rtol))
+        } else {
+            Self::EighthOrder
+        }
+    }
+
+    /// Whether it is a series, and the mode at `point` has more operations than a series is for.
+    pub(super) fn is_outgrown_at<P: System>(
+        self,
+        problem: &P,
+        point: &Point<P>,
+        operations: &mut Operations,
+    ) -> bool {
+        matches!(self, Self::Series(_)) && !is_small(problem, point, operations)
     }
 
     pub(super) fn pace(self) -> Pace {
@@ -94,4 +106,10 @@ impl Explicit {
             }
         }
     }
+}
+
+/// Whether a series is cheaper than a pair, by the operations of the mode at `point`.
+fn is_small<P: System>(problem: &P, point: &Point<P>, operations: &mut Operations) -> bool {
+    problem.dim() <= MOST_STATES
+        && operations.count(problem, &point.mode, point.t, &point.y) <= MOST_OPERATIONS
 }

@@ -6,10 +6,10 @@
 //! step it lies. The explicit method is chosen by the tolerance and the size of the system, as measured on the
 //! mechanisms of `deltazero`: [`KUTTA_43`](crate::methods::KUTTA_43) for `rtol ≥ 1e-4`; below,
 //! [`taylor`](crate::taylor) where states and operations are few,
-//! [`DORMAND_PRINCE_853`](crate::methods::DORMAND_PRINCE_853) elsewhere. It is chosen once, by the operations of the
-//! mode in which the first run of a solver begins. The implicit method works to 0.1 of the
-//! tolerance, where its error is about that of the explicit one (measured: at 0.01 to 0.1). So a few implicit steps
-//! do not spoil a run.
+//! [`DORMAND_PRINCE_853`](crate::methods::DORMAND_PRINCE_853) elsewhere. Operations are counted in the mode in which the
+//! first run of a solver begins, and where one of the next seven modes begins. One with too many ends the series for
+//! good: the pair takes over, and the rule begins anew. The implicit method works to 0.1 of the tolerance, where its
+//! error is about that of the explicit one (measured: at 0.01 to 0.1). So a few implicit steps do not spoil a run.
 //!
 //! # The rule
 //!
@@ -36,7 +36,7 @@
 //!
 //! So a trial that fails costs some 240 right-hand sides, and those of a long phase together are a small part of it. A
 //! system whose steps are never held back is integrated by the explicit method, bit for bit; the only price is one
-//! Jacobian per phase and one per 2048 right-hand sides. No decision depends on a clock, so a run is repeatable.
+//! Jacobian per phase, one per 2048 right-hand sides, and the counts of operations. No decision depends on a clock, so a run is repeatable.
 //!
 //! [`Stats::n_implicit`] counts the implicit steps among the accepted ones.
 
@@ -65,7 +65,7 @@ pub(crate) struct AutoSolver<'p, P: System> {
     tolerance: Tolerance,
     /// Size of the first step, where it is given, and the longest step.
     limits: (Option<f64>, f64),
-    /// Chosen where the first run begins.
+    /// Chosen where the first run begins, and anew where a mode has too many operations for a series.
     methods: Option<(Box<dyn Paced<P> + 'p>, Turns<'p, P>)>,
 }
 
@@ -73,6 +73,15 @@ impl<'p, P: System + 'p> AutoSolver<'p, P> {
     /// Both methods on a system, with the first and the longest step as limits.
     pub(crate) fn new(tolerance: Tolerance, limits: (Option<f64>, f64)) -> Self {
         Self { tolerance, limits, methods: None }
+    }
+
+    /// These methods, to go on with where a phase begins.
+    pub(crate) fn of(
+        tolerance: Tolerance,
+        explicit: Box<dyn Paced<P> + 'p>,
+        turns: Turns<'p, P>,
+    ) -> Self {
+        Self { tolerance, limits: (None, f64::INFINITY), methods: Some((explicit, turns)) }
     }
 }
 
@@ -89,10 +98,11 @@ where
         record: &mut dyn Record<P>,
     ) -> Result<PhaseEnd, Error> {
         let Self { tolerance, limits, methods } = self;
+        methods.take_if(|(_, turns)| turns.explicit_is_outgrown_at(problem, point));
         let (explicit, turns) = methods.get_or_insert_with(|| {
             let explicit = Explicit::of(problem, point, tolerance.rtol);
             let control = Control::Adaptive(tolerance.clone());
-            let steps = Steps { control, first: limits.0, longest: limits.1 };
+            let steps = Steps { control, first: limits.0.take(), longest: limits.1 };
             let turns = Turns::new(problem, tolerance, limits.1, explicit);
             (explicit.solver(problem, steps), turns)
         });

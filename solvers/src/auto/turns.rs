@@ -13,15 +13,24 @@ use crate::radau::RadauMethod;
 use crate::record::Record;
 use crate::stats::Stats;
 use crate::system::System;
+use crate::taylor::Operations;
 use crate::tolerance::Tolerance;
 
 /// Fraction of the tolerance that the implicit method works to.
 const IMPLICIT_SHARE: f64 = 0.1;
 
+/// Modes of a run, one after the other, whose operations are counted: a rattling pin is in all of its modes by then.
+const COUNTED: u32 = 8;
+
 /// The implicit method, and the rule by which it and an explicit one take turns.
 pub(crate) struct Turns<'p, P: System> {
     implicit: Box<dyn Paced<P> + 'p>,
     pilot: Pilot,
+    explicit: Explicit,
+    operations: Operations,
+    /// The last mode that a phase began in, and the number of modes one after the other so far.
+    mode: Option<P::Mode>,
+    n_modes: u32,
 }
 
 impl<'p, P: System + 'p> Turns<'p, P>
@@ -43,11 +52,25 @@ where
         let radau = RadauMethod::new(&RADAU_IIA_5, n, &held).on_slow_solutions();
         let steps = Steps { longest, ..held.into() };
         let implicit = Box::new(OneStepSolver::new(problem, radau, steps));
-        Self { implicit, pilot: Pilot::new(n, explicit.pace(), longest) }
+        let pilot = Pilot::new(n, explicit.pace(), longest);
+        let operations = Operations::default();
+        Self { implicit, pilot, explicit, operations, mode: None, n_modes: 0 }
+    }
+
+    /// Whether the explicit method is to be chosen anew for the phase that begins at `point`. It was chosen for the
+    /// first.
+    pub(crate) fn explicit_is_outgrown_at(&mut self, problem: &P, point: &Point<P>) -> bool {
+        (1..COUNTED).contains(&self.n_modes)
+            && self.mode.as_ref() != Some(&point.mode)
+            && self.explicit.is_outgrown_at(problem, point, &mut self.operations)
     }
 
     /// The turn that begins a phase at `point`.
     pub(crate) fn begin(&mut self, problem: &P, point: &Point<P>, stats: &mut Stats) -> Turn {
+        if self.mode.as_ref() != Some(&point.mode) {
+            self.mode = Some(point.mode.clone());
+            self.n_modes = self.n_modes.saturating_add(1);
+        }
         self.pilot.begin_phase(problem, point, stats)
     }
 

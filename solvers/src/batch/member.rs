@@ -1,9 +1,9 @@
 //! One run of a batch: what is its own between two steps.
 
-use super::Entry;
 use super::parameters::ByParameters;
 use super::runner::Runner;
 use super::steps::Steps;
+use super::{End, Entry};
 use crate::control::Verdict;
 use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
@@ -40,18 +40,14 @@ pub(super) enum Fate {
     Stays,
     /// With a step from another start or by other parameters, to be [loaded](Member::load).
     Moves,
-    /// Not at all.
-    Ends(Result<Outcome, Error>),
+    /// Not in this batch.
+    Ends(End),
 }
 
 impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
     /// Begins a run towards `t_end` by `method`, up to its first phase whose mode has parameters. Returns how the run
     /// ended where it has none.
-    pub(super) fn begin(
-        entry: Entry<'r, 'a, P>,
-        method: M,
-        t_end: f64,
-    ) -> Result<Self, Result<Outcome, Error>> {
+    pub(super) fn begin(entry: Entry<'r, 'a, P>, method: M, t_end: f64) -> Result<Self, End> {
         let index = entry.index;
         let mut own = Runner::new(entry, method);
         let (phase, parameters) = own.enter_lane(None, t_end)?;
@@ -140,7 +136,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
                 }
             }
             Ok(end) => self.pass(end.unwrap_or(PhaseEnd::EndOfTime)),
-            Err(error) => Fate::Ends(Err(error)),
+            Err(error) => Fate::Ends(Some(Err(error))),
         }
     }
 
@@ -273,7 +269,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
 
     /// Passes from a phase that ended, or from its turn, to the next one in its lane.
     fn pass(&mut self, end: PhaseEnd) -> Fate {
-        let ended = self.own.pass(end).map_err(Err);
+        let ended = self.own.pass(end).map_err(|error| Some(Err(error)));
         match ended.and_then(|ended| self.own.enter_lane(ended, self.phase.t_end)) {
             Ok((phase, parameters)) => {
                 (self.phase, self.parameters, self.is_checked) = (phase, parameters, false);

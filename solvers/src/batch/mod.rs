@@ -19,7 +19,7 @@
 //!
 //! A run whose mode has no parameters goes on alone until it has some again; its lane waits. A run that ends leaves its
 //! lane to the next one of the batch. A run of [`auto`](crate::auto) is in its lane in its explicit turns, and its rule sees the
-//! ends of all steps.
+//! ends of all steps; where its explicit method is chosen anew, it leaves the batch for one of that method.
 
 mod member;
 mod parameters;
@@ -56,8 +56,10 @@ pub(crate) struct Entry<'r, 'a, P: Alike> {
     pub(crate) in_turns: Option<Explicit>,
 }
 
+/// How a run ended; none where it is to go on by another method.
+pub(crate) type End = Option<Result<Outcome, Error>>;
 /// How runs ended, by their places.
-type Ends = [Result<Outcome, Error>];
+type Ends = [End];
 
 /// Integrates runs of systems of one size to `t_end` by `tableau`, and writes how they ended to `ends`.
 pub(crate) fn by_tableau<P: Alike, const S: usize>(
@@ -153,7 +155,7 @@ fn run<P: Alike, V: Simd, S: Steps<P, V>>(
     for (lane, mut member) in members.into_iter().enumerate() {
         member.refresh(lane, &steps);
         let index = member.index;
-        ends[index] = member.finish();
+        ends[index] = Some(member.finish());
     }
 }
 

@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use super::Entry;
-use crate::auto::{Turn, Turns};
+use super::{End, Entry};
+use crate::auto::{AutoSolver, Turn, Turns};
+use crate::control::Control;
 use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
 use crate::one_step::{OneStep, OneStepSolver, PhaseContext, PhaseState};
@@ -16,6 +17,7 @@ use crate::system::Alike;
 pub(super) struct Runner<'r, 'a, P: Alike, M> {
     pub(super) run: &'r mut Integration<'a, P>,
     pub(super) record: &'r mut dyn Record<P>,
+    control: &'r Control,
     pub(super) solver: OneStepSolver<P, M>,
     /// The implicit method that takes turns with the solver, if one does.
     turns: Option<Turns<'a, P>>,
@@ -34,43 +36,54 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Runner<'r, 'a, P, M> {
         let turns = in_turns.zip(control.tolerance()).map(|(explicit, tolerance)| {
             Turns::new(run.problem, tolerance, f64::INFINITY, explicit)
         });
-        Self { run, record, solver, turns, next: None }
+        Self { run, record, control, solver, turns, next: None }
     }
 
     /// Unless the run has `ended`, integrates it to the first explicit turn in a mode with parameters. Returns how the
-    /// run ended where none comes.
+    /// run ended where none comes, and none where it is to go on by another method.
     pub(super) fn enter_lane(
         &mut self,
         mut ended: Option<Outcome>,
         t_end: f64,
-    ) -> Result<InLane<P>, Result<Outcome, Error>> {
+    ) -> Result<InLane<P>, End> {
+        let failed = |error| Some(Err(error));
         loop {
             if let Some(outcome) = ended {
-                return Err(Ok(outcome));
+                return Err(Some(Ok(outcome)));
             }
             if self.run.point.t == t_end {
-                return Err(Ok(Outcome::Finished));
+                return Err(Some(Ok(Outcome::Finished)));
             }
-            if let ControlFlow::Break(end) = self.until_explicit(t_end).map_err(Err)? {
-                ended = self.run.pass(end, self.record).map_err(Err)?;
+            if self.is_outgrown() {
+                return Err(None);
+            }
+            if let ControlFlow::Break(end) = self.until_explicit(t_end).map_err(failed)? {
+                ended = self.run.pass(end, self.record).map_err(failed)?;
                 continue;
             }
             if self.run.point.t == t_end {
                 continue;
             }
             let Integration { problem, point, stats, .. } = &mut *self.run;
-            let mut phase = self.solver.begin(problem, point, t_end, stats).map_err(Err)?;
+            let mut phase = self.solver.begin(problem, point, t_end, stats).map_err(failed)?;
             if let Some(parameters) = problem.parameters(&point.mode) {
                 return Ok((phase, parameters));
             }
             let end = self.solve(|solver, context| solver.finish(context, &mut phase));
-            ended = self.pass(end.map_err(Err)?).map_err(Err)?;
+            ended = self.pass(end.map_err(failed)?).map_err(failed)?;
         }
+    }
+
+    /// Whether a phase begins for which the method is to be chosen anew.
+    fn is_outgrown(&mut self) -> bool {
+        let Self { run: Integration { problem, point, .. }, turns, next, .. } = self;
+        let turns = turns.as_mut().filter(|_| next.is_none());
+        turns.is_some_and(|turns| turns.explicit_is_outgrown_at(problem, point))
     }
 
     /// Integrates through the implicit turns that come first.
     fn until_explicit(&mut self, t_end: f64) -> Result<ControlFlow<PhaseEnd>, Error> {
-        let Self { run, record, solver, turns, next } = self;
+        let Self { run, record, solver, turns, next, .. } = self;
         let Some(turns) = turns else { return Ok(ControlFlow::Continue(())) };
         let turn =
             next.take().unwrap_or_else(|| turns.begin(run.problem, &run.point, &mut run.stats));
@@ -96,7 +109,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Runner<'r, 'a, P, M> {
         &mut self,
         f: impl FnOnce(&mut OneStepSolver<P, M>, &mut PhaseContext<'_, P>) -> T,
     ) -> T {
-        let Self { run, record, solver, turns, next } = self;
+        let Self { run, record, solver, turns, next, .. } = self;
         let Integration { problem, point, stats, .. } = &mut **run;
         let mut leg = None;
         let record: &mut dyn Record<P> = match turns {
@@ -116,18 +129,21 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Runner<'r, 'a, P, M> {
         let step = method.step();
         watch.start_at(run.problem, run.point.mode.clone(), step.t0(), step.y0(), step.slope0());
         let end = self.solve(|solver, context| solver.finish(context, &mut phase))?;
-        let Self { run, record, mut solver, turns, next } = self;
-        let Some(mut turns) = turns else {
+        let Self { run, record, control, mut solver, turns, next } = self;
+        let Some((mut turns, tolerance)) = turns.zip(control.tolerance()) else {
             let ended = run.pass(end, record)?;
             return run.go_on(ended, phase.t_end, &mut solver, record);
         };
-        let mut both = turns.with(&mut solver);
         let end = match next {
-            Some(turn) => both.go_on(turn, &mut context(run, record), phase.t_end)?,
+            Some(turn) => {
+                let mut both = turns.with(&mut solver);
+                both.go_on(turn, &mut context(run, record), phase.t_end)?
+            }
             None => end,
         };
         let ended = run.pass(end, record)?;
-        run.go_on(ended, phase.t_end, &mut both, record)
+        let mut auto = AutoSolver::of(tolerance.clone(), Box::new(solver), turns);
+        run.go_on(ended, phase.t_end, &mut auto, record)
     }
 }
 

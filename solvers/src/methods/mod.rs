@@ -312,7 +312,8 @@ impl Method {
     /// The results are, to the bit, those of [`Integration::run`] with a [solver](Self::solver) for each run. Methods
     /// with an explicit tableau, Taylor series of one order to tolerances, and [`auto`] in its explicit turns
     /// compute several runs [at once](crate::batch) while their modes differ only in [parameters](Alike::parameters).
-    /// Other runs follow one after the other.
+    /// Other runs follow one after the other. A run of `auto` whose explicit method is chosen anew goes on with others
+    /// that have the same.
     ///
     /// # Errors
     /// As [`solver`](Self::solver), before any run begins.
@@ -331,18 +332,35 @@ impl Method {
         for (run, control) in runs.iter().zip(controls) {
             self.check(run.problem.dim(), control)?;
         }
-        let mut ends = vec![Ok(Outcome::Finished); runs.len()];
+        let mut ends: Vec<batch::End> = runs
+            .iter_mut()
+            .zip(&mut *records)
+            .map(|(run, record)| run.begin(t_end, *record).transpose())
+            .collect();
+        // A run whose explicit method is chosen anew comes back without an end.
+        while ends.iter().any(Option::is_none) {
+            self.go_on_in_batches(runs, t_end, controls, records, &mut ends)?;
+        }
+        Ok(ends.into_iter().flatten().collect())
+    }
+
+    /// Goes on with the runs that have no end.
+    fn go_on_in_batches<P: Alike>(
+        &self,
+        runs: &mut [Integration<'_, P>],
+        t_end: f64,
+        controls: &[Control],
+        records: &mut [&mut dyn Record<P>],
+        ends: &mut [batch::End],
+    ) -> Result<(), Error> {
         let mut entries: Vec<Entry<'_, '_, P>> = Vec::with_capacity(runs.len());
         for (index, ((run, control), record)) in
             runs.iter_mut().zip(controls).zip(records).enumerate()
         {
-            match run.begin(t_end, *record).transpose() {
-                Some(end) => ends[index] = end,
-                None => {
-                    let in_turns = self.in_turns(run, control);
-                    let record = &mut **record;
-                    entries.push(Entry { index, run, control, record, in_turns });
-                }
+            if ends[index].is_none() {
+                let in_turns = self.in_turns(run, control);
+                let record = &mut **record;
+                entries.push(Entry { index, run, control, record, in_turns });
             }
         }
         // Runs in one batch have vectors of the same lengths, and series of the same order.
@@ -357,26 +375,26 @@ impl Method {
             let (.., order, in_turns) = first;
             match (&self.scheme, order, in_turns) {
                 (Scheme::Explicit(explicit), ..) => for_any_stages!(*explicit, tableau => {
-                    batch::by_tableau(tableau, same, t_end, &mut ends);
+                    batch::by_tableau(tableau, same, t_end, ends);
                 }),
                 (.., Some(auto::Explicit::FourthOrder)) => {
-                    batch::by_tableau(&KUTTA_43, same, t_end, &mut ends);
+                    batch::by_tableau(&KUTTA_43, same, t_end, ends);
                 }
                 (.., Some(auto::Explicit::EighthOrder)) => {
-                    batch::by_tableau(&DORMAND_PRINCE_853, same, t_end, &mut ends);
+                    batch::by_tableau(&DORMAND_PRINCE_853, same, t_end, ends);
                 }
                 (.., Some(auto::Explicit::Series(order))) | (Scheme::Taylor, Some(order), None) => {
-                    batch::by_series(order, same, t_end, &mut ends);
+                    batch::by_series(order, same, t_end, ends);
                 }
                 _ => {
                     for Entry { index, run, control, record, .. } in same {
                         let mut solver = self.solver(run.problem, control.clone())?;
-                        ends[index] = run.go_on(None, t_end, &mut *solver, record);
+                        ends[index] = Some(run.go_on(None, t_end, &mut *solver, record));
                     }
                 }
             }
         }
-        Ok(ends)
+        Ok(())
     }
 
     /// The explicit method of a run that has begun, where an implicit one takes turns with it.

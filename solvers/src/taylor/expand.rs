@@ -145,18 +145,27 @@ impl<B: Coefficient> Expansion<B> {
     }
 }
 
-/// Number of operations of a right-hand side and its guards at `(t, y)` in `mode` that have rows in the table of
-/// coefficients: all but sums and multiples.
-pub(crate) fn n_operations<P: System>(
-    problem: &P,
-    mode: &P::Mode,
-    t: f64,
-    y: &P::State<f64>,
-) -> usize {
-    let mut expansion = Expansion::<f64>::default();
-    let mut guards = P::Guards::<f64>::from_fn(problem.n_guards(), |_| 0.0);
-    expansion.begin::<P>(&InMode { problem, mode }, t, y, &mut y.clone(), &mut guards);
-    expansion.n_rows
+/// Counts the operations of right-hand sides.
+#[derive(Default)]
+pub(crate) struct Operations {
+    expansion: Expansion<f64>,
+}
+
+impl Operations {
+    /// Number of operations of a right-hand side and its guards at `(t, y)` in `mode` that have rows in the table of
+    /// coefficients: all but sums and multiples.
+    pub(crate) fn count<P: System>(
+        &mut self,
+        problem: &P,
+        mode: &P::Mode,
+        t: f64,
+        y: &P::State<f64>,
+    ) -> usize {
+        let mut guards = P::Guards::<f64>::from_fn(problem.n_guards(), |_| 0.0);
+        let field = InMode { problem, mode };
+        self.expansion.begin::<P>(&field, t, y, &mut y.clone(), &mut guards);
+        self.expansion.n_rows
+    }
 }
 
 /// Whether [`System::rhs_with_guards`] keeps its contract at `(t, y)` in `mode`: it writes what `rhs` and `guards`

@@ -33,7 +33,7 @@ pub mod rows;
 pub mod series;
 mod unrolled;
 
-pub(crate) use expand::n_operations;
+pub(crate) use expand::Operations;
 #[cfg(feature = "extended")]
 pub use extended::ExtendedIntegration;
 pub use method::{TaylorMethod, TaylorStep};

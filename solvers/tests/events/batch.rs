@@ -75,7 +75,7 @@ fn same_bits<P: Alike<State<f64> = [f64; 2]>>(
 }
 
 /// Runs of one problem under one control.
-fn many_have_same_bits<P: Alike<State<f64> = [f64; 2]>>(
+pub(crate) fn many_have_same_bits<P: Alike<State<f64> = [f64; 2]>>(
     problem: &P,
     (method, control): &Setting,
     starts: &[[f64; 2]],
@@ -93,7 +93,7 @@ fn tried() -> impl Iterator<Item = Setting> {
 }
 
 /// Three modes with rates of degree three, a reset, a mode without parameters, and one that most runs skip.
-fn script() -> Script {
+pub(crate) fn script() -> Script {
     Script {
         rate: vec![vec![-1.0, 0.5], vec![0.3, -2.0, 0.7, 0.1], vec![-0.5, 0.0, 1.0]],
         guards: vec![
@@ -105,7 +105,7 @@ fn script() -> Script {
 }
 
 /// `n` starts a little apart.
-fn starts(n: usize, [x, z]: [f64; 2], by: [f64; 2]) -> Vec<[f64; 2]> {
+pub(crate) fn starts(n: usize, [x, z]: [f64; 2], by: [f64; 2]) -> Vec<[f64; 2]> {
     (0..n).map(|i| [x + by[0] * i as f64, z + by[1] * i as f64]).collect()
 }
 

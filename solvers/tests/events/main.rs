@@ -16,6 +16,7 @@ mod fast;
 mod modes;
 mod not_finite;
 mod observing;
+mod outgrown;
 mod recorder;
 mod refused;
 mod rejecting;
