@@ -57,6 +57,12 @@ impl<T: Scalar> DenseLu<T> {
         Self { lu: vec![T::real(0.0); n * n], pivots: vec![0; n] }
     }
 
+    /// Makes it one of matrices with `n` rows.
+    pub(crate) fn resize(&mut self, n: usize) {
+        self.lu.resize(n * n, T::real(0.0));
+        self.pivots.resize(n, 0);
+    }
+
     /// Factorises `shift I − h J`, where `jacobian` are the columns of J.
     pub(crate) fn factorise(&mut self, jacobian: &[f64], shift: T, h: f64) {
         let n = self.pivots.len();

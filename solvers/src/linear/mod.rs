@@ -18,7 +18,7 @@ use dense::SquareMatrix;
 use sparse::SparseMatrix;
 #[cfg(feature = "diffsol")]
 pub(crate) use sparse::position;
-pub(crate) use sparse::{Factorised, SparseLu};
+pub(crate) use sparse::{Factorised, SparseLu, may_be_sparse};
 
 /// A scalar of linear systems: real or complex.
 pub(crate) trait Scalar:

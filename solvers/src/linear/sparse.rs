@@ -13,6 +13,11 @@ use super::{Entries, Scalar};
 /// Number of states from which on a sparse factorisation is tried.
 const MANY: usize = 32;
 
+/// Whether a matrix of `n` rows may be sparse.
+pub(crate) fn may_be_sparse(n: usize) -> bool {
+    n >= MANY
+}
+
 /// Largest fraction of nonzero entries of a matrix that is held sparse.
 const DENSITY: f64 = 0.25;
 
@@ -42,7 +47,7 @@ impl SparseMatrix {
     /// A matrix without entries, where there are many states.
     pub(super) fn for_many(n: usize) -> Option<Self> {
         let pattern = || SymbolicSparseColMat::new_checked(n, n, vec![0; n + 1], None, Vec::new());
-        (n >= MANY).then(|| Self { pattern: pattern(), entries: Vec::new() })
+        may_be_sparse(n).then(|| Self { pattern: pattern(), entries: Vec::new() })
     }
 
     /// The row of an entry that is not finite, if there is one.
@@ -110,7 +115,7 @@ pub(crate) struct SparseLu<T> {
 impl<T: Scalar> SparseLu<T> {
     /// Workspace where there are many states.
     pub(super) fn for_many(n: usize) -> Option<Self> {
-        (n >= MANY).then(Self::new)
+        may_be_sparse(n).then(Self::new)
     }
 
     pub(crate) fn new() -> Self {

@@ -80,8 +80,8 @@ impl Convergence {
             if rate < 0.99 {
                 self.left = rate / (1.0 - rate);
                 // The iteration is given up early where the remaining iterations cannot suffice.
-                let to_come = self.most.saturating_sub(n + 1) as f64;
-                let in_the_end = self.left * size * libm::pow(rate, to_come);
+                let to_come = n + 1..self.most;
+                let in_the_end = to_come.fold(self.left * size, |error, _| error * rate);
                 if in_the_end > self.rest && n > self.patience && !self.is_to_rounding {
                     return Some(Iteration::Diverged);
                 }

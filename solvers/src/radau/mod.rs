@@ -174,6 +174,7 @@ fn product(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
 }
 
 /// `M x`.
+#[inline(always)]
 fn transformed(matrix: &[[f64; 3]; 3], x: [f64; 3]) -> [f64; 3] {
     matrix.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2])
 }
