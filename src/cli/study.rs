@@ -30,7 +30,7 @@ use super::{Failure, RESUMED, RunArgs, note_left_out, print, say, warn};
 pub(super) struct StudyArgs {
     #[command(flatten)]
     pub(super) run: RunArgs,
-    /// Runs at the same time, instead of study.threads; more than one disturbs the timings
+    /// Runs timed at the same time, instead of study.threads; more than one disturbs the timings
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Numbers that the reference is computed in, instead of study.reference: double or extended

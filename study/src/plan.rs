@@ -25,7 +25,7 @@ pub struct Plan {
     pub settings: Vec<Setting>,
     /// Times that each run is repeated for its time.
     pub repeats: usize,
-    /// Runs at the same time; more than one disturbs the times.
+    /// Runs that are timed at the same time; more than one disturbs the times. Errors are measured on all cores.
     pub threads: usize,
     /// The numbers that the reference is computed in.
     pub digits: Digits,

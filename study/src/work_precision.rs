@@ -100,12 +100,13 @@ pub fn against(
     let bench = Bench { subject, reference, t_end: *t_end, grid, limits };
     let left = Left::new(plan, progress);
     let jobs: Vec<(usize, &Setting)> = settings.iter().enumerate().collect();
-    let mut rows = in_parallel(&jobs, *threads, |&(job, setting)| {
+    // What no time is taken of is done on all cores.
+    let mut rows = in_parallel(&jobs, cores().max(*threads), |&(job, setting)| {
         let start = Instant::now();
         let done = known.iter().find(|row| row.status != Status::Interrupted && row.is_of(setting));
         let row = done.cloned().unwrap_or_else(|| bench.row(setting));
         report(&row, progress);
-        left.done(job, setting, done.is_none().then(|| start.elapsed()));
+        left.done(job, setting, done.is_none().then(|| left.share(start.elapsed())));
         row
     });
     left.without_repeats(&rows, *repeats);
@@ -130,9 +131,16 @@ pub fn against(
     WorkPrecision { reference: reference.summary.clone(), rows }
 }
 
+/// Cores of the machine.
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
 /// How long a study still takes.
 struct Left<'a> {
     forecast: Mutex<Forecast>,
+    /// Runs that are timed at the same time, over those that are measured.
+    share: f64,
     progress: &'a (dyn Fn(Progress) + Sync),
 }
 
@@ -147,11 +155,18 @@ impl<'a> Left<'a> {
                 order * order * libm::pow(rtol, -1.0 / order)
             }
         };
-        let mut costs: Vec<f64> = plan.settings.iter().map(|own| MEASURED * cost(own)).collect();
+        let share = plan.threads as f64 / cores().max(plan.threads) as f64;
+        let measured = |own: &Setting| share * MEASURED * cost(own);
+        let mut costs: Vec<f64> = plan.settings.iter().map(measured).collect();
         for _ in 0..plan.repeats {
             costs.extend(plan.settings.iter().map(cost));
         }
-        Self { forecast: Mutex::new(Forecast::new(costs, plan.threads)), progress }
+        Self { forecast: Mutex::new(Forecast::new(costs, plan.threads)), share, progress }
+    }
+
+    /// What a run that is measured takes of the time of all, where that is counted by those that are timed.
+    fn share(&self, took: Duration) -> Duration {
+        took.mul_f64(self.share)
     }
 
     /// Those of these runs that are not repeated are known now.

@@ -146,7 +146,13 @@ fn repeats_go_in_turns_round_all_runs_and_an_interrupted_turn_is_gone_on_with() 
     assert!(whole.rows.iter().all(|row| row.walls_s.len() == 2));
     assert_eq!((n_ahead, done.len()), (3 * n, 3 * n));
     let turns: Vec<&[String]> = done.chunks(n).collect();
-    assert_eq!(turns, [turns[0]; 3]);
+    // Errors are measured on all cores, in any order.
+    let mut measured = turns[0].to_vec();
+    let mut timed = turns[1].to_vec();
+    assert_eq!(turns[2], timed);
+    measured.sort();
+    timed.sort();
+    assert_eq!(measured, timed);
 
     let (stopped, _) = study(&[], n + 2);
     assert!(stopped.rows.iter().all(|row| row.status == Status::Ok));

@@ -324,7 +324,7 @@ pub(crate) const COMMON: &[Key] = &[
         kind: Kind::Integer(1, 1024),
         default: Toml("1"),
         unit: "",
-        doc: "Runs at the same time; more than one disturbs the timings",
+        doc: "Runs timed at the same time; more than one disturbs the timings. Errors are measured on all cores",
         source: "our choice",
     },
     Key {

@@ -220,7 +220,7 @@ pub struct Study {
     pub y: String,
     /// Timed repetitions of each run, in turns round all runs; its time is their minimum, median and maximum.
     pub repeats: u32,
-    /// Runs at the same time; more than one disturbs the timings.
+    /// Runs timed at the same time; more than one disturbs the timings. Errors are measured on all cores.
     pub threads: usize,
     /// Work beyond which a run is cut, in right-hand sides.
     pub max_rhs: u64,
