@@ -10,7 +10,8 @@ use crate::system::System;
 use crate::taylor::{Operations, TaylorMethod, order_for};
 
 /// Most operations of a right-hand side and its guards, and most states, for which a series is cheaper than the
-/// stages of a pair.
+/// stages of a pair. A pin in its contact has 55 (reading `pin`), where a series takes 0.7 times as long, and 72 (`full`),
+/// where it takes 1.6 times as long.
 const MOST_OPERATIONS: usize = 64;
 const MOST_STATES: usize = 8;
 

@@ -36,7 +36,8 @@
 //!
 //! So a trial that fails costs some 240 right-hand sides, and those of a long phase together are a small part of it. A
 //! system whose steps are never held back is integrated by the explicit method, bit for bit; the only price is one
-//! Jacobian per phase, one per 2048 right-hand sides, and the counts of operations. No decision depends on a clock, so a run is repeatable.
+//! Jacobian per phase, one per 2048 right-hand sides, and the counts of operations. No decision depends on a clock, so
+//! a run is repeatable.
 //!
 //! [`Stats::n_implicit`] counts the implicit steps among the accepted ones.
 
