@@ -2,12 +2,13 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use deltazero_solvers::Real;
+use deltazero_solvers::{Real, Vector};
 use num_dual::Dual64;
 
 use crate::evaluate::Inputs;
 use crate::mode::Mode;
 use crate::system::Model;
+use crate::vector::{Buffer, Family};
 
 /// Half the spacing of numbers next to one.
 const UNIT: f64 = 0.5 * f64::EPSILON;
@@ -17,41 +18,43 @@ const OF_FUNCTION: f64 = 2.0 * f64::EPSILON;
 const OF_STATE: f64 = 2.0 * f64::EPSILON;
 /// What is nothing beside the natural size of a state: a bounce that is lower has no size of its own.
 const LEAST: f64 = 1e-14;
+/// Guards that need no memory of their own.
+const FEW: usize = 4;
 
 /// Writes bounds of the rounding errors of the guards of `mode`.
 ///
 /// A state is known to its own rounding, and to the rounding of the time at which it has its value.
-pub(crate) fn guard_bounds(model: &Model, mode: Mode, t: f64, y: &[f64], bounds: &mut [f64]) {
+pub(crate) fn guard_bounds<F: Family>(
+    model: &Model,
+    mode: &Mode,
+    t: f64,
+    y: &F::State<f64>,
+    bounds: &mut [f64],
+) {
     let mode_of = &model.modes[usize::from(mode.number)];
     bounds.fill(f64::EPSILON);
-    let n = y.len();
+    let y = y.as_ref();
     let state = |i: usize| {
         let least = LEAST * model.scales[i];
         Bounded { value: y[i], bound: OF_STATE * (y[i].abs() + least) }
     };
-    let states: Vec<Bounded> = (0..n).map(state).collect();
+    let states = F::State::<Bounded>::from_fn(y.len(), state);
     let time = Bounded { value: t, bound: UNIT * t.abs() };
-    let n_own = mode_of.guards.first_outputs.len();
-    let mut own = vec![Bounded::cst(0.0); n_own];
-    let inputs = Inputs { t: time, y: &states, held: &mode.held };
-    mode_of.guards.run(&inputs, &mut own);
-    let rates = rates(model, mode, t, y);
-    for ((bound, guard), rate) in bounds.iter_mut().zip(&own).zip(rates) {
-        *bound = guard.bound + UNIT * (t * rate).abs() + f64::MIN_POSITIVE;
-    }
-}
-
-/// Rates of the guards along the flow.
-fn rates(model: &Model, mode: Mode, t: f64, y: &[f64]) -> Vec<f64> {
-    let mode_of = &model.modes[usize::from(mode.number)];
-    let mut slopes = vec![0.0; y.len()];
-    mode_of.tape.run(&Inputs { t, y, held: &mode.held }, &mut slopes);
-    let along: Vec<_> = y.iter().zip(slopes).map(|(y, slope)| Dual64::new(*y, slope)).collect();
-    let mut rates = vec![Dual64::from_re(0.0); mode_of.guards.first_outputs.len()];
-    let inputs = Inputs { t: Dual64::new(t, 1.0), y: &along, held: &mode.held };
-    mode_of.guards.run(&inputs, &mut rates);
+    let n = mode_of.guards.first_outputs.len();
+    let mut own = Buffer::<Bounded, FEW>::new(n);
+    let inputs = Inputs { t: time, y: states.as_ref(), held: &mode.held };
+    mode_of.guards.run(&inputs, own.numbers());
+    let mut slopes = F::State::<f64>::from_fn(y.len(), |_| 0.0);
+    mode_of.tape.run(&Inputs { t, y, held: &mode.held }, slopes.as_mut());
+    let slopes = slopes.as_ref();
+    let along = F::State::<Dual64>::from_fn(y.len(), |i| Dual64::new(y[i], slopes[i]));
+    let mut rates = Buffer::<Dual64, FEW>::new(n);
+    let inputs = Inputs { t: Dual64::new(t, 1.0), y: along.as_ref(), held: &mode.held };
+    mode_of.guards.run(&inputs, rates.numbers());
     let finite = |rate: f64| if rate.is_finite() { rate } else { 0.0 };
-    rates.into_iter().map(|rate| finite(rate.eps)).collect()
+    for ((bound, guard), rate) in bounds.iter_mut().zip(own.numbers()).zip(rates.numbers()) {
+        *bound = guard.bound + UNIT * (t * finite(rate.eps)).abs() + f64::MIN_POSITIVE;
+    }
 }
 
 /// A number with a bound of its error.
@@ -183,5 +186,89 @@ impl Real for Bounded {
     fn powf(self, a: f64) -> Self {
         let slope = a * libm::pow(self.value, a - 1.0);
         self.function(libm::pow(self.value, a), slope)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An operation of two numbers, with bounds and as it is.
+    type Operation = (&'static str, fn(Bounded, Bounded) -> Bounded, fn(f64, f64) -> f64, Rounding);
+
+    #[derive(Clone, Copy, Debug)]
+    enum Rounding {
+        None,
+        Once,
+        OfFunction,
+    }
+
+    macro_rules! operations {
+        ($a:ident, $b:ident: $($of:expr => $rounding:ident),* $(,)?) => {
+            [$((
+                stringify!($of),
+                |$a: Bounded, $b: Bounded| { let _ = ($a, $b); $of },
+                |$a: f64, $b: f64| { let _ = ($a, $b); $of },
+                Rounding::$rounding,
+            )),*]
+        };
+    }
+
+    fn all() -> [Operation; 16] {
+        operations!(a, b:
+            a + b => Once,
+            a - b => Once,
+            a * b => Once,
+            a / b => Once,
+            b / a => Once,
+            a + 2.5 => Once,
+            a - 2.5 => Once,
+            a * -2.5 => Once,
+            b / 2.5 => Once,
+            -b => None,
+            Real::sqrt(a) => OfFunction,
+            Real::sin_cos(a).0 => OfFunction,
+            Real::sin_cos(b).1 => OfFunction,
+            Real::exp(b) => OfFunction,
+            Real::ln(a) => OfFunction,
+            Real::powf(a, 1.7) => OfFunction,
+        )
+    }
+
+    const A: f64 = 0.7;
+    const B: f64 = -1.3;
+
+    #[test]
+    fn a_bound_is_the_largest_change_by_the_errors_of_the_operands() {
+        let errors = [1e-7, 3e-7];
+        for (name, bounded, plain, _) in all() {
+            let [a, b] = [(A, errors[0]), (B, errors[1])];
+            let own =
+                bounded(Bounded { value: a.0, bound: a.1 }, Bounded { value: b.0, bound: b.1 });
+            assert_eq!(own.value, plain(A, B), "{name}");
+            let signs = [-1.0, 1.0].into_iter().flat_map(|i| [(i, -1.0), (i, 1.0)]);
+            let changes =
+                signs.map(|(i, j)| (plain(A + i * errors[0], B + j * errors[1]) - own.value).abs());
+            let largest = changes.fold(0.0, f64::max);
+            assert!((own.bound / largest - 1.0).abs() < 1e-6, "{name}: {own:?}, {largest:e}");
+        }
+    }
+
+    #[test]
+    fn what_is_exact_is_rounded() {
+        for (name, bounded, _, rounding) in all() {
+            let own = bounded(Bounded::cst(A), Bounded::cst(B));
+            let rounding = match rounding {
+                Rounding::None => 0.0,
+                Rounding::Once => UNIT,
+                Rounding::OfFunction => OF_FUNCTION,
+            };
+            assert_eq!(own.bound, rounding * own.value.abs(), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_root_at_zero_has_the_root_of_the_bound() {
+        assert_eq!(Real::sqrt(Bounded { value: 0.0, bound: 1e-12 }).bound, 1e-6);
     }
 }

@@ -10,6 +10,7 @@ use deltazero_study::problem::Quantity;
 use crate::declarations::{Declarations, Definition, Equation, PartDeclaration};
 use crate::document::At;
 use crate::expand::Expander;
+use crate::jacobian::{Jacobian, MOST_NODES};
 use crate::layout::Layout;
 use crate::names::{Meaning, Names};
 use crate::report::{Checked, Complaint};
@@ -49,6 +50,15 @@ pub(crate) fn compile(
         rates.push(of_mode);
     }
     check_definitions(file, tried)?;
+    // Before the derivatives, which are not to count against what a file may expand to.
+    let observables = observables(&mut expander)?;
+    let sparsity = Sparsity::new(&expander.graph, &rates);
+    let is_autonomous = !rates.iter().any(|rates| expander.graph.is_of_time(rates));
+    let mut left = MOST_NODES;
+    for (mode, rates) in modes.iter_mut().zip(&rates) {
+        let rates = (&rates[..], mode.tape.first.len());
+        mode.jacobian = Jacobian::new(&mut expander.graph, rates, &sparsity, &mut left);
+    }
     let first_mode = file.mode.as_ref().map_or(Ok(0), |mode| names.mode(mode))?;
     let model = Model {
         part: part.map_or(String::new(), |part| part.name.value.clone()),
@@ -58,10 +68,10 @@ pub(crate) fn compile(
         }),
         states: states(&expander, &scales),
         groups: groups(&expander),
-        observables: observables(&mut expander)?,
-        sparsity: Sparsity::new(&expander.graph, &rates),
+        observables,
+        sparsity,
         unit_of_time: t_end.map_or(1.0, |t_end| t_end.min(1.0)),
-        is_autonomous: !rates.iter().any(|rates| expander.graph.is_of_time(rates)),
+        is_autonomous,
         starts,
         scales,
         discrete,

@@ -1,29 +1,47 @@
-//! The derivative of a formula along the flow, as a formula.
+//! Derivatives of formulas, as formulas.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use crate::functions::Elementary;
 use crate::graph::{Graph, Id, Node};
 
 /// `dg/dt = ∂g/∂t + Σ ∂g/∂x_i ẋ_i`, where the rates of all states are given.
 pub(crate) fn along_flow(graph: &mut Graph, of: Id, rates: &[Id]) -> Id {
-    let mut nodes: Vec<Id> = graph.used_by([of].iter()).into_iter().collect();
+    let nodes = graph.used_by([of].iter());
+    let one = graph.constant(1.0);
+    derivatives(graph, nodes, one, rates).get(&of).copied().unwrap_or(of)
+}
+
+/// The derivatives of these nodes, all nodes that they are made of among them, in a direction: that of the time and of each
+/// state are given.
+pub(crate) fn derivatives(
+    graph: &mut Graph,
+    nodes: HashSet<Id>,
+    of_time: Id,
+    of_states: &[Id],
+) -> HashMap<Id, Id> {
+    let mut nodes: Vec<Id> = nodes.into_iter().collect();
     // Operands have smaller numbers, so they come first.
     nodes.sort_unstable();
     let mut derivatives = HashMap::with_capacity(nodes.len());
     for id in nodes {
-        let derivative = derivative(graph, id, rates, &derivatives);
+        let derivative = derivative(graph, id, (of_time, of_states), &derivatives);
         derivatives.insert(id, derivative);
     }
-    derivatives.get(&of).copied().unwrap_or(of)
+    derivatives
 }
 
-fn derivative(graph: &mut Graph, id: Id, rates: &[Id], known: &HashMap<Id, Id>) -> Id {
+fn derivative(
+    graph: &mut Graph,
+    id: Id,
+    (of_time, of_states): (Id, &[Id]),
+    known: &HashMap<Id, Id>,
+) -> Id {
     let rate = |a: Id| known.get(&a).copied().unwrap_or(a);
     match graph.node(id) {
         Node::Constant(_) | Node::Held(_) => graph.constant(0.0),
-        Node::Time => graph.constant(1.0),
-        Node::State(i) => rates[i as usize],
+        Node::Time => of_time,
+        Node::State(i) => of_states[i as usize],
         Node::Negative(a) => graph.negative(rate(a)),
         Node::Add(a, b) => graph.add(rate(a), rate(b)),
         Node::Subtract(a, b) => graph.subtract(rate(a), rate(b)),
@@ -61,7 +79,9 @@ fn derivative(graph: &mut Graph, id: Id, rates: &[Id], known: &HashMap<Id, Id>) 
         Node::Power(a, p) => {
             let p = f64::from_bits(p);
             let [factor, exponent] = [graph.constant(p), graph.constant(p - 1.0)];
-            let base = if p > 1.0 { graph.elementary(Elementary::Abs, a) } else { a };
+            // Below zero the power is that of a whole number, or is continued as an odd function.
+            let is_odd = p > 1.0 && p.fract() != 0.0;
+            let base = if is_odd { graph.elementary(Elementary::Abs, a) } else { a };
             let power = graph.power(base, exponent);
             let slope = graph.multiply(factor, power);
             graph.multiply(slope, rate(a))

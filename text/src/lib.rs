@@ -50,7 +50,7 @@
 //! |---|---|
 //! | read | `document` (TOML with places), `token` and `expression` (formulas), `declarations` (the file as it stands) |
 //! | check | `names` (what they mean), `units` and `dimensions`; complaints are `report`s |
-//! | expand | `layout` (where states are, `shape`: what that follows from), `expand` (indices, sums, definitions) into one `graph`; `derivative`, `sparsity` |
+//! | expand | `layout` (where states are, `shape`: what that follows from), `expand` (indices, sums, definitions) into one `graph`; `derivative`, `sparsity`, `jacobian` |
 //! | compile | `compile`, mode by mode, to a `tape` of operations |
 //! | run | `evaluate` a tape with any number, `functions`, `bounds` of rounding |
 //! | tell | `mode`, `system`, `problem` |
@@ -70,6 +70,7 @@ mod expression;
 mod file;
 mod functions;
 mod graph;
+mod jacobian;
 mod layout;
 mod mode;
 pub mod models;

@@ -11,6 +11,7 @@ use crate::bounds::guard_bounds;
 use crate::compile::Target;
 use crate::declarations::ModeRole;
 use crate::evaluate::Inputs;
+use crate::jacobian::Jacobian;
 use crate::layout::MOST_HELD;
 use crate::mode::Mode;
 use crate::sparsity::{Column, Sparsity};
@@ -54,6 +55,8 @@ pub(crate) struct CompiledMode {
     pub(crate) tape: Tape,
     /// Guards alone.
     pub(crate) guards: Tape,
+    /// What the rates depend on, if it has formulas.
+    pub(crate) jacobian: Option<Jacobian>,
     /// Values that are kept on entry.
     pub(crate) keep: Tape,
     /// What follows each guard.
@@ -212,10 +215,10 @@ impl<F: Family> System for TextModel<F> {
     }
 
     fn guard_bounds(&self, mode: Mode, t: f64, y: &F::State<f64>, bounds: &mut Vec<f64>) {
-        guard_bounds(&self.0, mode, t, y.as_ref(), bounds);
+        guard_bounds::<F>(&self.0, &mode, t, y, bounds);
     }
 
-    /// By dual numbers, all columns of a group at once.
+    /// By its formulas; where there are none by dual numbers, all columns of a group at once.
     fn jacobian(
         &self,
         mode: Mode,
@@ -223,6 +226,9 @@ impl<F: Family> System for TextModel<F> {
         y: &F::State<f64>,
         mut entry: impl FnMut(usize, usize, f64),
     ) {
+        if let Some(jacobian) = &self.0.mode(&mode).jacobian {
+            return jacobian.tell(&Inputs { t, y: y.as_ref(), held: &mode.held }, entry);
+        }
         let (y, t) = (y.as_ref(), Dual64::from_re(t));
         let mut seeded = F::State::<Dual64>::from_fn(y.len(), |i| Dual64::from_re(y[i]));
         let mut dydt = seeded.clone();

@@ -28,3 +28,24 @@ pub struct Few<const N: usize>;
 impl<const N: usize> Family for Few<N> {
     type State<S: Real> = [S; N];
 }
+
+/// Numbers that are zero at first, up to `N` of them without memory of their own.
+pub(crate) struct Buffer<S, const N: usize> {
+    few: [S; N],
+    many: Vec<S>,
+    n: usize,
+}
+
+impl<S: Real, const N: usize> Buffer<S, N> {
+    #[inline]
+    pub(crate) fn new(n: usize) -> Self {
+        let zero = S::cst(0.0);
+        let many = if n > N { vec![zero; n] } else { Vec::new() };
+        Self { few: [zero; N], many, n }
+    }
+
+    #[inline]
+    pub(crate) fn numbers(&mut self) -> &mut [S] {
+        if self.n > N { &mut self.many } else { &mut self.few[..self.n] }
+    }
+}

@@ -85,6 +85,7 @@ pub(super) fn mode(
         role: declared.role,
         tape: Tape::of_two(&expander.graph, &rates, &guards),
         guards: Tape::of(&expander.graph, &guards),
+        jacobian: None,
         keep: Tape::of(&expander.graph, &keep),
         transitions,
         told,
