@@ -13,7 +13,9 @@ fn main() {
         .unwrap_or_default();
     let set = |name: &str| env::var(name).unwrap_or_default();
     let flags = set("CARGO_ENCODED_RUSTFLAGS").replace('\u{1f}', " ");
-    let parts = [rustc.trim(), &set("TARGET"), &format!("opt-level {}", set("OPT_LEVEL")), &flags];
+    let optimised = format!("opt-level {}", set("OPT_LEVEL"));
+    let machine = env::var("CARGO_FEATURE_MACHINE_CODE").map_or("", |_| "machine code");
+    let parts = [rustc.trim(), &set("TARGET"), &optimised, &flags, machine];
     let said: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
     println!("cargo:rustc-env=DELTAZERO_BUILT_BY={}", said.join(", "));
     println!("cargo:rerun-if-changed=build.rs");

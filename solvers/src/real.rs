@@ -144,6 +144,18 @@ pub trait Real:
     /// Each iteration doubles the number of digits and, for a Taylor series, the order.
     const NEWTON_STEPS: usize = 6;
 
+    /// These numbers, if they are of the type `f64`: what is made for it alone, as machine code, is given them so.
+    #[inline(always)]
+    fn as_f64s(_numbers: &[Self]) -> Option<&[f64]> {
+        None
+    }
+
+    /// These numbers to be written, if they are of the type `f64`.
+    #[inline(always)]
+    fn as_f64s_mut(_numbers: &mut [Self]) -> Option<&mut [f64]> {
+        None
+    }
+
     /// `f(self)` for a long function `f`, compiled to a function of its own so that its code does not slow down the
     /// code around the call.
     fn outlined<F: Function>(self, f: &F) -> Self {
@@ -305,6 +317,16 @@ impl Real for f64 {
 
     fn powf(self, a: f64) -> Self {
         libm::pow(self, a)
+    }
+
+    #[inline(always)]
+    fn as_f64s(numbers: &[Self]) -> Option<&[f64]> {
+        Some(numbers)
+    }
+
+    #[inline(always)]
+    fn as_f64s_mut(numbers: &mut [Self]) -> Option<&mut [f64]> {
+        Some(numbers)
     }
 }
 

@@ -6,6 +6,7 @@ use crate::functions::{arc_tangent, larger, power, smaller};
 use crate::tape::{Input, Instruction, Output, Tape};
 
 /// What a tape reads.
+#[derive(Debug)]
 pub(crate) struct Inputs<'a, S> {
     pub(crate) t: S,
     pub(crate) y: &'a [S],
@@ -30,9 +31,33 @@ impl Tape {
         self.run_in(inputs, first, Some(second));
     }
 
+    #[inline(always)]
+    fn run_in<S: Real>(
+        &self,
+        inputs: &Inputs<'_, S>,
+        first: &mut [S],
+        mut second: Option<&mut [S]>,
+    ) {
+        if let (Some(y), Some(first)) = (S::as_f64s(inputs.y), S::as_f64s_mut(first)) {
+            let inputs = Inputs { t: inputs.t.value(), y, held: inputs.held };
+            let second = second.as_deref_mut().and_then(S::as_f64s_mut);
+            if self.machine.run(self, &inputs, first, second) {
+                return;
+            }
+        }
+        self.interpret(inputs, first, second);
+    }
+
     /// A small tape has its registers on the stack.
-    #[inline]
-    fn run_in<S: Real>(&self, inputs: &Inputs<'_, S>, first: &mut [S], second: Option<&mut [S]>) {
+    // Not inlined where there is machine code: its stack would be made for that, too.
+    #[cfg_attr(feature = "machine-code", inline(never))]
+    #[cfg_attr(not(feature = "machine-code"), inline)]
+    pub(crate) fn interpret<S: Real>(
+        &self,
+        inputs: &Inputs<'_, S>,
+        first: &mut [S],
+        second: Option<&mut [S]>,
+    ) {
         let zero = S::cst(0.0);
         match self.n_registers {
             0..=4 => self.run_with(&mut Few([zero; 4]), inputs, first, second),

@@ -52,7 +52,7 @@
 //! | check | `names` (what they mean), `units` and `dimensions`; complaints are `report`s |
 //! | expand | `layout` (where states are, `shape`: what that follows from), `expand` (indices, sums, definitions) into one `graph`; `derivative`, `sparsity`, `jacobian` |
 //! | compile | `compile`, mode by mode, to a `tape` of operations |
-//! | run | `evaluate` a tape with any number, `functions`, `bounds` of rounding |
+//! | run | `evaluate` a tape with any number, or by `machine` code with `f64`; `functions`, `bounds` of rounding |
 //! | tell | `mode`, `system`, `problem` |
 //!
 //! What formulas mean where a paper leaves it open: `xⁿ` of a whole number is a product; with an exponent above one that is
@@ -72,6 +72,11 @@ mod functions;
 mod graph;
 mod jacobian;
 mod layout;
+#[cfg(feature = "machine-code")]
+mod machine;
+#[cfg(not(feature = "machine-code"))]
+#[path = "no_machine.rs"]
+mod machine;
 mod mode;
 pub mod models;
 mod names;

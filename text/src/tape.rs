@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use crate::functions::Elementary;
 use crate::graph::{Graph, Id, Node};
+use crate::machine::Machine;
 
 /// A register.
 pub(crate) type Register = u32;
@@ -114,7 +115,7 @@ pub(crate) enum Output {
 }
 
 /// The operations of one or two groups of formulas: those of the first group come first.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Tape {
     pub(crate) inputs: Vec<(Register, Input)>,
     pub(crate) first: Vec<Instruction>,
@@ -122,6 +123,8 @@ pub(crate) struct Tape {
     pub(crate) second: Vec<Instruction>,
     pub(crate) second_outputs: Vec<Output>,
     pub(crate) n_registers: usize,
+    /// The same for `f64` as machine code.
+    pub(crate) machine: Machine,
 }
 
 impl Tape {
