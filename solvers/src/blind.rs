@@ -8,7 +8,7 @@ use crate::phase::Point;
 use crate::real::Real;
 use crate::record::{Accepted, Event, Grazing, Needs, Record};
 use crate::stats::Stats;
-use crate::system::{ModeOfState, Next, System};
+use crate::system::{ModeOfState, Next, System, Vector};
 
 /// A system whose right-hand side reads its mode off the state, as a model written with `if` statements does. Of its
 /// guards only the one that [ends](ModeOfState::end) a run remains.
@@ -33,6 +33,9 @@ impl<P: ModeOfState> System for Blind<'_, P> {
     type State<S: Real> = P::State<S>;
     type Guards<S: Real> = [S; 1];
 
+    // Code for each order, of all modes in one function, would be too much.
+    const IS_TRACED: bool = true;
+
     fn dim(&self) -> usize {
         self.0.dim()
     }
@@ -42,7 +45,9 @@ impl<P: ModeOfState> System for Blind<'_, P> {
     }
 
     fn rhs<S: Real>(&self, _: OfState, t: S, y: &Self::State<S>, dydt: &mut Self::State<S>) {
-        self.0.rhs(self.0.mode_of_state(t, y), t, y, dydt);
+        // The values decide, and a mode has no derivative.
+        let values = Vector::from_fn(y.as_ref().len(), |i| y.as_ref()[i].value());
+        self.0.rhs(self.0.mode_of_state(t.value(), &values), t, y, dydt);
     }
 
     fn guards<S: Real>(&self, _: OfState, t: S, y: &Self::State<S>, g: &mut [S; 1]) {

@@ -120,7 +120,8 @@ pub trait Real:
     /// without them all coefficients from order one on are wrong. So guards cannot use a curve.
     ///
     /// # Panics
-    /// In a build with debug assertions, where a series finds that `less_turning` was not called at the order before.
+    /// In a build with debug assertions, where a series finds that `less_turning` was not called at the order before, or a trace
+    /// at its end.
     #[inline(always)]
     fn turning(arms: [Self; 2], turn: [Self; 2]) -> Turning<Self> {
         turning_of_values(arms, turn)

@@ -94,6 +94,12 @@ pub trait System {
     /// The values of the guards, of length [`n_guards`](Self::n_guards).
     type Guards<S: Real>: Vector<S>;
 
+    /// Whether the Taylor method [traces](crate::taylor::trace) an evaluation once a step, and follows the trace for each
+    /// order. Where it does not, it evaluates once an order, by code specialised to the order, and runs of a kind in lanes. That is
+    /// faster where the compiler sees every operation, and the default for states in a short array. A model that interprets its formulas is
+    /// better traced. With double-double numbers every system is.
+    const IS_TRACED: bool = !<Self::State<f64> as Vector<f64>>::IS_SHORT;
+
     /// Number of continuous states: by default the length of [`State`](Self::State), which an array has in its type. A
     /// model whose states are in a `Vec` must tell it.
     fn dim(&self) -> usize {
@@ -120,7 +126,7 @@ pub trait System {
     /// once; the default calls one function after the other.
     ///
     /// An own implementation must first make all operations of `rhs` on numbers, in the order of `rhs`. The reason: a
-    /// Taylor series is begun with this function and continued with `rhs`, and both address the stored coefficients
+    /// Taylor series is begun with this function and, unless it is [traced](Self::IS_TRACED), continued with `rhs`; both address the stored coefficients
     /// by the position of the operation. A breach gives wrong series: steps to a tolerance are rejected until the run
     /// ends in [`StepUnderflow`](crate::Error::StepUnderflow), and fixed steps are accepted with wrong results. A
     /// model with an own implementation should test it with

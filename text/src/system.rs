@@ -171,6 +171,8 @@ impl<F: Family> System for TextModel<F> {
     type State<S: Real> = F::State<S>;
     type Guards<S: Real> = Vec<S>;
 
+    const IS_TRACED: bool = true;
+
     fn dim(&self) -> usize {
         self.0.starts.len()
     }

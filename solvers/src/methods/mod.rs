@@ -383,7 +383,10 @@ impl Method {
                 (.., Some(auto::Explicit::EighthOrder)) => {
                     batch::by_tableau(&DORMAND_PRINCE_853, same, t_end, ends);
                 }
-                (.., Some(auto::Explicit::Series(order))) | (Scheme::Taylor, Some(order), None) => {
+                // Lanes do not trace: a run that does alone has other last bits.
+                (.., Some(auto::Explicit::Series(order))) | (Scheme::Taylor, Some(order), None)
+                    if !P::IS_TRACED =>
+                {
                     batch::by_series(order, same, t_end, ends);
                 }
                 _ => {

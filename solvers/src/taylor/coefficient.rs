@@ -17,6 +17,9 @@ pub trait Coefficient: Real {
     /// The highest order that has code of its own, from five to thirteen. Above it, four orders share their code.
     const HIGHEST_APIECE: usize = SHORT;
 
+    /// Whether right-hand sides of any system are [traced](super::trace) with it.
+    const IS_TRACED: bool = false;
+
     /// The type on which decisions are taken.
     type Rounded: Ordered;
 

@@ -6,6 +6,7 @@ use super::coefficient::Coefficient;
 use super::guards::FIRST_LOOK;
 use super::rows::{Rows, Table};
 use super::series::Series;
+use super::trace::Trace;
 use super::unrolled::OfOrder;
 use crate::erk::InMode;
 use crate::system::{System, Vector};
@@ -36,9 +37,24 @@ pub(crate) trait SeriesField<P: System, B: Coefficient> {
         dydt: &mut P::State<Series<'s, B>>,
         g: &mut P::Guards<Series<'s, B>>,
     );
+
+    /// Whether its operations are [noted](super::trace) once a step, not made anew for every order. That takes one system
+    /// in one mode.
+    const IS_TRACED: bool = false;
+
+    /// The system in its mode, where the runs of the field are one.
+    fn in_mode(&self) -> Option<&InMode<'_, P>> {
+        None
+    }
 }
 
 impl<P: System, B: Coefficient> SeriesField<P, B> for InMode<'_, P> {
+    const IS_TRACED: bool = P::IS_TRACED || B::IS_TRACED;
+
+    fn in_mode(&self) -> Option<&InMode<'_, P>> {
+        Some(self)
+    }
+
     #[inline(always)]
     fn slope<'s>(
         &self,
@@ -79,27 +95,34 @@ impl<P: System, B: Coefficient> SeriesField<P, B> for InMode<'_, P> {
 #[derive(Debug)]
 pub(crate) struct Expansion<B: Copy> {
     rows: Rows<B>,
-    /// Number of rows that the present expansion uses.
+    /// Number of rows that the present expansion uses, unless it is traced.
     n_rows: usize,
+    trace: Trace<B>,
 }
 
 impl<B: Coefficient> Default for Expansion<B> {
     fn default() -> Self {
-        Self { rows: Rows::new(), n_rows: 0 }
+        Self { rows: Rows::new(), n_rows: 0, trace: Trace::default() }
     }
 }
 
 impl<B: Coefficient> Expansion<B> {
     /// Begins an expansion about `(t0, y0)`. The slope and the guards there are written to `slope` and `guards`; they
     /// have the same bits as those of the system.
-    pub(crate) fn begin<P: System>(
+    pub(crate) fn begin<P: System, F: SeriesField<P, B>>(
         &mut self,
-        field: &impl SeriesField<P, B>,
+        field: &F,
         t0: B,
         y0: &P::State<B>,
         slope: &mut P::State<B>,
         guards: &mut P::Guards<B::Rounded>,
     ) {
+        if const { F::IS_TRACED } {
+            if let Some(field) = field.in_mode() {
+                self.trace.begin(field, (t0, y0), slope, guards);
+            }
+            return;
+        }
         loop {
             let run = Run { rows: &self.rows, t0, field };
             self.n_rows =
@@ -114,16 +137,28 @@ impl<B: Coefficient> Expansion<B> {
     /// coefficients from `y[2]` on, and those of the guards from `g[1]` on to the end of `g`.
     ///
     /// # Panics
-    /// Where the right-hand side or the guards make other operations at one order than at another, or both together
+    /// Without a trace, where the right-hand side or the guards make other operations at one order than at another, or both together
     /// make fewer than the right-hand side alone. They may branch only on their mode and on the
     /// [`value`](crate::Real::value) of their arguments.
-    pub(crate) fn complete<P: System>(
+    pub(crate) fn complete<P: System, F: SeriesField<P, B>>(
         &mut self,
-        field: &impl SeriesField<P, B>,
+        field: &F,
         t0: B,
         y: &mut [P::State<B>],
         g: &mut [P::Guards<B::Rounded>],
     ) {
+        if const { F::IS_TRACED } {
+            for k in 1..y.len() - 1 {
+                let (below, above) = y.split_at_mut(k + 1);
+                let mut g = g.get_mut(k);
+                self.trace.advance(k, below[k].as_ref(), g.is_some());
+                self.trace.write_next(k, above[0].as_mut());
+                if let Some(g) = &mut g {
+                    self.trace.write_guards(g.as_mut());
+                }
+            }
+            return;
+        }
         let mut n_beyond = None;
         for k in 1..y.len() - 1 {
             let (below, above) = y.split_at_mut(k + 1);
@@ -152,8 +187,8 @@ pub(crate) struct Operations {
 }
 
 impl Operations {
-    /// Number of operations of a right-hand side and its guards at `(t, y)` in `mode` that have rows in the table of
-    /// coefficients: all but sums and multiples.
+    /// Number of operations of a right-hand side and its guards at `(t, y)` in `mode`, time and states counted too. Where
+    /// they are traced, multiples and shifts are none.
     pub(crate) fn count<P: System>(
         &mut self,
         problem: &P,
@@ -163,8 +198,12 @@ impl Operations {
     ) -> usize {
         let mut guards = P::Guards::<f64>::from_fn(problem.n_guards(), |_| 0.0);
         let field = InMode { problem, mode };
-        self.expansion.begin::<P>(&field, t, y, &mut y.clone(), &mut guards);
-        self.expansion.n_rows
+        self.expansion.begin::<P, _>(&field, t, y, &mut y.clone(), &mut guards);
+        if const { P::IS_TRACED } {
+            self.expansion.trace.n_results()
+        } else {
+            self.expansion.n_rows
+        }
     }
 }
 
@@ -264,6 +303,9 @@ struct RhsWithGuardsRun<'a, P: System, B: Coefficient, F> {
 
 impl<P: System, B: Coefficient, F: SeriesField<P, B>> OfOrder for RhsWithGuardsRun<'_, P, B, F> {
     type Output = usize;
+
+    // Beyond the first look the guards are expanded alone.
+    const MOST: usize = FIRST_LOOK;
 
     const HIGHEST: usize = highest_look::<P, B>();
 

@@ -36,6 +36,9 @@ impl Coefficient for DoubleDouble {
     // An operation takes about twenty instructions, so a loop costs little in comparison.
     const HIGHEST_UNROLLED: usize = 0;
 
+    // Their instructions in place, for all operations of a right-hand side, would be hundreds of kilobytes.
+    const IS_TRACED: bool = true;
+
     type Rounded = f64;
 
     fn rounded(self) -> f64 {

@@ -4,6 +4,7 @@ use super::coefficient::Coefficient;
 use super::expand::{GuardsRun, Run, SeriesField};
 use super::polynomial::Polynomial;
 use super::rows::Rows;
+use super::trace::Trace;
 use super::unrolled::OfOrder;
 use crate::erk::InMode;
 use crate::error::Error;
@@ -69,6 +70,8 @@ pub struct GuardSeries<G, B: Copy> {
     pub(crate) end: G,
     /// The table of an expansion of the guards alone.
     rows: Rows<B>,
+    /// The same of a system that is traced.
+    trace: Trace<B>,
     /// Number of orders known from that expansion.
     n_alone: usize,
 }
@@ -78,12 +81,18 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
     pub fn new(n: usize, order: usize) -> Self {
         let zeros = || G::from_fn(n, |_| B::Rounded::cst(0.0));
         let g = (0..=order).map(|_| zeros()).collect();
-        Self { g, end: zeros(), rows: Rows::new(), n_alone: 0 }
+        Self { g, end: zeros(), rows: Rows::new(), trace: Trace::default(), n_alone: 0 }
     }
 
     /// The values at the start, for the caller to write.
     pub(crate) fn start(&mut self) -> &mut G {
         &mut self.g[0]
+    }
+
+    /// All coefficients by order.
+    #[cfg(test)]
+    pub(super) fn coefficients(&self) -> &[G] {
+        &self.g
     }
 
     /// Makes the end of the last step the start of the next one.
@@ -117,13 +126,19 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
     }
 
     /// Computes all coefficients up to `order` from the coefficients `y` of the solution.
-    fn expand<P: System<Guards<B::Rounded> = G>>(
+    pub(super) fn expand<P: System<Guards<B::Rounded> = G>, F: SeriesField<P, B>>(
         &mut self,
-        field: &impl SeriesField<P, B>,
+        field: &F,
         t0: B,
         y: &[P::State<B>],
         order: usize,
     ) {
+        if const { F::IS_TRACED } {
+            if let Some(field) = field.in_mode() {
+                self.expand_traced(field, t0, y, order);
+            }
+            return;
+        }
         while self.n_alone <= order {
             let k = self.n_alone;
             let run = Run { rows: &self.rows, t0, field };
@@ -131,6 +146,25 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
             let is_short = self.rows.grow(n);
             self.n_alone = if is_short { 0 } else { k + 1 };
         }
+    }
+
+    /// The same by a trace.
+    fn expand_traced<P: System<Guards<B::Rounded> = G>>(
+        &mut self,
+        field: &InMode<'_, P>,
+        t0: B,
+        y: &[P::State<B>],
+        order: usize,
+    ) {
+        for k in self.n_alone..=order {
+            if k == 0 {
+                self.trace.begin_guards(field, (t0, &y[0]), &mut self.g[0]);
+            } else {
+                self.trace.advance(k, y[k].as_ref(), true);
+                self.trace.write_guards(self.g[k].as_mut());
+            }
+        }
+        self.n_alone = self.n_alone.max(order + 1);
     }
 
     /// Whether guard `i`, whose value at the end of a step of size `h` is `end`, stays above zero on the step by more

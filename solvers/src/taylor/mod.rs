@@ -4,17 +4,24 @@
 //! y(t₀ + s) = Σ y_k sᵏ,   y_(k+1) = f_k/(k + 1),   k = 0 … N − 1
 //! ```
 //!
-//! [`System::rhs`](crate::System::rhs) is evaluated once per order with a [scalar](series) that knows the
-//! [`recurrence`] of each operation and computes one coefficient at a time; the lower coefficients are in a
-//! [table](rows). A model needs nothing special for this, but [`length`](crate::Real::length),
-//! [`over`](crate::Real::over) and [`turning`](crate::Real::turning) save sums where they apply. Up to order five the
-//! guards are expanded in the same evaluation, and may [share](crate::System::rhs_with_guards) terms with the
-//! right-hand side. A step [is its polynomial](method): its size follows from the [last terms](order), its dense
+//! The coefficients of one order follow from those of the lower ones, by the [`recurrence`] of each operation. There are two ways
+//! through the operations of [`System::rhs`](crate::System::rhs):
+//!
+//! - It is evaluated once per order, with a [scalar](series) that computes one coefficient at a time; the lower ones are in
+//!   a [table](rows). With code for each order, in which the compiler sees every operation, nothing is faster.
+//! - It is evaluated once per step, with a scalar that [notes](trace) the operations, and every order follows the notes. So it is for
+//!   [many states](crate::Vector::IS_SHORT), for systems that [ask for it](crate::System::IS_TRACED), and for double-double numbers.
+//!
+//! A model needs nothing special for either, but [`length`](crate::Real::length), [`over`](crate::Real::over) and
+//! [`turning`](crate::Real::turning) save sums where they apply. Up to order five the guards are expanded in the same
+//! evaluation, and may [share](crate::System::rhs_with_guards) terms with the right-hand side.
+//!
+//! A step [is its polynomial](method): its size follows from the [last terms](order), its dense
 //! output is the polynomial itself, and cutting it short needs no new series. The order follows from the tolerance;
 //! fixed steps have order 8.
 //!
 //! At a singular point of the right-hand side, such as δ^1.5 at δ = 0, the coefficients from some order on are
-//! infinite or grow without bound. The series is then cut below that order, and the step is judged by its defect.
+//! not finite or grow without bound. The series is then cut below that order, and the step is judged by its defect.
 //!
 //! À. Jorba, M. Zou, "A software package for the numerical integration of ODEs by means of high-order
 //! Taylor methods", Exp. Math. 14(1), 99–117 (2005).
@@ -31,6 +38,7 @@ pub mod polynomial;
 pub mod recurrence;
 pub mod rows;
 pub mod series;
+pub mod trace;
 mod unrolled;
 
 pub(crate) use expand::Operations;

@@ -12,6 +12,9 @@
 use super::coefficient::Coefficient;
 use super::rows::Row;
 
+/// The largest integer exponent for which a power is computed by products.
+pub(super) const LARGEST_PRODUCT: f64 = 64.0;
+
 /// The highest order whose sums run from the middle outwards, which is the fastest form for straight-line code.
 pub(super) const SHORT: usize = 5;
 
@@ -23,7 +26,7 @@ pub(super) fn reciprocal<B: Coefficient>(k: usize) -> B {
 
 /// `Σ a_j b_(k−j)` over `j = 1 … k − 1`, for `k ≥ 1`; `None` where the sum is empty.
 #[inline(always)]
-fn inner<B: Coefficient>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
+pub(super) fn inner<B: Coefficient>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
     if k > SHORT { Some(B::long_inner(k, a, b.tail(0))) } else { short_inner(k, a, b) }
 }
 
@@ -99,13 +102,18 @@ pub(super) fn product_ahead<B: Coefficient>(
     (a, a_next): (&Row<B>, B),
     (b, b_next): (&Row<B>, B),
 ) -> B {
-    let sum = if k > SHORT {
+    B::fma(b_next, a.at(0), onto(inner_ahead(k, a, b), a_next, b.at(0)))
+}
+
+/// `Σ a_j b_(k+1−j)` over `j = 1 … k`; `None` where the sum is empty.
+#[inline(always)]
+pub(super) fn inner_ahead<B: Coefficient>(k: usize, a: &Row<B>, b: &Row<B>) -> Option<B> {
+    if k > SHORT {
         // The long sum has as many terms as a sum of order k; the last term is added separately.
         Some(B::fma(a.at(k), b.at(1), B::long_inner(k, a, b.tail(1))))
     } else {
         short_inner(k + 1, a, b)
-    };
-    B::fma(b_next, a.at(0), onto(sum, a_next, b.at(0)))
+    }
 }
 
 /// `c = a²`.
@@ -143,10 +151,17 @@ pub(super) fn ln<B: Coefficient>(k: usize, (a, a_k): (&Row<B>, B), d: &Row<B>) -
 /// `c = aᵖ`: `k a_0 c_k = Σ (p (k − j) − j) c_j a_(k−j)` over `j < k`. The row `c` keeps `1/a_0`.
 #[inline(always)]
 pub(super) fn power<B: Coefficient>(k: usize, (a, a_k): (&Row<B>, B), p: f64, c: &Row<B>) -> B {
+    let sum = inner_of_power(k, p, c, a);
+    B::fma(a_k * p, c.at(0), sum * reciprocal::<B>(k)) * c.kept.get()
+}
+
+/// `Σ (p (k − j) − j) c_j a_(k−j)` over `j = 1 … k − 1`.
+#[inline(always)]
+pub(super) fn inner_of_power<B: Coefficient>(k: usize, p: f64, c: &Row<B>, a: &Row<B>) -> B {
     let mut sum = B::cst(0.0);
     for j in 1..k {
         let weight = p * (k - j) as f64 - j as f64;
         sum = B::fma(c.at(j) * weight, a.at(k - j), sum);
     }
-    B::fma(a_k * p, c.at(0), sum * reciprocal::<B>(k)) * c.kept.get()
+    sum
 }

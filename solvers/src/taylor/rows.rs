@@ -20,7 +20,7 @@ pub struct Row<B: Copy> {
 }
 
 impl<B: Coefficient> Row<B> {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         let zero = || Cell::new(B::cst(0.0));
         Self { coefficients: std::array::from_fn(|_| zero()), kept: zero() }
     }

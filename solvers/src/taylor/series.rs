@@ -5,15 +5,12 @@ mod operators;
 use std::fmt;
 
 use super::coefficient::Coefficient;
-use super::recurrence;
+use super::recurrence::{self, LARGEST_PRODUCT};
 use super::rows::{Row, Table};
 use crate::real::{
     Divisor, Function, Functions, Length, Real, Turning, length_of_values, less_turning_of_values,
     turning_of_values,
 };
-
-/// The largest integer exponent for which a power is computed by products.
-const LARGEST_PRODUCT: f64 = 64.0;
 
 /// A function of time as a Taylor series. The present run computes the coefficient of one order; the lower ones are
 /// in a table.

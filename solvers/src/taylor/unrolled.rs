@@ -8,7 +8,10 @@ use super::rows::MAX_ORDER;
 /// A computation for one order of a series.
 pub(super) trait OfOrder: Sized {
     /// The result.
-    type Output;
+    type Output: Default;
+
+    /// The highest order that it is done for. No code is compiled for orders above.
+    const MOST: usize = MAX_ORDER;
 
     /// Highest order for which specialised code is worthwhile.
     const HIGHEST: usize;
@@ -20,8 +23,12 @@ pub(super) trait OfOrder: Sized {
     fn of_order(self, k: usize) -> Self::Output;
 
     /// Calls [`of_order`](Self::of_order) in the code that is specialised to `k`, where there is such code.
+    ///
+    /// # Panics
+    /// Where `k` is above the [highest order](Self::MOST).
     #[inline]
     fn unrolled(self, k: usize) -> Self::Output {
+        assert!(k <= Self::MOST, "order {k} is above {}", Self::MOST);
         macro_rules! among {
             ($($order:literal)*, $($own:literal)*) => {
                 match k {
@@ -34,8 +41,7 @@ pub(super) trait OfOrder: Sized {
                     10..=13 => among::<Self, 10, 4>(self, k),
                     14..=17 => among::<Self, 14, 4>(self, k),
                     18..=21 => among::<Self, 18, 4>(self, k),
-                    22..=MAX_ORDER => among::<Self, 22, 4>(self, k),
-                    _ => rolled(self, k),
+                    _ => among::<Self, 22, 4>(self, k),
                 }
             };
         }
@@ -50,7 +56,9 @@ pub(super) trait OfOrder: Sized {
 #[inline(never)]
 fn among<R: OfOrder, const LEAST: usize, const N: usize>(run: R, k: usize) -> R::Output {
     debug_assert!((LEAST..LEAST + N).contains(&k), "order {k} is not among {N} from {LEAST} on");
-    if const { LEAST <= R::HIGHEST } {
+    if const { LEAST > R::MOST } {
+        R::Output::default()
+    } else if const { LEAST <= R::HIGHEST } {
         run.of_order(LEAST + (k - LEAST) % N)
     } else {
         rolled(run, k)
