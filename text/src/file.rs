@@ -226,12 +226,13 @@ impl ModelFile {
     }
 }
 
-/// A model as a part of a study, its states in an array where there are as many as most models have: two of a mass, six of a
-/// body in the plane. Each number costs half a minute of compiling.
+/// A model as a part of a study, its states in an array where there are as many as most models have: two of a mass, four of two
+/// masses, six of a body in the plane. Each number costs some ten seconds of compiling.
 fn part(model: TextModel) -> Part {
-    match (model.few::<2>(), model.few::<6>()) {
-        (Some(two), _) => Part::new(two),
-        (_, Some(six)) => Part::new(six),
+    match (model.few::<2>(), model.few::<4>(), model.few::<6>()) {
+        (Some(two), ..) => Part::new(two),
+        (_, Some(four), _) => Part::new(four),
+        (.., Some(six)) => Part::new(six),
         _ => Part::new(model),
     }
 }
