@@ -37,7 +37,7 @@ impl Functions<1, 8> for OfMultiples {
             (half + 1.0).powf(0.0) + half.powf(4.0),
             half.exp() + double.ln(),
             half.sin_cos().0 - double.sin_cos().1,
-            if half.value() > 0.4 { double } else { half * half },
+            if half.value() > 0.3 { double } else { half * half },
             if half.value() < 0.4 { double * half } else { half },
             S::cst(3.0) * half * double - S::cst(1.0) / half,
         ]
