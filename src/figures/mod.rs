@@ -22,6 +22,7 @@ pub use work_precision::chosen_axes;
 use deltazero_plots::{Axis, Error, Figure, Marker, Series};
 use deltazero_solvers::METHODS;
 use deltazero_study::motion::Motion;
+use deltazero_study::parallel::{cores, in_parallel};
 use deltazero_study::quantile::quantile;
 use deltazero_study::setting::Events;
 use deltazero_study::steps::StepTables;
@@ -73,6 +74,15 @@ impl Drawing {
             png: self.figure.png()?,
         })
     }
+}
+
+/// Draws them, on all cores, in their order.
+///
+/// # Errors
+/// Where one cannot be drawn, with its name.
+pub fn pictures(drawings: &[Drawing]) -> Result<Vec<Picture>, (&'static str, Error)> {
+    let draw = |drawing: &Drawing| drawing.picture().map_err(|error| (drawing.name, error));
+    in_parallel(drawings, cores(), draw).into_iter().collect()
 }
 
 /// The figures of a study whatever its subject.

@@ -5,7 +5,7 @@ use deltazero_study::Plan;
 use deltazero_study::work_precision::WorkPrecision;
 
 use super::{About, html, study_csv, study_markdown};
-use crate::figures::Drawing;
+use crate::figures::{self, Drawing};
 use crate::study::record::Provenance;
 
 /// A file with its name, in which folders are named too.
@@ -37,8 +37,7 @@ pub fn study_files(
 ) -> Result<Vec<File>, (&'static str, Error)> {
     let mut files = vec![File::text("study.csv", study_csv(about, table))];
     let mut pictures = Vec::new();
-    for drawing in drawings {
-        let picture = drawing.picture().map_err(|error| (drawing.name, error))?;
+    for picture in figures::pictures(drawings)? {
         files.push(File::text(&format!("figures/{}.svg", picture.name), picture.svg.clone()));
         let (name, content) = (format!("figures/{}.png", picture.name), picture.png.clone());
         files.push(File { name, content });

@@ -2,6 +2,7 @@
 
 use std::env::consts::{ARCH, OS};
 
+use deltazero_study::parallel::cores;
 use serde::{Deserialize, Serialize};
 
 /// A machine and the build of the program on it.
@@ -22,7 +23,7 @@ impl Machine {
     pub fn here() -> Self {
         Self {
             cpu: cpu(),
-            cores: std::thread::available_parallelism().map_or(1, usize::from),
+            cores: cores(),
             os: format!("{OS} {ARCH}"),
             built_by: env!("DELTAZERO_BUILT_BY").to_owned(),
         }

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::forecast::Forecast;
 use crate::measured::Measured;
-use crate::parallel::in_parallel;
+use crate::parallel::{cores, in_parallel};
 use crate::part::Subject;
 use crate::plan::Plan;
 use crate::reference::{Reference, ReferenceError, ReferenceSummary};
@@ -28,6 +28,8 @@ const MEASURED: f64 = 3.0;
 /// Cost of a fixed step of h seconds, times h; that of a tolerance is `p² rtol^(−1/p)` at order p. On Table 1 both are
 /// right within a factor of two for located runs.
 const FIXED: f64 = 0.075;
+/// A run that took this many times as long as another of no larger error is never the cheapest, and is timed once.
+const BEATEN: f64 = 3.0;
 
 /// The table of a study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -51,9 +53,10 @@ pub enum Progress {
     Row(Box<Row>),
 }
 
-/// Runs every setting of `plan` on `subject` and compares it with the reference, then times all of them in turns. Rows in
-/// `known` that have an end are not run for that again, and timed as often as is still to do. Once `stop` is set,
-/// what is not compared is `interrupted`, and what is has the times that were made.
+/// Runs every setting of `plan` on `subject` and compares it with the reference, then times all of them, and again in
+/// turns all that may be the cheapest at some error. Rows in `known` that have an end are not run for that again, and
+/// timed as often as is still to do. Once `stop` is set, what is not compared is `interrupted`, and what is has the
+/// times that were made.
 ///
 /// # Errors
 /// [`ReferenceError`] where the reference cannot be made.
@@ -109,14 +112,20 @@ pub fn against(
         left.done(job, setting, done.is_none().then(|| left.share(start.elapsed())));
         row
     });
-    left.without_repeats(&rows, *repeats);
+    let mut is_timed: Vec<bool> = rows.iter().map(|row| row.status == Status::Ok).collect();
+    left.without_repeats(0, &is_timed);
     // In turns round all runs: a slow moment of the machine is then one repeat of many of them, not every
     // repeat of one.
     for turn in 0..*repeats {
+        if turn == 1 {
+            is_timed =
+                rows.iter().map(|row| row.time_s().is_some() && !is_beaten(row, &rows)).collect();
+            left.without_repeats(1, &is_timed);
+        }
         let jobs: Vec<(usize, (&Setting, &Row))> = settings.iter().zip(&rows).enumerate().collect();
         rows = in_parallel(&jobs, *threads, |&(job, (setting, row))| {
             let start = Instant::now();
-            let is_due = row.status == Status::Ok && row.walls_s.len() <= turn;
+            let is_due = is_timed[job] && row.walls_s.len() <= turn;
             let mut row = row.clone();
             let took = || bench.subject.took(setting, bench.t_end, &bench.grid, bench.limits);
             if let Some(took) = is_due.then(took).flatten() {
@@ -131,9 +140,12 @@ pub fn against(
     WorkPrecision { reference: reference.summary.clone(), rows }
 }
 
-/// Cores of the machine.
-fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
+/// Whether another run took far less time for no larger error, and has the events right where this one has.
+fn is_beaten(row: &Row, rows: &[Row]) -> bool {
+    let Some((e, time)) = row.e.zip(row.time_s()) else { return false };
+    let is_right = row.events_are_right();
+    cheapest::reaching(rows, e)
+        .any(|(other, least)| BEATEN * least < time && (other.events_are_right() || !is_right))
 }
 
 /// How long a study still takes.
@@ -141,6 +153,7 @@ struct Left<'a> {
     forecast: Mutex<Forecast>,
     /// Runs that are timed at the same time, over those that are measured.
     share: f64,
+    repeats: usize,
     progress: &'a (dyn Fn(Progress) + Sync),
 }
 
@@ -161,7 +174,8 @@ impl<'a> Left<'a> {
         for _ in 0..plan.repeats {
             costs.extend(plan.settings.iter().map(cost));
         }
-        Self { forecast: Mutex::new(Forecast::new(costs, plan.threads)), share, progress }
+        let forecast = Mutex::new(Forecast::new(costs, plan.threads));
+        Self { forecast, share, repeats: plan.repeats, progress }
     }
 
     /// What a run that is measured takes of the time of all, where that is counted by those that are timed.
@@ -169,11 +183,12 @@ impl<'a> Left<'a> {
         took.mul_f64(self.share)
     }
 
-    /// Those of these runs that are not repeated are known now.
-    fn without_repeats(&self, rows: &[Row], repeats: usize) {
+    /// From this turn on only those that are timed are ahead.
+    fn without_repeats(&self, turn: usize, is_timed: &[bool]) {
         let Ok(mut forecast) = self.forecast.lock() else { return };
-        for (job, _) in rows.iter().enumerate().filter(|(_, row)| row.status != Status::Ok) {
-            (1..=repeats).for_each(|turn| forecast.known(job + turn * rows.len()));
+        let n = is_timed.len();
+        for (job, _) in is_timed.iter().enumerate().filter(|(_, is_timed)| !**is_timed) {
+            (1 + turn..=self.repeats).for_each(|turn| forecast.known(job + turn * n));
         }
     }
 
@@ -289,6 +304,30 @@ mod tests {
     use super::*;
     use crate::part::Part;
     use crate::run::Events;
+
+    #[test]
+    fn beaten_is_what_is_far_slower_and_no_better() {
+        let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+        let subject = Subject { parts: vec![Part::new(ball)] };
+        let method = Method::named("rk45").unwrap();
+        let setting =
+            Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(1e-8, None) };
+        let plan = Plan { settings: vec![setting], repeats: 1, ..Plan::new(1.0) };
+        let table = work_precision(&subject, &plan, &[], &AtomicBool::new(false), &|_| {}).unwrap();
+        let row = |e: f64, time: f64, missed: usize| Row {
+            e: Some(e),
+            cpu_s_min: Some(time),
+            missed: Some(missed),
+            ..table.rows[0].clone()
+        };
+        let is_beaten_by = |other: Row| is_beaten(&row(1e-6, 1.0, 0), &[row(1e-6, 1.0, 0), other]);
+        assert!(is_beaten_by(row(1e-6, 0.33, 0)));
+        assert!(!is_beaten_by(row(1e-6, 0.34, 0)));
+        assert!(!is_beaten_by(row(2e-6, 0.33, 0)));
+        // What has the events wrong is no answer where they must be right.
+        assert!(!is_beaten_by(row(1e-7, 0.01, 1)));
+        assert!(is_beaten(&row(1e-6, 1.0, 2), &[row(1e-7, 0.1, 1)]));
+    }
 
     #[test]
     fn times_of_parts_one_after_the_other_do_not_stand_among_those_at_once() {

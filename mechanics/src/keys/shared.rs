@@ -218,7 +218,8 @@ pub struct Study {
     pub x: String,
     /// Column up that figure.
     pub y: String,
-    /// Timed repetitions of each run, in turns round all runs; its time is their minimum, median and maximum.
+    /// Times that each run is timed, in turns round all runs; its time is their minimum, median and maximum. Once is
+    /// enough for a run that took three times as long as another of no larger error.
     pub repeats: u32,
     /// Runs timed at the same time; more than one disturbs the timings. Errors are measured on all cores.
     pub threads: usize,

@@ -6,7 +6,7 @@ use super::Row;
 pub const ACCURACIES: [f64; 3] = [1e-3, 1e-6, 1e-9];
 
 /// The runs whose error is at most `e`, with their times.
-fn reaching(rows: &[Row], e: f64) -> impl Iterator<Item = (&Row, f64)> {
+pub(super) fn reaching(rows: &[Row], e: f64) -> impl Iterator<Item = (&Row, f64)> {
     let is_trusted = |row: &&Row| row.warnings.is_empty();
     let reaching = rows.iter().filter(move |row| row.e.is_some_and(|own| own <= e));
     reaching.filter(is_trusted).filter_map(|row| row.time_s().map(|time| (row, time)))
