@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use deltazero::config::Config;
-use deltazero::mechanisms::strut::chain_of;
+use deltazero::model::struts::chain_of;
 use deltazero::model::{Chain, Jointed as _};
 use deltazero_solvers::{Method, System};
 use deltazero_study::run::{Accuracy, Setting};

@@ -6,7 +6,7 @@ mod common;
 use std::ops::ControlFlow;
 
 use common::{balance, config, distance, located, run, run_chain, setting};
-use deltazero::mechanisms::strut::chain_of;
+use deltazero::model::struts::chain_of;
 use deltazero::model::{Chain, Jointed as _};
 use deltazero::run::{mode_changes, trajectories};
 use deltazero_solvers::{Accepted, Event, Next, Record};

@@ -1,17 +1,6 @@
 //! What is integrated: mechanisms with contacts, as problems of a [study](deltazero_study), and their configuration.
 //!
-//! The mechanism of the paper is a deployable strut bay with two joints; joint 1 carries (x01, y01, θ1), joint 2
-//! (y02, z02, θ2), and the two share no term. In the coordinates (X, Y, θ) of one of them
-//!
-//! ```text
-//! | M_x         0           S_x cos θ       | |Ẍ|   | S_x sin θ θ̇²           + Q_X |
-//! | 0           M_y        −S_y sin θ       | |Ÿ| = | S_y cos θ θ̇²           + Q_Y |
-//! | S_x cos θ  −S_y sin θ   I_0 + I_c cos²θ | |θ̈|   | I_c sin θ cos θ θ̇² + M + Q_θ |
-//!
-//! δ = √(X² + Y²) − c,   F_N = K δⁿ + D δ̇ in contact,   F_T = −sign(v_T) μ F_N or what v_T = 0 takes
-//! ```
-//!
-//! with modes free, slip+, slip− and stick.
+//! The mechanism of the paper is a deployable strut bay with two [joints](deltazero_joints).
 //!
 //! ```
 //! use deltazero_mechanics::config::{Config, ConfigError};
@@ -25,12 +14,10 @@
 //!
 //! | module | what it is |
 //! |---|---|
-//! | [`keys`] | parameters with units and sources, the paper's Table 1 as the default |
-//! | [`model`] | pins in bushes as hybrid systems, each a block, or a chain where there are several bays or bristles, with their laws; no time, no loop |
 //! | [`mechanisms`] | the mechanisms, one a file: keys, problem, words |
 //! | [`config`] | the configuration: keys and mechanism, read and checked |
 
 pub mod config;
-pub mod keys;
 pub mod mechanisms;
-pub mod model;
+
+pub use deltazero_joints::{keys, model};

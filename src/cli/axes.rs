@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use deltazero::config::{Config, Model, Place, Variants};
+use deltazero::config::{Config, Model, Place, Variants, is_of_runs};
 use deltazero::figures::map::winners;
 use deltazero::report::regimes::map_csv;
 use deltazero::studied::{map_markdown, map_table};
@@ -26,7 +26,7 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     let mut variants = variants(args, &axes)?;
     let mut config = variants.config().clone();
     for (axis, varied) in axes.iter_mut().zip(variants.varied()) {
-        if varied.key.is_some_and(|key| key.is_of_runs()) {
+        if varied.key.is_some_and(is_of_runs) {
             let name = &axis.name;
             let why = "is no number of the mechanism: every cell is run by the same settings";
             return Err(Failure::Usage(format!("--axis {name} {why}; give it by --set")));

@@ -21,7 +21,7 @@ use super::ideal::{IdealRow, RIGHT_ANGLE, ideal, time_to, without_clearance};
 use super::torque_ratio::{TorqueRatio, torque_ratio};
 use crate::config::Config;
 use crate::keys::ReadingName;
-use crate::mechanisms::strut::struts;
+use crate::model::struts::struts;
 use crate::model::{Block, Jointed as _, Part, State};
 use crate::run::{BlockTrajectory, mode_changes};
 

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::config::Config;
 use crate::keys::Inertia;
-use crate::mechanisms::strut::struts;
+use crate::model::struts::struts;
 use crate::model::{Block, Body, Jointed as _};
 
 /// 90° [rad].

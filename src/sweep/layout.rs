@@ -10,7 +10,7 @@ use serde_json::Value;
 use super::SweepError;
 use super::columns::{Head, Shape, heads_of_estimate};
 use super::plan::{Axis, Plan, Values};
-use crate::config::{ConfigError, Variants, Varied};
+use crate::config::{ConfigError, Variants, Varied, is_of_runs};
 use crate::keys::Kind;
 
 /// Combinations for which columns are looked up.
@@ -52,7 +52,7 @@ impl Class {
         match (varied.key, varied.kind) {
             (None, _) if varied.is_of_shape => Self::Each,
             // Settings of runs change no column.
-            (Some(key), _) if key.is_of_runs() => Self::One,
+            (Some(key), _) if is_of_runs(key) => Self::One,
             (_, Kind::Number(_)) => Self::Zero,
             _ => Self::Each,
         }

@@ -5,7 +5,7 @@
 use std::sync::atomic::AtomicBool;
 
 use deltazero::config::Config;
-use deltazero::mechanisms::strut::chain_of;
+use deltazero::model::struts::chain_of;
 use deltazero::model::{Chain, Jointed, Joints, Part, State};
 use deltazero::run::{Run, mode_changes, trajectories};
 use deltazero_solvers::{Grid, Method, Trajectory};

@@ -1,7 +1,7 @@
 // The model, written once for the peers in C++: reading `pin` of Table 1, one joint of six states.
 //
 // State: X, Y [m], theta [rad] and their rates; joint 2 is joint 1 with other constants, X = z02,
-// Y = y02. The equations are those of the documentation of the Rust package (`mechanics/src/lib.rs`):
+// Y = y02. The equations are those of the documentation of the Rust package (`joints/src/lib.rs`):
 //
 //   | Mx         0          Sx cos       | |X''|     | Sx sin w^2 - F_N n_X               |
 //   | 0          My        -Sy sin       | |Y''|   = | Sy cos w^2 - F_N n_Y               |

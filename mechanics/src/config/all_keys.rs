@@ -3,6 +3,8 @@
 //! The default file, the JSON Schema, the check of what is given and the suggestions for what is
 //! misspelt all follow from [`keys`].
 
+use deltazero_text::SETTINGS;
+
 use crate::keys::DefaultValue::Toml;
 use crate::keys::{COMMON, JOINT_TABLES, JOINTS, Key, Kind, one_joint};
 use crate::mechanisms::{MECHANISMS, NAMES};
@@ -30,6 +32,11 @@ pub fn find(path: &str) -> Option<&'static Key> {
         Some((_, rest)) => key(rest).filter(|key| key.per_joint()),
         None => key(path),
     }
+}
+
+/// Whether a key is a setting of runs, not one of what is run.
+pub fn is_of_runs(key: &Key) -> bool {
+    key.table().is_some_and(|table| SETTINGS.contains(&table))
 }
 
 /// The tables, in the order of the default file.

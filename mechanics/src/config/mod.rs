@@ -49,7 +49,7 @@ use deltazero_study::setting::Events;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-pub use all_keys::{find, keys};
+pub use all_keys::{find, is_of_runs, keys};
 pub use error::{ConfigError, Place};
 pub use given::{Datum, Given};
 pub use model::Model;

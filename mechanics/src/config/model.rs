@@ -6,6 +6,7 @@ use std::sync::Arc;
 use deltazero_text::{ModelFile, Parameter, SETTINGS};
 use serde_json::Value;
 
+use super::check::check;
 use super::error::ConfigError;
 use super::given::{Datum, Given};
 use crate::keys::{End, Kind, Range};
@@ -117,7 +118,7 @@ pub(super) fn kind_of(parameter: &Parameter) -> Kind {
 /// # Errors
 /// No number, or one that the parameter does not take.
 pub(super) fn value_of(parameter: &Parameter, given: &Given) -> Result<Value, ConfigError> {
-    kind_of(parameter).check(&parameter.name, &parameter.unit, given)
+    check(&kind_of(parameter), &parameter.name, &parameter.unit, given)
 }
 
 fn refused(report: deltazero_text::Report) -> ConfigError {

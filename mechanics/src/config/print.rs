@@ -3,6 +3,7 @@
 use serde_json::{Map, Value};
 
 use super::all_keys::keys;
+use super::check::check;
 use super::error::Place;
 use super::given::is_bare_key;
 use super::{Config, toml_source};
@@ -110,7 +111,7 @@ fn entry(key: &Key, mechanism: &Entry, given: Option<&Value>) -> String {
 /// Whether `text` is how `value` is written.
 fn is_written(key: &Key, text: &str, value: &Value) -> bool {
     let given = toml_source::value(text, Place::Default);
-    given.and_then(|given| key.kind.check(key.path, key.unit, &given)).is_ok_and(|v| v == *value)
+    given.and_then(|given| check(&key.kind, key.path, key.unit, &given)).is_ok_and(|v| v == *value)
 }
 
 impl Config {

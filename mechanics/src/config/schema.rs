@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::all_keys::{keys, tables};
+use super::check::check;
 use super::error::Place;
 use super::toml_source;
 use crate::keys::{DefaultValue, End, JOINT_TABLES, JOINTS, Key, Kind};
@@ -45,7 +46,7 @@ fn key_schema(key: &Key, default: bool) -> Value {
     schema["description"] = format!("{}{unit} ({})", key.doc, key.source).into();
     if let (true, DefaultValue::Toml(text)) = (default, key.default)
         && let Ok(given) = toml_source::value(text, Place::Default)
-        && let Ok(value) = key.kind.check(key.path, key.unit, &given)
+        && let Ok(value) = check(&key.kind, key.path, key.unit, &given)
     {
         schema["default"] = value;
     }

@@ -8,7 +8,8 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 use super::Config;
-use super::all_keys::{find, keys, names_in};
+use super::all_keys::{find, is_of_runs, keys, names_in};
+use super::check::check;
 use super::error::{ConfigError, Place};
 use super::given::{Datum, Given, excerpt};
 use super::model::{self, Model};
@@ -170,7 +171,7 @@ impl Values {
             (Target::Parameter(parameter), _) => model::value_of(parameter, given)
                 .map(|value| (parameter_path(&parameter.name), value)),
             (Target::Key(key), _) => {
-                key.kind.check(path, key.unit, given).map(|value| (path.to_owned(), value))
+                check(&key.kind, path, key.unit, given).map(|value| (path.to_owned(), value))
             }
             (Target::Table, Datum::Table(entries)) => {
                 for (name, entry) in entries {
@@ -238,7 +239,7 @@ impl Values {
         if self.model.is_some() && names_in(path).is_some() && SETTINGS.contains(&path) {
             return not_a_key(path, given);
         }
-        let settings = keys().filter(|key| key.is_of_runs());
+        let settings = keys().filter(|key| is_of_runs(key));
         let names = model.names().chain(settings.map(|key| key.path));
         let nearest = nearest_of(path, names.map(str::to_owned).collect());
         let (place, key) = (given.place.clone(), excerpt(path).into());
@@ -275,7 +276,7 @@ impl Values {
         let default = find(path).and_then(|key| match key.default {
             DefaultValue::Toml(text) => {
                 let given = toml_source::value(text, Place::Default).ok()?;
-                key.kind.check(key.path, key.unit, &given).ok()
+                check(&key.kind, key.path, key.unit, &given).ok()
             }
             DefaultValue::Absent(_) => None,
         });

@@ -6,6 +6,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::Config;
+use super::check::check;
 use super::error::{ConfigError, Place};
 use super::given::{Datum, Given, excerpt};
 use super::model::{Model, kind_of};
@@ -112,7 +113,7 @@ impl Variants {
     /// What the key does not take.
     pub fn checked(&self, i: usize, given: &Given) -> Result<Value, ConfigError> {
         let key = &self.keys[i];
-        key.kind.check(&key.path, &key.unit, given)
+        check(&key.kind, &key.path, &key.unit, given)
     }
 
     /// The value that the number `x` is as the key number `i`.
@@ -249,7 +250,7 @@ fn is_in_range(key: &Varied, value: &Value) -> bool {
         (Kind::Number(range), Some(x)) => range.contains(x),
         (Kind::Number(_), None) => false,
         (Kind::OneOf(_), Some(_)) => {
-            key.kind.check(&key.path, &key.unit, &Given::from_json(value)).is_ok()
+            check(&key.kind, &key.path, &key.unit, &Given::from_json(value)).is_ok()
         }
         _ => true,
     }
@@ -344,7 +345,7 @@ mod tests {
                     DefaultValue::Absent(example) => example,
                 };
                 let given = super::super::toml_source::value(text, Place::Default).unwrap();
-                let default = key.kind.check(key.path, key.unit, &given).unwrap();
+                let default = check(&key.kind, key.path, key.unit, &given).unwrap();
                 let values = some_values(&key.kind, &default);
                 if key.per_joint() && entry.has_two_joints {
                     cases.push((set.clone(), format!("joint2.{}", key.path), values.clone()));

@@ -8,8 +8,8 @@ use deltazero_study::warning::Warning;
 use super::in_words::{fact, joint, joint_warnings, no_blind_joints};
 use super::{Entry, Mechanism, Misfit};
 use crate::keys::{DefaultValue, FINITE, Key, Kind, POSITIVE, ReadingName, Shared};
-use crate::model::inertia::BlockInertia;
-use crate::model::{Block, Body, Chain, Joints, Part, block};
+use crate::model::struts::struts;
+use crate::model::{Joints, Part};
 
 use DefaultValue::Toml;
 
@@ -162,24 +162,6 @@ impl Mechanism for Struts {
         let chain = || (shared.bays > 1).then(|| "the blind baseline is built for one bay".into());
         no_blind_joints(&shared.joints, chain)
     }
-}
-
-/// Joint 1 in each of the bays of a configuration, as one system.
-pub fn chain_of(shared: &Shared) -> Chain {
-    let [bay, _] = struts(shared);
-    Chain::of(bay, shared.bays as usize)
-}
-
-/// The two joints of one bay.
-pub fn struts(shared: &Shared) -> [Block; 2] {
-    let (strut, drive) = (&shared.strut, &shared.drive);
-    let of = |joint, inertia, torque| {
-        let body = Body::Struts(inertia);
-        let mut own = block(shared, joint, body, (strut.length, shared.reading));
-        (own.torque, own.stop_at_90) = (torque, shared.run.stop_at_90);
-        own
-    };
-    [of(1, BlockInertia::joint_1(strut), drive.m1), of(2, BlockInertia::joint_2(strut), drive.m4)]
 }
 
 /// What a chain of several bays cannot have.

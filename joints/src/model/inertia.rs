@@ -205,7 +205,7 @@ pub struct Arrow<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::Config;
+    use crate::keys::table1::table1;
 
     /// The matrix as model sums have it, term by term.
     fn mass_matrix(inertia: &BlockInertia, theta: f64) -> [[f64; 3]; 3] {
@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn sums_of_equal_struts_are_those_of_the_paper() {
-        let strut = Config::table1().unwrap().shared.strut;
+        let strut = table1().strut;
         let (m, l, j) = (strut_mass(&strut), strut.length, strut_inertia(&strut));
         assert!((m - 1.5315264186).abs() < 1e-10 && (j - 1.91440802e-5).abs() < 1e-13);
         let one = BlockInertia::joint_1(&strut);
@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn accelerations_solve_the_equations_of_motion() {
-        let strut = Config::table1().unwrap().shared.strut;
+        let strut = table1().strut;
         for inertia in [BlockInertia::joint_1(&strut), BlockInertia::joint_2(&strut)] {
             for theta in [0.0, 0.4, 1.2] {
                 let (omega, q): (f64, _) = (0.7, [0.3, -0.8, 0.5]);

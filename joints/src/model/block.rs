@@ -440,13 +440,13 @@ impl System for Block {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::Config;
-    use crate::model::Joints;
+    use crate::keys::table1::table1;
     use crate::model::contact::Touch;
+    use crate::model::struts::struts;
 
     #[test]
     fn guard_bounds_are_above_zero_at_rest_in_every_mode() {
-        let mut config = Config::table1().unwrap();
+        let mut config = table1();
         for exponent in [1.0, 1.5] {
             for adhesion in [true, false] {
                 for joint in &mut config.joints {
@@ -455,7 +455,7 @@ mod tests {
                     joint.contact.damping = 0.0;
                 }
                 config.drive.m1 = 0.0;
-                for block in Joints::from(&config).blocks() {
+                for block in &struts(&config) {
                     use Mode::{Apart, Relaxing, SlipMinus, SlipPlus, Stick};
                     let in_contact = [Relaxing, SlipPlus, SlipMinus, Stick];
                     let in_contact = in_contact.map(|mode| mode(Touch::PLAIN));

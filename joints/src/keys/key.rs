@@ -1,7 +1,5 @@
 //! What a key is: its path, the values that it takes, its default with the source.
 
-use deltazero_text::SETTINGS;
-
 use super::kind::Kind;
 use super::range::Range;
 
@@ -59,11 +57,6 @@ impl Key {
     /// Its name in that table.
     pub fn name(&self) -> &'static str {
         self.path.split_once('.').map_or(self.path, |(_, name)| name)
-    }
-
-    /// Whether it is a setting of runs, not a key of what is run.
-    pub fn is_of_runs(&self) -> bool {
-        self.table().is_some_and(|table| SETTINGS.contains(&table))
     }
 
     /// Whether it may differ for one joint.

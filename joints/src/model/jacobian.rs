@@ -258,9 +258,9 @@ mod tests {
     use num_dual::Dual64;
 
     use super::*;
-    use crate::config::Config;
-    use crate::keys::{ContactLaw, FrictionLaw, ReadingName};
-    use crate::model::Joints;
+    use crate::keys::table1::table1;
+    use crate::keys::{ContactLaw, FrictionLaw, ReadingName, Shared};
+    use crate::model::struts::struts;
 
     fn modes(touch: Touch) -> [Mode; 5] {
         use Mode::{Apart, Pinned, SlipMinus, SlipPlus, Stick};
@@ -276,14 +276,14 @@ mod tests {
     }
 
     /// Every entry in every mode of both joints, at states of slight and deep contact.
-    fn agrees(config: &Config) {
+    fn agrees(config: &Shared) {
         let states = [
             [2e-5, -9.9e-5, 0.01, 2e-3, 1e-3, 0.02],
             [-9e-5, -5e-5, 0.7, -1e-3, 3e-3, 0.3],
             [6e-5, 8.1e-5, 1.5, 1e-3, -2e-3, -0.4],
         ];
         let (reading, law) = (config.reading, config.joints[0].contact.law);
-        for block in Joints::from(config).blocks() {
+        for block in &struts(config) {
             let touch = block.normal.touch(2e-3);
             let pieces = (0..2).map(|piece| Touch { piece, ..touch });
             let modes: Vec<Mode> = pieces.flat_map(modes).collect();
@@ -309,7 +309,7 @@ mod tests {
 
     #[test]
     fn the_analytic_jacobian_is_that_of_dual_numbers_in_every_mode_and_reading() {
-        let mut config = Config::table1().unwrap();
+        let mut config = table1();
         for &reading in ReadingName::ALL {
             for exponent in [1.0, 1.5] {
                 config.reading = reading;
@@ -323,7 +323,7 @@ mod tests {
 
     #[test]
     fn the_analytic_jacobian_is_that_of_dual_numbers_for_every_law_of_friction() {
-        let mut config = Config::table1().unwrap();
+        let mut config = table1();
         for reading in [ReadingName::Pin, ReadingName::Full] {
             config.reading = reading;
             for &law in FrictionLaw::ALL {
@@ -338,7 +338,7 @@ mod tests {
 
     #[test]
     fn the_analytic_jacobian_is_that_of_dual_numbers_for_every_law() {
-        let mut config = Config::table1().unwrap();
+        let mut config = table1();
         config.reading = ReadingName::Full;
         for &law in ContactLaw::ALL {
             for joint in &mut config.joints {

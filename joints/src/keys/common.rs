@@ -12,7 +12,7 @@ const RTOL: Kind = Kind::Number(Range::closed(1e-14, 1e-1));
 const ACCURACY: Kind = Kind::Number(Range::closed(1e-12, 1e-1));
 
 /// The keys of all mechanisms, table by table.
-pub(crate) const COMMON: &[Key] = &[
+pub const COMMON: &[Key] = &[
     Key {
         path: "joint.clearance",
         kind: NOT_NEGATIVE,

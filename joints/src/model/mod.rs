@@ -29,6 +29,7 @@ pub mod restitution;
 mod scale;
 pub mod slider_crank;
 pub mod sliding;
+pub mod struts;
 
 pub use block::{Block, State};
 pub use body::Body;
@@ -113,7 +114,7 @@ impl Joints {
 }
 
 /// A joint of `shared` with a body on it, without a drive torque or an end; `length` is that of the part that turns.
-pub(crate) fn block(
+pub fn block(
     shared: &Shared,
     joint: usize,
     body: Body,

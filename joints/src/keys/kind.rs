@@ -61,7 +61,7 @@ impl Kind {
 }
 
 /// Words as a sentence has them: `pin, full or centroid`.
-pub(crate) fn listing(words: &[&str]) -> String {
+pub fn listing(words: &[&str]) -> String {
     match words {
         [] => String::new(),
         [word] => (*word).to_owned(),

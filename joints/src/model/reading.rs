@@ -62,11 +62,12 @@ mod tests {
     use num_dual::{Dual2_64, Dual64, DualNum};
 
     use super::*;
-    use crate::config::Config;
     use crate::keys::Strut;
+    use crate::keys::table1::table1;
+    use crate::model::Mode;
     use crate::model::contact::Touch;
     use crate::model::inertia::{strut_inertia, strut_mass};
-    use crate::model::{Joints, Mode};
+    use crate::model::struts::struts;
 
     /// x01, y01, θ1, y02, z02, θ2, or what belongs to them.
     type Coordinates<S = f64> = [S; 6];
@@ -122,7 +123,7 @@ mod tests {
     /// A state in contact without friction, and what is left of each equation of motion: inertia forces
     /// less torques less the normal forces, where those act at the pins or at the centroids of 1 and 4.
     fn left(name: ReadingName, at_pins: bool) -> (Coordinates, Coordinates, [f64; 2], Coordinates) {
-        let mut config = Config::table1().unwrap();
+        let mut config = table1();
         config.reading = name;
         for joint in &mut config.joints {
             joint.friction.coefficient = 0.0;
@@ -130,7 +131,7 @@ mod tests {
         let q = [8e-5, -7e-5, 0.7, -6e-5, 9e-5, 0.9];
         let u = [2e-3, -1e-3, 0.4, 1e-3, 3e-3, 0.6];
         let (mut a, mut forces) = ([0.0; 6], [0.0; 2]);
-        for (i, block) in Joints::from(&config).blocks().into_iter().enumerate() {
+        for (i, block) in struts(&config).iter().enumerate() {
             let at = 3 * i;
             let y =
                 block.in_paper_order(&[q[at], q[at + 1], q[at + 2], u[at], u[at + 1], u[at + 2]]);
@@ -182,7 +183,7 @@ mod tests {
     fn eqs_12_14_and_17_as_printed_differ_from_eq_9_by_one_sign_each() {
         let (q, u, [f1, f2], left) = left(ReadingName::Printed, false);
         let (n_y, n_z) = (q[1] / q[0].hypot(q[1]), q[4] / q[3].hypot(q[4]));
-        let config = Config::table1().unwrap();
+        let config = table1();
         // S_z = m3 l/2 + m4 l/2 + m5 l + m6 l.
         let s_z = 3.0 * strut_mass(&config.strut) * L;
         let mut expected = [0.0; 6];

@@ -225,14 +225,14 @@ mod tests {
     use num_dual::Dual64;
 
     use super::*;
-    use crate::config::Config;
-    use crate::model::Joints;
+    use crate::keys::table1::table1;
     use crate::model::contact::Touch;
+    use crate::model::struts::struts;
 
     #[test]
     fn plain_accelerations_are_the_general_ones() {
-        let config = Config::table1().unwrap();
-        for block in Joints::from(&config).blocks() {
+        let config = table1();
+        for block in &struts(&config) {
             let y = [3e-5, -9.9e-5, 0.02, 2e-3, -1e-3, 0.3];
             let (posture, pose) = (block.body.held().at(&y), block.pose(&y));
             for mode in [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)] {
@@ -251,10 +251,10 @@ mod tests {
 
     #[test]
     fn rates_with_guards_are_both_and_begin_with_the_rates() {
-        let mut config = Config::table1().unwrap();
+        let mut config = table1();
         for adhesion in [true, false] {
             config.joints.iter_mut().for_each(|joint| joint.contact.adhesion = adhesion);
-            for block in Joints::from(&config).blocks() {
+            for block in &struts(&config) {
                 let y = [3e-5, -9.9e-5, 0.02, 2e-3, -1e-3, 0.3];
                 let slips = [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)];
                 for mode in slips.into_iter().chain([Mode::Apart, Mode::Stick(Touch::PLAIN)]) {
@@ -269,10 +269,10 @@ mod tests {
         let bits = |each: &[Dual64]| -> Vec<_> {
             each.iter().map(|x| [x.re.to_bits(), x.eps.to_bits()]).collect()
         };
-        let mut config = Config::table1().unwrap();
+        let mut config = table1();
         for stop_at_90 in [true, false] {
             config.run.stop_at_90 = stop_at_90;
-            for block in Joints::from(&config).blocks() {
+            for block in &struts(&config) {
                 for (k, mode) in [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)]
                     .into_iter()
                     .enumerate()
@@ -319,7 +319,7 @@ mod tests {
         }
         config.joints[0].contact.adhesion = false;
         config.joints[1].contact.exponent = 1.5;
-        for block in Joints::from(&config).blocks() {
+        for block in &struts(&config) {
             assert_eq!(block.parameters(&Mode::SlipPlus(Touch::PLAIN)), None);
         }
     }

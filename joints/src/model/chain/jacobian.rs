@@ -219,15 +219,15 @@ impl Chain {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::Config;
     use crate::keys::FrictionLaw;
-    use crate::mechanisms::strut::chain_of;
+    use crate::keys::table1::table1;
     use crate::model::contact::Touch;
+    use crate::model::struts::chain_of;
 
     const BAYS: usize = 5;
 
     fn chain(exponent: f64) -> Chain {
-        let mut config = Config::table1().unwrap();
+        let mut config = table1();
         config.bays = BAYS as u32;
         config.joints[0].contact.exponent = exponent;
         chain_of(&config)
@@ -305,7 +305,7 @@ mod tests {
     fn the_jacobian_of_bristles_is_that_of_each_column() {
         use Mode::Apart;
         let [_, plus, minus, _] = in_contact();
-        let mut config = Config::table1().unwrap();
+        let mut config = table1();
         (config.bays, config.joints[0].friction.law) = (BAYS as u32, FrictionLaw::Lugre);
         let (chain, modes) = (chain_of(&config), Modes::from(vec![plus, minus, Apart, plus, plus]));
         let bent = |(k, bay): (usize, &[f64])| [bay, &[1e-7 * k as f64]].concat();

@@ -3,9 +3,9 @@
 use deltazero_solvers::System;
 
 use super::*;
-use crate::config::Config;
-use crate::keys::{ContactLaw, FrictionLaw};
-use crate::model::Joints;
+use crate::keys::table1::table1;
+use crate::keys::{ContactLaw, FrictionLaw, ReadingName, Shared};
+use crate::model::struts::struts;
 
 /// xorshift64: numbers from −1 to 1.
 struct Random(u64);
@@ -67,17 +67,13 @@ fn guards_are_positive_inside_their_mode_and_nowhere_else() {
     for law in ContactLaw::ALL {
         for friction in FrictionLaw::ALL {
             for adhesion in [true, false] {
-                let sets = [
-                    format!("contact.law={law}"),
-                    format!("friction.law={friction}"),
-                    format!("contact.adhesion={adhesion}"),
-                    "contact.young_modulus=1e8".to_owned(),
-                    "contact.length=1e-3".to_owned(),
-                    "reading=full".to_owned(),
-                ];
-                let config = Config::load(None, &sets).unwrap();
-                let mechanism = Joints::from(&config);
-                for block in mechanism.blocks() {
+                let mut config = Shared { reading: ReadingName::Full, ..table1() };
+                for joint in &mut config.joints {
+                    (joint.contact.law, joint.friction.law) = (*law, *friction);
+                    (joint.contact.adhesion, joint.contact.length) = (adhesion, 1e-3);
+                    joint.contact.young_modulus = 1e8;
+                }
+                for block in &struts(&config) {
                     for _ in 0..200 {
                         check(block, &state(block, &mut random), &mut random);
                     }
