@@ -175,6 +175,7 @@ impl StepController {
     }
 
     /// The factor that shortens a step whose error norm has the binary logarithm `log_err`.
+    #[inline]
     fn shrunk(&self, log_err: f64) -> f64 {
         let factor = SAFETY * exp2(-self.exponent * log_err);
         if factor > SHRINK { factor.min(1.0) } else { SHRINK }

@@ -304,6 +304,7 @@ impl Real for f64 {
         self.sqrt()
     }
 
+    #[inline]
     fn sin_cos(self) -> (Self, Self) {
         libm::sincos(self)
     }
@@ -361,6 +362,7 @@ impl Ordered for f64 {
 impl Real for Dual64 {
     const NEWTON_STEPS: usize = 1;
 
+    #[inline]
     fn cst(x: f64) -> Self {
         Self::from_re(x)
     }

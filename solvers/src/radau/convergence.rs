@@ -67,6 +67,7 @@ impl Convergence {
     }
 
     /// Judges correction number `n`, counted from one, by its size. Returns how the iteration ended, if it did.
+    #[inline]
     pub(super) fn judge(&mut self, n: usize, size: f64) -> Option<Iteration> {
         if size == 0.0 {
             return Some(Iteration::Converged);

@@ -86,6 +86,7 @@ pub(crate) fn reach_by(order: usize, norm_sq: impl Fn(usize) -> f64) -> Option<R
 }
 
 /// `log₂ x^(−1/2k)` for the square x of a norm; infinite for zero.
+#[inline]
 fn log_root(norm_sq: f64, k: usize) -> f64 {
     -0.5 / k as f64 * log2(norm_sq)
 }

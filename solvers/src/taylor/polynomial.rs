@@ -49,11 +49,13 @@ impl Polynomial {
     }
 
     /// Its value at `s`.
+    #[inline]
     pub fn at(&self, s: f64) -> f64 {
         self.coefficients().iter().rev().fold(0.0, |sum, c| sum * s + c)
     }
 
     /// Its value and its first and second derivative at `s`.
+    #[inline]
     fn with_derivatives(&self, s: f64) -> [f64; 3] {
         let terms = self.coefficients().iter().rev();
         let [value, slope, bend] = terms.fold([0.0; 3], |[value, slope, bend], c| {
