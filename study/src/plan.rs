@@ -23,7 +23,7 @@ pub struct Plan {
     pub times: Vec<f64>,
     /// One run each.
     pub settings: Vec<Setting>,
-    /// Times that a run is timed that may be the cheapest at some error; the others are once.
+    /// How often a run is timed that may be the cheapest at some error; a long one that cannot is timed once.
     pub repeats: usize,
     /// Runs that are timed at the same time; more than one disturbs the times. Errors are measured on all cores.
     pub threads: usize,

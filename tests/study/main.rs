@@ -143,17 +143,23 @@ fn repeats_go_in_turns_round_all_runs_and_an_interrupted_turn_is_gone_on_with() 
     };
     let (whole, (n_ahead, done)) = study(&[], usize::MAX);
     let n = whole.rows.len();
-    // Three times as slow as another of no larger error, with the events right where it has: timed once.
-    let is_beaten = |row: &Row| {
-        let (first, e) = (row.cpus_s[0], row.e.unwrap());
-        whole.rows.iter().any(|other| {
-            let is_as_right = other.events_are_right() || !row.events_are_right();
-            3.0 * other.cpus_s[0] < first && other.e.unwrap() <= e && is_as_right
-        })
+    // Long, and three times as slow as another of no larger error with the events right where it has: timed once.
+    let n_timed = |table: &WorkPrecision| -> Vec<usize> {
+        let first = |row: &Row| row.cpus_s[0];
+        let is_beaten = |row: &Row| {
+            table.rows.iter().any(|other| {
+                let is_as_right = other.events_are_right() || !row.events_are_right();
+                3.0 * first(other) < first(row) && other.e <= row.e && is_as_right
+            })
+        };
+        let is_once = |row: &Row| first(row) > 5e-3 && is_beaten(row);
+        table.rows.iter().map(|row| if is_once(row) { 1 } else { 2 }).collect()
     };
-    for row in &whole.rows {
-        assert_eq!(row.walls_s.len(), if is_beaten(row) { 1 } else { 2 }, "{row:?}");
-    }
+    let n_walls = |table: &WorkPrecision| -> Vec<usize> {
+        table.rows.iter().map(|row| row.walls_s.len()).collect()
+    };
+    assert!(whole.rows.iter().all(|row| row.warnings.is_empty()));
+    assert_eq!(n_walls(&whole), n_timed(&whole));
     assert_eq!((n_ahead, done.len()), (3 * n, 3 * n));
     let turns: Vec<&[String]> = done.chunks(n).collect();
     // Errors are measured on all cores, in any order.
@@ -166,14 +172,11 @@ fn repeats_go_in_turns_round_all_runs_and_an_interrupted_turn_is_gone_on_with() 
 
     let (stopped, _) = study(&[], n + 2);
     assert!(stopped.rows.iter().all(|row| row.status == Status::Ok));
-    let n_walls = |table: &WorkPrecision| -> Vec<usize> {
-        table.rows.iter().map(|row| row.walls_s.len()).collect()
-    };
     assert_eq!(n_walls(&stopped), [&[1, 1][..], &vec![0; n - 2]].concat());
     assert_eq!(stopped.rows[2].wall_s_min, None);
     let (resumed, (n_ahead, done)) = study(&stopped.rows, usize::MAX);
     assert_eq!((n_ahead, done.len()), (3 * n, 3 * n));
-    assert!(n_walls(&resumed).iter().all(|n_walls| [1, 2].contains(n_walls)));
+    assert_eq!(n_walls(&resumed), n_timed(&resumed));
     for (row, before) in resumed.rows.iter().zip(&stopped.rows) {
         assert_eq!(row.walls_s[..before.walls_s.len()], before.walls_s);
         assert_eq!(row.wall_s_min, row.walls_s.iter().copied().reduce(f64::min));

@@ -138,8 +138,8 @@ fn method(table: &WorkPrecision, plan: &Plan) -> Vec<Part> {
         Part::Text(format!(
             "The error e is the worst sample's {}. Events pair in order with those of the reference; missed and \
              spurious are those without a partner. The time of a run is that of its thread on the processor, the shortest of {} repeats in turns \
-             round all runs, with {} runs at the same time; a run that took three times as long as another of no larger \
-             error is not repeated.",
+             round all runs, with {} runs at the same time; a run of more than 5 ms that took three times as long as another \
+             of no larger error is not repeated.",
             table.reference.measure(), plan.repeats, plan.threads
         )),
         Part::Table(Table {

@@ -94,8 +94,8 @@ pub struct Row {
     /// Median of it [s].
     #[serde(default)]
     pub cpu_s_median: Option<f64>,
-    /// Times of the repeats in their order [s]: those of a run that reached its end, as many as were made before
-    /// an interruption; none where an earlier version did not keep them.
+    /// Times of the repeats in their order [s]: those of a run that reached its end; one where a long run cannot be
+    /// the cheapest, as many as were made before an interruption; none where an earlier version did not keep them.
     #[serde(default)]
     pub walls_s: Vec<f64>,
     /// The same of the processor [s].
