@@ -2,7 +2,7 @@
 //!
 //! A pin rattles in a bush with clearance c: free flight, then contact through a stiff spring with
 //! damping and friction, some fifteen times a second, each change at the zero crossing δ = 0.
-//! The equations are in [`deltazero_mechanics`]; [`deltazero_solvers`] integrates them with the modes frozen within each
+//! The equations are in [`model`]; [`deltazero_solvers`] integrates them with the modes frozen within each
 //! step and every event located; [`deltazero_study`] compares methods and settings by error and work against a reference.
 //! This crate is the program that runs all that and reports.
 //!

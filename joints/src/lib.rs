@@ -14,6 +14,17 @@
 //!
 //! with modes free, slip+, slip− and stick.
 //!
+//! ```
+//! use deltazero_joints::keys::{COMMON, DefaultValue};
+//! use deltazero_joints::model::elastic::Elastic;
+//!
+//! let stiffness = COMMON.iter().find(|key| key.path == "contact.stiffness").ok_or("no such key")?;
+//! assert_eq!((stiffness.default, stiffness.unit), (DefaultValue::Toml("1e7"), "N/mⁿ"));
+//! // K δⁿ of 1e7 N/m at a penetration of a micrometre.
+//! assert_eq!(Elastic::power(1e7, 1.0).force(1e-6), 10.0);
+//! # Ok::<(), &str>(())
+//! ```
+//!
 //! | module | what it is |
 //! |---|---|
 //! | [`keys`] | parameters with units and sources, the paper's Table 1 as the default |

@@ -14,6 +14,7 @@
 //!
 //! | module | what it is |
 //! |---|---|
+//! | [`keys`], [`model`] | those of the [joints](deltazero_joints) |
 //! | [`mechanisms`] | the mechanisms, one a file: keys, problem, words |
 //! | [`config`] | the configuration: keys and mechanism, read and checked |
 

@@ -316,7 +316,7 @@ pub const COMMON: &[Key] = &[
         kind: Kind::Integer(1, 1000),
         default: Toml("3"),
         unit: "",
-        doc: "Timed repetitions of each run, in turns round all runs; its time is their minimum, median and maximum",
+        doc: "How often a run is timed, in turns round all runs; its time is their minimum, median and maximum. Once where it is long and cannot be the cheapest",
         source: "our choice",
     },
     Key {

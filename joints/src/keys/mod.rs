@@ -8,6 +8,7 @@ mod key;
 mod kind;
 mod range;
 mod shared;
+mod struts;
 #[cfg(test)]
 pub(crate) mod table1;
 mod words;
@@ -20,4 +21,5 @@ pub use shared::{
     Atol, Contact, Contest, Drive, Friction, Inertia, Joint, JointConfig, Regimes, Run, Shared,
     Solver, Strut, Study,
 };
+pub use struts::STRUTS;
 pub use words::{AXES, ContactLaw, Curvature, FrictionLaw, METHODS, ReadingName};

@@ -218,8 +218,8 @@ pub struct Study {
     pub x: String,
     /// Column up that figure.
     pub y: String,
-    /// Times that each run is timed, in turns round all runs; its time is their minimum, median and maximum. Once is
-    /// enough for a run that took three times as long as another of no larger error.
+    /// How often a run is timed, in turns round all runs; its time is their minimum, median and maximum. Once where it is
+    /// long and cannot be the cheapest.
     pub repeats: u32,
     /// Runs timed at the same time; more than one disturbs the timings. Errors are measured on all cores.
     pub threads: usize,

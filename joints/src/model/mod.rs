@@ -114,6 +114,9 @@ impl Joints {
 }
 
 /// A joint of `shared` with a body on it, without a drive torque or an end; `length` is that of the part that turns.
+///
+/// # Panics
+/// Where `joint` is neither 1 nor 2.
 pub fn block(
     shared: &Shared,
     joint: usize,

@@ -1,4 +1,4 @@
-//! The paper's struts as joints.
+//! The joints of the paper's struts.
 
 use super::inertia::BlockInertia;
 use super::{Block, Body, Chain, block};
