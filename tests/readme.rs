@@ -147,6 +147,17 @@ fn readme_and_crate_docs_name_every_method() {
 }
 
 #[test]
+fn the_image_is_made_from_every_package() {
+    let (manifest, image) = (file("Cargo.toml"), file("deploy/Containerfile"));
+    let members = manifest.split_once("members = [").unwrap().1.split_once(']').unwrap().0;
+    let members: Vec<&str> = members.split(',').map(|name| name.trim().trim_matches('"')).collect();
+    assert!(members.len() >= 7, "{members:?}");
+    for name in members {
+        assert!(image.contains(&format!("\nCOPY {name} {name}\n")), "{name}");
+    }
+}
+
+#[test]
 fn the_finding_in_the_readme_is_that_of_the_committed_map() {
     let (readme, map) = (file("README.md"), file("docs/regimes/regimes.md"));
     let after = readme.split("<!-- map: made by `deltazero regimes`").nth(1).unwrap();
