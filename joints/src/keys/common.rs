@@ -1,4 +1,4 @@
-//! The keys that all mechanisms have.
+//! The keys that all mechanisms have, each with its default and the source of that.
 
 use deltazero_study::setting::{Digits, Events};
 

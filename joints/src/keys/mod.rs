@@ -10,7 +10,7 @@ mod range;
 mod shared;
 mod struts;
 #[cfg(test)]
-pub(crate) mod table1;
+pub(crate) mod test_defaults;
 mod words;
 
 pub use common::COMMON;

@@ -105,7 +105,7 @@ impl Block {
         ]
     }
 
-    /// Generalised forces (Q_X, Q_Y, Q_θ) on struts; see [`Reading`].
+    /// Generalised forces (Q_X, Q_Y, Q_θ) on struts, Eqs. (9) and (12) to (17) of the paper as a [`Reading`] has them.
     #[inline(always)]
     pub(super) fn loads<S: Real>(
         &self,
@@ -440,7 +440,7 @@ impl System for Block {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::keys::table1::table1;
+    use crate::keys::test_defaults::table1;
     use crate::model::contact::Touch;
     use crate::model::struts::struts;
 

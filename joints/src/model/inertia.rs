@@ -205,7 +205,7 @@ pub struct Arrow<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::keys::table1::table1;
+    use crate::keys::test_defaults::table1;
 
     /// The matrix as model sums have it, term by term.
     fn mass_matrix(inertia: &BlockInertia, theta: f64) -> [[f64; 3]; 3] {

@@ -258,7 +258,7 @@ mod tests {
     use num_dual::Dual64;
 
     use super::*;
-    use crate::keys::table1::table1;
+    use crate::keys::test_defaults::table1;
     use crate::keys::{ContactLaw, FrictionLaw, ReadingName, Shared};
     use crate::model::struts::struts;
 

@@ -225,7 +225,7 @@ mod tests {
     use num_dual::Dual64;
 
     use super::*;
-    use crate::keys::table1::table1;
+    use crate::keys::test_defaults::table1;
     use crate::model::contact::Touch;
     use crate::model::struts::struts;
 

@@ -63,7 +63,7 @@ mod tests {
 
     use super::*;
     use crate::keys::Strut;
-    use crate::keys::table1::table1;
+    use crate::keys::test_defaults::table1;
     use crate::model::Mode;
     use crate::model::contact::Touch;
     use crate::model::inertia::{strut_inertia, strut_mass};

@@ -110,3 +110,37 @@ impl WorkByPhase {
         (n_events > 0).then(|| n_rhs as f64 / n_events as f64)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_is_told_by_phase_and_what_events_took_by_event() {
+        let stats = |n_rhs: u64, n_events: u64| Stats {
+            work: Work { n_rhs, n_jac: 7, ..Work::default() },
+            restart: Work { n_rhs: n_rhs / 10, ..Work::default() },
+            location: Work { n_rhs: n_rhs / 5, n_jac: 2, ..Work::default() },
+            n_accepted: n_rhs / 4,
+            n_retaken: n_events + 1,
+            n_events,
+            ..Stats::default()
+        };
+        // Two parts that fly, one that touches.
+        let all = [("flight", stats(100, 2)), ("flight", stats(200, 3)), ("contact", stats(50, 1))];
+        let work = WorkByPhase::new(&all);
+        let flight = work.flight.unwrap();
+        assert_eq!((flight.counts.n_rhs, flight.counts.n_jac), (300 - 30 - 60, 2 * (7 - 2)));
+        assert_eq!((flight.n_accepted, flight.n_events), (75, 5));
+        assert_eq!(work.contact.unwrap().counts.n_rhs, 50 - 5 - 10);
+        assert_eq!((work.stick, work.pinned), (None, None));
+        assert_eq!((work.restart.n_rhs, work.location.counts.n_rhs), (35, 70));
+        assert_eq!((work.location.counts.n_jac, work.location.n_retaken), (6, 9));
+        assert!(work.tells_of_contact());
+        assert_eq!(work.n_rhs_per_event(), Some((35.0 + 70.0) / 6.0));
+
+        let quiet = WorkByPhase::new(&[("flight", stats(100, 0))]);
+        assert!(!quiet.tells_of_contact());
+        assert_eq!(quiet.n_rhs_per_event(), None);
+    }
+}

@@ -220,7 +220,7 @@ impl Chain {
 mod tests {
     use super::*;
     use crate::keys::FrictionLaw;
-    use crate::keys::table1::table1;
+    use crate::keys::test_defaults::table1;
     use crate::model::contact::Touch;
     use crate::model::struts::chain_of;
 

@@ -3,7 +3,7 @@
 use deltazero_solvers::System;
 
 use super::*;
-use crate::keys::table1::table1;
+use crate::keys::test_defaults::table1;
 use crate::keys::{ContactLaw, FrictionLaw, ReadingName, Shared};
 use crate::model::struts::struts;
 

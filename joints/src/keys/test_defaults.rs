@@ -1,4 +1,4 @@
-//! Table 1 of the paper for tests of joints.
+//! The defaults of all keys as values, for tests of joints.
 
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
