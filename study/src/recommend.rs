@@ -9,6 +9,8 @@ use crate::work_precision::Progress;
 
 /// More events of a site than this in a unit of the subject's time are named chatter: a rattling joint has some 15 a second.
 const CHATTER_RATE: f64 = 500.0;
+/// Steps that grow less than this for a tenth of the tolerance are not chosen for accuracy.
+const HARDLY: f64 = 1.05;
 
 /// The answer for one subject and accuracy.
 #[derive(Clone, Debug, PartialEq)]
@@ -200,6 +202,9 @@ fn bound(entry: &Entry, n_events: usize) -> String {
     let by = match (entry.implicit_steps(), entry.bound_by_stability) {
         (Some(halves), _) => format!("takes {halves}"),
         (None, true) => "is bound by stability".to_owned(),
+        (None, false) if entry.growth.is_some_and(|growth| growth < HARDLY) => {
+            "takes the steps that its events ask for".to_owned()
+        }
         (None, false) => "is bound by accuracy".to_owned(),
     };
     format!("{by}: {steps}{growth}")
@@ -272,6 +277,23 @@ mod tests {
             first.contains("; the best other one, radau5 ") && !first.contains("bound by"),
             "{first}"
         );
+    }
+
+    #[test]
+    fn what_bounds_the_steps_is_told() {
+        let mut few = standings(&["dop853"], 1e-6);
+        few.entries[0].growth = Some(1.0);
+        let own = reason(&few, 6);
+        assert!(own.contains("takes the steps that its events ask for: "), "{own}");
+        let fine = standings(&["rk45"], 1e-6);
+        assert!(reason(&fine, 6).contains("is bound by accuracy: "), "{}", reason(&fine, 6));
+        // A fixed step is not held by stability where no longer one is tried.
+        let coarsest = standings(&["rk4"], 1e-2);
+        let entry = &coarsest.entries[0];
+        assert!(entry.e < 1e-4 && !entry.bound_by_stability, "{entry:?}");
+        let mut held = few;
+        held.entries[0].bound_by_stability = true;
+        assert!(reason(&held, 6).contains("is bound by stability: "));
     }
 
     #[test]

@@ -23,6 +23,8 @@ const GROWTH_SPAN: i32 = 2 * A_DECADE;
 
 /// A fixed step whose error is below this part of the accuracy is not chosen for accuracy.
 const TOO_GOOD: f64 = 0.01;
+/// Where a phase has fewer steps than this, in the mean, its events set them, and no limit of stability.
+const STEPS_OF_EVENTS: u64 = 5;
 
 /// What came of a search under a limit of work.
 pub(super) enum Step {
@@ -421,7 +423,7 @@ impl<'a> Search<'a> {
             n_implicit: method.chooses().then_some(trial.stats.n_implicit),
             mean_step_s: mean_step(trial.covered, &trial.stats).unwrap_or(f64::NAN),
             growth,
-            bound_by_stability: self.is_bound_by_stability(trial, growth),
+            bound_by_stability: self.is_bound_by_stability(rung, trial, growth),
             work: trial.work,
             wall_s: trial.took.wall.as_secs_f64(),
             cpu_s: Some(trial.took.cpu.as_secs_f64()),
@@ -444,17 +446,20 @@ impl<'a> Search<'a> {
     }
 
     /// Whether stability sets the steps: of a method that chooses them, where they depend on the
-    /// tolerance less than a quarter as much as accuracy asks, `10^(1/p)` a decade at order p; of a
-    /// fixed step, where the error is far below what was asked.
-    fn is_bound_by_stability(&self, trial: &Trial, growth: Option<f64>) -> bool {
-        let method = self.candidate.method;
+    /// tolerance less than a quarter as much as accuracy asks, `10^(1/p)` a decade at order p, and are not
+    /// few between two events; of a fixed step that could be longer, where the error is far below what was asked.
+    fn is_bound_by_stability(&self, rung: i32, trial: &Trial, growth: Option<f64>) -> bool {
+        let (method, benchmark) = (self.candidate.method, self.contest.benchmark);
         if method.is_implicit() {
             return false;
         }
         if method.is_fixed_step() {
-            return trial.e < TOO_GOOD * self.contest.accuracy;
+            let is_coarsest = rung <= *ladder::rungs(method, benchmark.t_end).start();
+            return trial.e < TOO_GOOD * self.contest.accuracy && !is_coarsest;
         }
-        growth.is_some_and(|growth| growth < libm::exp10(0.25 / method.order as f64))
+        let n_phases = benchmark.n_events as u64 + 1;
+        let are_many = trial.stats.n_accepted >= STEPS_OF_EVENTS * n_phases;
+        are_many && growth.is_some_and(|growth| growth < libm::exp10(0.25 / method.order as f64))
     }
 }
 

@@ -1,0 +1,326 @@
+//! The study of contacts whose motion is known: a ball between two compliant walls, a mass on a spring that hits a stop.
+//!
+//! Errors are held to closed forms. Counts of work, winners and tables are held to what they were when the closed forms were
+//! first met: a change of any of them is meant, or a defect.
+#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
+
+use std::fmt::Write as _;
+use std::sync::atomic::AtomicBool;
+
+use deltazero_solvers::problems::{CompliantBall, Exit, SpringStop};
+use deltazero_study::map::{CellStatus, Map, MapAxis, MapPlan};
+use deltazero_study::plan::settings;
+use deltazero_study::reference::Reference;
+use deltazero_study::run::Limits;
+use deltazero_study::selection::{Benchmark, Candidate, Contest, Rules};
+use deltazero_study::setting::Events;
+use deltazero_study::steps::StepTables;
+use deltazero_study::work_precision::{Row, Status, WorkPrecision, work_precision};
+use deltazero_study::{Plan, Subject};
+
+/// It flies fast between soft walls that take a tenth of its speed.
+const BALL: CompliantBall = CompliantBall {
+    mass: 0.1,
+    stiffness: 1e4,
+    damping: 2.0,
+    exit: Exit::Penetration,
+    gap: 0.05,
+    start: [0.02, 1.0],
+};
+const T_END: f64 = 0.4;
+
+/// A spring of a hertz or so, a stop forty times as stiff.
+const STOP: SpringStop = SpringStop {
+    mass: 1.0,
+    stiffness: 50.0,
+    stop_stiffness: 2000.0,
+    gap: 0.05,
+    start: [-0.2, 0.0],
+};
+
+fn plan(methods: &[&str], events: &[Events], rtol: &[f64], steps: &[f64], t_end: f64) -> Plan {
+    let methods: Vec<String> = methods.iter().map(|name| (*name).to_owned()).collect();
+    let settings = settings(&methods, events, rtol, steps, None);
+    Plan { settings, repeats: 1, ..Plan::new(t_end) }
+}
+
+fn study(subject: &Subject, plan: &Plan) -> WorkPrecision {
+    work_precision(subject, plan, &[], &AtomicBool::new(false), &|_| {}).unwrap()
+}
+
+/// Number to three digits, or a stroke.
+fn short(number: Option<f64>) -> String {
+    number.map_or_else(|| "-".to_owned(), |number| format!("{number:.2e}"))
+}
+
+/// Fails where two texts differ, and prints the second.
+fn assert_text(own: &str, expected: &str) {
+    assert!(own.trim() == expected.trim(), "\n{own}");
+}
+
+#[test]
+fn the_reference_of_a_ball_between_walls_has_its_events_forces_and_energies() {
+    let (subject, stop) = (Subject::of(BALL), AtomicBool::new(false));
+    let Plan { times, .. } = Plan::new(T_END);
+    let reference = Reference::new(&subject, T_END, &times, Limits::none(&stop)).unwrap();
+    let ([x, v], events) = BALL.solution(T_END);
+    // The start is no event, and what happens there is neither.
+    assert_eq!(
+        (reference.n_events(), reference.n_all_events()),
+        (events.len(), events.len() as u64)
+    );
+    assert_eq!(reference.horizon(), T_END);
+    assert!(reference.summary.agreement < 1e-12, "{:e}", reference.summary.agreement);
+    assert!(reference.summary.can_decide(1e-9) && !reference.summary.can_decide(1e-16));
+
+    let row = study(&subject, &plan(&["dop853"], &[Events::Located], &[1e-12], &[], T_END))
+        .rows
+        .remove(0);
+    assert_eq!((row.status, row.missed, row.spurious), (Status::Ok, Some(0), Some(0)));
+    let near = |own: Option<f64>, exact: f64, what: &str| {
+        let error = (own.unwrap() / exact - 1.0).abs();
+        assert!(error < 1e-7, "{what}: {own:?} {exact} {error:e}");
+    };
+    // In flight at the end, so all that was lost was lost to the walls.
+    let speed = |v: f64| 0.5 * BALL.mass * v * v;
+    near(row.errors.dissipated_j, speed(BALL.start[1]) - speed(v), "dissipated");
+    assert!((0.0..BALL.gap).contains(&x));
+    // Contact k begins at the speed e^k and turns it round.
+    let (e, n_contacts) = (BALL.restitution(), events.len() / 2);
+    let impulses = (0..n_contacts).map(|k| BALL.mass * e.powi(k as i32) * (1.0 + e));
+    near(row.errors.impulse_n_s, impulses.sum(), "impulse");
+    // K δ + D δ̇ is largest in the first contact, where it is searched for on a fine grid.
+    let force = |t: f64| {
+        let [x, v] = BALL.solution(t).0;
+        (x - BALL.gap) * BALL.stiffness + v * BALL.damping
+    };
+    let fine = (0..=20_000).map(|i| events[0] + (events[1] - events[0]) * f64::from(i) / 2e4);
+    near(row.errors.peak_force_n, fine.map(force).fold(0.0, f64::max), "peak");
+    // They are relative to the work of a drive, of which there is none.
+    assert_eq!((row.errors.dissipation_error, row.errors.energy_residual), (None, None));
+}
+
+/// A row without its times.
+fn told(row: &Row) -> String {
+    let errors = &row.errors;
+    let counts =
+        [row.n_rhs, row.n_accepted, row.n_rejected, row.n_jac, row.n_lin_solves, row.n_retaken];
+    let events = [row.n_events, row.missed, row.spurious].map(Option::unwrap);
+    let all = [
+        row.e,
+        errors.e_max,
+        errors.e_l2,
+        errors.e_final,
+        errors.peak_force_error,
+        errors.contact_impulse_error,
+        errors.impulse_error,
+        errors.dissipation_error,
+    ];
+    let all = all.map(short).join(" ");
+    let by_event = short(row.work_by_phase.n_rhs_per_event());
+    format!(
+        "{} {} {}: {counts:?} {events:?} {all} {by_event}",
+        row.method,
+        row.events,
+        row.setting()
+    )
+}
+
+#[test]
+fn rows_of_a_study_of_a_ball_between_walls_are_what_they_were() {
+    let subject = Subject::of(BALL);
+    let plan = plan(&["rk4", "rk45", "radau5"], Events::ALL, &[1e-4, 1e-8], &[2e-4], T_END);
+    let rows: Vec<String> = study(&subject, &plan).rows.iter().map(told).collect();
+    assert_text(&rows.join("\n"), ROWS);
+}
+
+/// Right-hand sides, steps accepted and rejected, Jacobians, linear systems, steps retaken; events, missed, spurious; `e`, `e_max`,
+/// `e_l2`, `e_final`, errors of peak, impulse of a contact, impulse, dissipation; right-hand sides an event.
+const ROWS: &str = r#"
+rk4 located h 2e-4 s: [8107, 2005, 0, 0, 0, 19] [10, 0, 0] 2.99e-6 3.01e-6 4.02e-7 2.73e-7 6.93e-8 1.78e-7 1.84e-7 - 8.70e0
+rk4 blind h 2e-4 s: [8001, 2000, 0, 0, 0, 0] [10, 0, 0] 6.50e-2 6.53e-2 9.49e-3 5.00e-3 1.57e-3 1.58e-3 1.22e-3 - 1.00e-1
+rk45 located rtol 1e-4: [492, 41, 14, 0, 0, 25] [10, 0, 0] 1.35e-2 1.36e-2 1.94e-3 1.16e-3 3.10e-4 3.46e-4 2.70e-4 - 1.62e1
+rk45 located rtol 1e-8: [1158, 153, 19, 0, 0, 19] [10, 0, 0] 4.20e-6 4.25e-6 5.95e-7 3.58e-7 1.00e-7 9.85e-8 7.47e-8 - 1.26e1
+rk45 blind rtol 1e-4: [518, 58, 28, 0, 0, 0] [10, 10, 10] 7.03e-2 7.03e-2 1.11e-2 7.88e-3 - - 2.08e-3 - 2.00e-1
+rk45 blind rtol 1e-8: [2732, 282, 173, 0, 0, 0] [10, 0, 0] 1.58e-4 1.60e-4 2.30e-5 1.33e-5 4.51e-6 4.34e-6 3.12e-6 - 2.00e-1
+radau5 located rtol 1e-4: [608, 47, 28, 47, 463, 35] [10, 0, 0] 4.48e-3 4.51e-3 6.29e-4 3.91e-4 1.22e-4 1.09e-4 7.70e-5 - 2.57e1
+radau5 located rtol 1e-8: [1052, 150, 27, 150, 789, 29] [10, 0, 0] 2.23e-6 2.29e-6 3.16e-7 1.95e-7 6.26e-8 5.40e-8 3.88e-8 - 2.24e1
+radau5 blind rtol 1e-4: [1239, 95, 87, 1037, 661, 0] [10, 0, 0] 3.44e-2 3.44e-2 4.92e-3 7.21e-4 1.39e-3 9.33e-4 6.47e-4 - 2.00e-1
+radau5 blind rtol 1e-8: [2400, 269, 158, 1226, 1583, 0] [10, 0, 0] 8.39e-5 8.48e-5 1.10e-5 1.04e-5 4.20e-6 3.92e-6 8.05e-7 - 2.00e-1
+"#;
+
+#[test]
+fn a_contest_on_a_ball_between_walls_takes_the_trials_that_it_took() {
+    let (stop, plan) = (AtomicBool::new(false), Plan::new(T_END));
+    let subject = Subject::of(BALL);
+    let benchmark = Benchmark::new(subject, T_END, plan.times, Limits::none(&stop)).unwrap();
+    let methods = ["rk4", "rk45", "dop853", "radau5", "rodas5p"].map(str::to_owned);
+    let candidates = Candidate::all(&methods, Events::ALL);
+    let mut text = String::new();
+    for accuracy in [1e-3, 1e-6, 1e-10] {
+        let rules = Rules { repeats: 1, ..Rules::default() };
+        let standings = Contest::new(&benchmark, accuracy, &rules, &stop).run(&candidates, &|_| {});
+        let entries = standings.entries.iter().map(|entry| {
+            let [e, least, most] = [entry.e, entry.e_spread[0], entry.e_spread[1]].map(|e| format!("{e:.1e}"));
+            let (events, work, growth) = ((entry.missed, entry.spurious), entry.work, short(entry.growth));
+            let about = [(entry.timed, "timed"), (entry.grazes, "grazes"), (entry.bound_by_stability, "bound")];
+            let about: Vec<&str> = about.iter().filter(|(is, _)| *is).map(|(_, what)| *what).collect();
+            let (method, setting) = (format!("{} {}", entry.method, entry.events), entry.setting());
+            format!("{method} {setting}: {e} of {least} to {most} {events:?}, work {work}, growth {growth} {about:?}")
+        });
+        let failures = standings.failures.iter().map(|failure| {
+            let (kind, step) = (failure.kind.name(), short(failure.mean_step_s));
+            format!("{} {}: {kind}, step {step}", failure.method, failure.events)
+        });
+        let mut lines: Vec<String> = entries.chain(failures).collect();
+        lines.sort();
+        writeln!(text, "{accuracy:e}: {} trials\n{}", standings.n_trials, lines.join("\n"))
+            .unwrap();
+    }
+    assert_text(&text, CONTESTS);
+}
+
+const CONTESTS: &str = r#"
+1e-3: 40 trials
+dop853 blind: cut, step 2.36e-3
+dop853 located rtol 5.6e-5: 4.3e-4 of 2.4e-4 to 4.3e-4 (0, 0), work 950, growth 1.00e0 ["timed"]
+radau5 blind: cut, step 4.52e-3
+radau5 located rtol 1e-5: 4.7e-4 of 3.7e-4 to 4.7e-4 (0, 0), work 3075, growth 1.07e0 []
+rk4 blind: cut, step 1.30e-4
+rk4 located h 4.2e-4 s: 9.8e-6 of 5.6e-6 to 9.8e-6 (0, 0), work 3943, growth - []
+rk45 blind: cut, step 2.41e-3
+rk45 located rtol 1e-6: 4.3e-4 of 2.5e-4 to 4.3e-4 (0, 0), work 684, growth 1.46e0 ["timed"]
+rodas5p blind: cut, step 7.47e-3
+rodas5p located rtol 3.2e-5: 5.6e-4 of 3.0e-4 to 5.6e-4 (0, 0), work 3931, growth 1.10e0 []
+1e-6: 49 trials
+dop853 blind: cut, step 2.66e-3
+dop853 located rtol 5.6e-7: 6.5e-7 of 4.2e-7 to 6.5e-7 (0, 0), work 868, growth 1.00e0 ["timed"]
+radau5 blind: cut, step 4.52e-3
+radau5 located rtol 1.8e-9: 5.7e-7 of 3.5e-7 to 5.7e-7 (0, 0), work 5872, growth 1.41e0 []
+rk4 blind: cut, step 1.30e-4
+rk4 located h 1.3e-4 s: 7.2e-7 of 5.4e-7 to 7.2e-7 (0, 0), work 12415, growth - []
+rk45 blind: cut, step 1.55e-3
+rk45 located rtol 1.8e-9: 6.9e-7 of 3.8e-7 to 6.9e-7 (0, 0), work 1518, growth 1.57e0 ["timed"]
+rodas5p blind: cut, step 5.74e-3
+rodas5p located rtol 3.2e-8: 1.8e-7 of 9.2e-8 to 1.8e-7 (0, 0), work 6281, growth 1.44e0 []
+1e-10: 55 trials
+dop853 blind: cut, step 7.78e-4
+dop853 located rtol 1e-11: 7.8e-11 of 3.6e-11 to 7.9e-11 (0, 0), work 1611, growth 1.22e0 ["timed"]
+radau5 blind: cut, step 2.01e-3
+radau5 located: cut, step 7.41e-4
+rk4 blind: cut, step 3.70e-4
+rk4 located: cut, step 1.30e-5
+rk45 blind: cut, step 3.47e-4
+rk45 located rtol 1e-13: 4.6e-11 of 2.5e-11 to 4.6e-11 (0, 0), work 8286, growth 1.58e0 []
+rodas5p blind: cut, step 6.67e-3
+rodas5p located: cut, step 1.43e-3
+"#;
+
+#[test]
+fn steps_of_a_mass_that_hits_a_stop_are_told_as_they_were_taken() {
+    let (subject, stop) = (Subject::of(STOP), AtomicBool::new(false));
+    let plan = plan(&["rk45", "radau5"], &[Events::Located], &[1e-5, 1e-7], &[], 2.0);
+    let table = study(&subject, &plan);
+    let tables = StepTables::new(&subject, &plan, &table, Limits::none(&stop));
+    let (_, events) = STOP.solution(2.0);
+    let mut text = String::new();
+    for history in &tables.histories {
+        assert_eq!(history.events.len(), events.len());
+        for (own, exact) in history.events.iter().zip(&events) {
+            assert!((own - exact).abs() < 1e-4, "{own} {exact}");
+        }
+        let sum: f64 = history.steps.iter().map(|step| step.h_s).sum();
+        assert!((sum - 2.0).abs() < 1e-12, "{sum}");
+        let bins = tables.histogram.iter().filter(|bin| bin.method == history.method);
+        assert_eq!(bins.map(|bin| bin.n_steps).sum::<u64>(), history.steps.len() as u64);
+        let stays = tables.stays.iter().filter(|stay| stay.method == history.method);
+        let stays: Vec<_> = stays.collect();
+        // It begins free, and each event ends a stay.
+        assert_eq!(stays.len(), events.len() + 1);
+        for (i, stay) in stays.iter().enumerate() {
+            assert_eq!((stay.is_contact, stay.is_whole), (i % 2 == 1, i < events.len()));
+            assert!((stay.mean_step() * stay.n_steps as f64 - stay.duration_s).abs() < 1e-15);
+        }
+        let n_steps: Vec<usize> = stays.iter().map(|stay| stay.n_steps).collect();
+        let n_lands = history.steps.iter().filter(|step| step.lands).count();
+        writeln!(text, "{}: {n_steps:?}, {n_lands} land", history.title()).unwrap();
+    }
+    for cost in &tables.restart_costs {
+        let recovery = [cost.recovery_steps, cost.lost_steps].map(short);
+        let counts =
+            [cost.rejected, cost.rhs_restart, cost.rhs_location, cost.rhs_step, cost.rhs_event()];
+        let counts = counts.map(|count| short(Some(count)));
+        writeln!(text, "{}: {} events, {recovery:?} {counts:?}", cost.method, cost.n_events)
+            .unwrap();
+    }
+    for row in tables.restarts.iter().filter(|row| row.step <= 3) {
+        let sizes = row.h_over_settled.map(|size| short(Some(size)));
+        writeln!(
+            text,
+            "{} {} {}: {} of {sizes:?}, {}",
+            row.method, row.into_contact, row.step, row.n, row.n_rejected
+        )
+        .unwrap();
+    }
+    assert_text(&text, STEPS);
+}
+
+const STEPS: &str = r#"
+rk45, rtol 1e-7: [14, 18, 27, 18, 27, 18, 27], 6 land
+radau5, rtol 1e-7: [15, 18, 26, 18, 26, 18, 26], 6 land
+rk45: 6 events, ["1.00e0", "8.01e-1"] ["5.00e-1", "1.14e0", "1.20e1", "6.00e0", "2.10e1"]
+radau5: 6 events, ["1.00e0", "8.24e-1"] ["1.00e0", "1.14e0", "2.15e1", "4.57e0", "3.10e1"]
+rk45 true 1: 3 of ["2.15e-1", "2.15e-1", "2.15e-1"], 3
+rk45 true 2: 3 of ["2.03e-1", "2.03e-1", "2.04e-1"], 0
+rk45 true 3: 3 of ["2.06e-1", "2.06e-1", "2.06e-1"], 0
+rk45 false 1: 3 of ["1.99e-1", "1.99e-1", "1.99e-1"], 0
+rk45 false 2: 3 of ["7.06e-1", "7.06e-1", "7.06e-1"], 0
+rk45 false 3: 3 of ["6.29e-1", "6.29e-1", "6.29e-1"], 0
+radau5 true 1: 3 of ["1.85e-1", "1.85e-1", "1.85e-1"], 6
+radau5 true 2: 3 of ["1.79e-1", "1.79e-1", "1.79e-1"], 0
+radau5 true 3: 3 of ["1.79e-1", "1.79e-1", "1.79e-1"], 0
+radau5 false 1: 3 of ["1.76e-1", "1.76e-1", "1.76e-1"], 0
+radau5 false 2: 3 of ["8.44e-1", "8.44e-1", "8.44e-1"], 0
+radau5 false 3: 3 of ["7.98e-1", "7.98e-1", "7.98e-1"], 0
+"#;
+
+#[test]
+fn a_map_has_a_winner_at_each_place_and_tells_by_how_much() {
+    let axes = [MapAxis::new("K", "N/m", &[1e3, 1e5]), MapAxis::new("D", "N s/m", &[0.5, 5.0])];
+    let methods = ["rk45", "dop853", "radau5"].map(str::to_owned);
+    let candidates = Candidate::all(&methods, Events::ALL);
+    let rules = Rules { candidates, repeats: 1, ..Rules::default() };
+    let plan = MapPlan { rules, accuracies: vec![1e-4, 1e-7], ..MapPlan::new(T_END) };
+    let of =
+        |[stiffness, damping]: [f64; 2]| Subject::of(CompliantBall { stiffness, damping, ..BALL });
+    let map = Map::new(axes, &plan, 2, of);
+    let places: Vec<_> = map.cells.iter().map(|cell| (cell.at, cell.contest.accuracy)).collect();
+    let at = |k: f64, d: f64| [([k, d], 1e-4), ([k, d], 1e-7)];
+    assert_eq!(places, [at(1e3, 0.5), at(1e3, 5.0), at(1e5, 0.5), at(1e5, 5.0)].concat());
+    assert_eq!(map.axes[0].label(), "K [N/m]");
+    for cell in &map.cells {
+        let contest = &cell.contest;
+        let [stiffness, damping] = cell.at;
+        let (_, events) = CompliantBall { stiffness, damping, ..BALL }.solution(T_END);
+        assert_eq!((contest.status, contest.n_events), (CellStatus::Ok, Some(events.len())));
+        assert_eq!((contest.t_end_s, contest.horizon_s), (Some(T_END), None));
+        let (first, second) = (contest.winner().unwrap(), contest.second());
+        assert!(contest.fixed().all(|entry| !entry.timed || entry.time_s() >= first.time_s()));
+        assert_eq!(contest.margin(), second.map(|second| second.time_s() / first.time_s()));
+        assert_eq!(contest.auto_over_winner(), None);
+        let time = |of: &dyn Fn(bool, Events) -> bool| {
+            let own = contest.standings.entries.iter();
+            own.filter(|entry| of(entry.implicit, entry.events))
+                .map(|entry| entry.time_s())
+                .fold(f64::NAN, f64::min)
+        };
+        let ratio = |a: f64, b: f64| Some(a / b).filter(|ratio| ratio.is_finite());
+        let of_kind = ratio(time(&|implicit, _| !implicit), time(&|implicit, _| implicit));
+        assert_eq!(contest.explicit_over_implicit(), of_kind);
+        let of_events = ratio(
+            time(&|_, events| events == Events::Blind),
+            time(&|_, events| events == Events::Located),
+        );
+        assert_eq!(contest.blind_over_located(), of_events);
+    }
+}
