@@ -7,14 +7,17 @@
 use std::fmt::Write as _;
 use std::sync::atomic::AtomicBool;
 
+use deltazero_solvers::Grid;
 use deltazero_solvers::problems::{CompliantBall, Exit, SpringStop};
 use deltazero_study::map::{CellStatus, Map, MapAxis, MapPlan};
 use deltazero_study::plan::settings;
 use deltazero_study::reference::Reference;
-use deltazero_study::run::Limits;
+use deltazero_study::run::{Limits, Price};
 use deltazero_study::selection::{Benchmark, Candidate, Contest, Rules};
 use deltazero_study::setting::Events;
+use deltazero_study::simulation::Asked;
 use deltazero_study::steps::StepTables;
+use deltazero_study::warning::Warning;
 use deltazero_study::work_precision::{Row, Status, WorkPrecision, work_precision};
 use deltazero_study::{Plan, Subject};
 
@@ -232,7 +235,15 @@ fn steps_of_a_mass_that_hits_a_stop_are_told_as_they_were_taken() {
         let sum: f64 = history.steps.iter().map(|step| step.h_s).sum();
         assert!((sum - 2.0).abs() < 1e-12, "{sum}");
         let bins = tables.histogram.iter().filter(|bin| bin.method == history.method);
-        assert_eq!(bins.map(|bin| bin.n_steps).sum::<u64>(), history.steps.len() as u64);
+        assert_eq!(bins.clone().map(|bin| bin.n_steps).sum::<u64>(), history.steps.len() as u64);
+        assert!(bins.clone().is_sorted_by(|a, b| (a.kind, a.h_s.0) < (b.kind, b.h_s.0)));
+        for bin in bins {
+            let is_in = |h: f64| bin.h_s.0 <= h && h < bin.h_s.1;
+            let steps =
+                history.steps.iter().filter(|step| step.kind() == bin.kind && is_in(step.h_s));
+            assert_eq!(steps.count() as u64, bin.n_steps, "{bin:?}");
+            assert!((bin.h_s.1 / bin.h_s.0).log10() - 0.1 < 1e-12, "{bin:?}");
+        }
         let stays = tables.stays.iter().filter(|stay| stay.method == history.method);
         let stays: Vec<_> = stays.collect();
         // It begins free, and each event ends a stay.
@@ -323,4 +334,60 @@ fn a_map_has_a_winner_at_each_place_and_tells_by_how_much() {
         );
         assert_eq!(contest.blind_over_located(), of_events);
     }
+}
+
+#[test]
+fn a_simulation_of_a_ball_between_walls_tells_its_motion_wall_by_wall() {
+    let (subject, stop) = (Subject::of(BALL), AtomicBool::new(false));
+    let plan = plan(&["dop853"], &[Events::Located], &[1e-12], &[], T_END);
+    let (setting, limits) = (&plan.settings[0], Limits::none(&stop));
+    let (times, tell) = (vec![0.01, 0.031, 0.1, 0.2, 0.39], |_: &Warning| {});
+    let asked = Asked { setting, t_end: T_END, grid: Grid::Times(times.clone()), tell: &tell };
+    let own = subject.parts[0].simulate(&asked, &mut limits.watch(Price::of_setting(setting)));
+    let (end, events) = BALL.solution(T_END);
+    assert_eq!((own.n_events, own.failed_site, own.stopped), (events.len(), None, None));
+    assert_eq!((own.n_at_speed_floor, own.warnings.len()), (0, 0));
+    for (own, exact) in own.run.y.iter().zip(end) {
+        assert!((own - exact).abs() < 1e-9, "{own} {exact}");
+    }
+    let balance = own.balance.unwrap();
+    let lost = 0.5 * BALL.mass * (BALL.start[1] * BALL.start[1] - end[1] * end[1]);
+    assert!(
+        (balance.dissipated / lost - 1.0).abs() < 1e-9 && balance.residual.abs() < 1e-12,
+        "{balance:?}"
+    );
+
+    let names: Vec<&str> = own.sites.iter().map(|site| site.name.as_str()).collect();
+    assert_eq!(names, ["left wall", "right wall"]);
+    let mut all = Vec::new();
+    for (site, contacts) in own.sites.iter().zip(own.contacts.unwrap()) {
+        let samples: Vec<_> = site.samples().collect();
+        assert_eq!(samples.len(), times.len());
+        for ((t, _, values), time) in samples.iter().zip(&times) {
+            let [x, v] = BALL.solution(*time).0;
+            assert_eq!((*t, values.len()), (*time, site.columns.len()));
+            assert!((values[0] - x).abs() < 1e-9 && (values[1] - v).abs() < 1e-9, "{values:?}");
+        }
+        let modes: Vec<&str> = samples.iter().map(|(_, mode, _)| *mode).collect();
+        let at_walls = ["Contact(Right)", "Contact(Left)"];
+        assert_eq!(modes, [["Flight(Right)"].as_slice(), &at_walls, &["Flight(Left)"; 2]].concat());
+        all.extend(site.changes.iter().map(|change| change.t));
+        let [first, last] = [&contacts[0], &contacts[contacts.len() - 1]];
+        assert!(first.begin < last.begin && (contacts.len() == 2 || contacts.len() == 3));
+        for contact in &contacts {
+            let speed = BALL.solution(contact.begin - 1e-9).0[1].abs();
+            assert!(
+                (contact.impact_speed.unwrap() / speed - 1.0).abs() < 1e-9,
+                "{contact:?} {speed}"
+            );
+            let impulse = BALL.mass * speed * (1.0 + BALL.restitution());
+            assert!((contact.impulse / impulse - 1.0).abs() < 1e-6, "{contact:?} {impulse}");
+            assert!((contact.end - contact.begin - BALL.contact_time()).abs() < 1e-9);
+        }
+    }
+    all.sort_by(f64::total_cmp);
+    for (own, exact) in all.iter().zip(&events) {
+        assert!((own - exact).abs() < 1e-9, "{own} {exact}");
+    }
+    assert_eq!(all.len(), events.len());
 }
