@@ -87,19 +87,25 @@ impl Coefficient for Lanes<f64x2> {
     }
 }
 
+/// Four numbers from number k on.
+#[inline(always)]
+fn upwards<B: Coefficient, F: Four<B>>(row: &Row<B>, k: usize) -> F {
+    F::of([row.at(k), row.at(k + 1), row.at(k + 2), row.at(k + 3)])
+}
+
+/// Four numbers from number k down. Loaded in ascending order and reversed, they need one load and one permutation.
+#[inline(always)]
+fn downwards<B: Coefficient, F: Four<B>>(row: Tail<'_, B>, k: usize) -> F {
+    F::turned([row.at(k - 3), row.at(k - 2), row.at(k - 1), row.at(k)])
+}
+
 /// [`long_inner`](Coefficient::long_inner), four terms at a time. The first vector takes the one to four terms after
 /// which the number of remaining terms is a multiple of four.
 #[inline(always)]
 fn sum_by_fours<B: Coefficient, F: Four<B>>(k: usize, a: &Row<B>, b: Tail<'_, B>) -> B {
-    let upwards =
-        |row: &Row<B>, k: usize| F::of([row.at(k), row.at(k + 1), row.at(k + 2), row.at(k + 3)]);
-    // Loaded in ascending order and reversed, the four numbers need one load and one permutation.
-    let downwards = |row: Tail<'_, B>, k: usize| {
-        F::turned([row.at(k - 3), row.at(k - 2), row.at(k - 1), row.at(k)])
-    };
-    let mut sums = (upwards(a, 1) * downwards(b, k - 1)) & F::first(FIRST[(k - 2) % 4]);
+    let mut sums = (upwards::<B, F>(a, 1) * downwards(b, k - 1)) & F::first(FIRST[(k - 2) % 4]);
     for fours_left in (1..(k + 2) / 4).rev() {
-        let (a, b) = (upwards(a, k - 4 * fours_left), downwards(b, 4 * fours_left));
+        let (a, b): (F, F) = (upwards(a, k - 4 * fours_left), downwards(b, 4 * fours_left));
         sums = a.mul_add(b, sums);
     }
     sums.sum()

@@ -105,11 +105,13 @@ impl Polynomial {
     }
 
     /// A lower bound of its values.
+    #[inline]
     pub fn lower_bound(&self) -> f64 {
         self.c[1..=self.degree].iter().fold(self.c[0], |least, c| least + c.min(0.0))
     }
 
     /// Extends it by a term of the next order, if there is room for one, to the value `end` at 1.
+    #[inline]
     pub fn extend_to(&mut self, end: f64) {
         if self.degree < MAX_ORDER {
             let lacking = end - self.at(1.0);
