@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use deltazero_study::parallel::in_parallel;
+use deltazero_study::parallel::{cores, in_parallel};
 use drawn::Judged;
 use drawn::audit::Budget;
 use drawn::draw::Draw;
@@ -40,7 +40,7 @@ struct Args {
 
 impl Args {
     fn read() -> Self {
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let threads = cores();
         let mut own = Self { n: 20, from: 0, seed: 1, threads, out: None };
         let mut args = std::env::args().skip(1).filter(|arg| arg != "--bench");
         while let Some(name) = args.next() {

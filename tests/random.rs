@@ -5,7 +5,7 @@
 mod drawn;
 
 use deltazero::config::Config;
-use deltazero_study::parallel::in_parallel;
+use deltazero_study::parallel::{cores, in_parallel};
 use drawn::Judged;
 use drawn::audit::Budget;
 use drawn::draw::Draw;
@@ -19,7 +19,7 @@ const BUDGET: Budget = Budget { work: 3e5, wall_s: 60.0 };
 
 #[test]
 fn methods_of_different_kind_agree_on_configurations_drawn_at_random() {
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = cores();
     let draws: Vec<u64> = (0..N).collect();
     let all = in_parallel(&draws, threads, |i| {
         Judged::new(Draw::new(SEED, *i).shortened(SHARE), *i, BUDGET)

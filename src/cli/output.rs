@@ -4,7 +4,7 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use deltazero::figures::{Drawing, Picture};
+use deltazero::figures::{self, Drawing, Picture};
 use deltazero::whole;
 use deltazero_study::reference::RECIPE;
 use serde_json::Value;
@@ -131,23 +131,34 @@ impl Output {
 
     /// Draws figures, as SVG and PNG into `figures/`.
     pub(super) fn draw(&self, drawings: &[Drawing]) -> Result<Vec<Picture>, Failure> {
-        drawings.iter().map(|drawing| self.draw_as(drawing.name, drawing)).collect()
+        let pictures =
+            figures::pictures(drawings).map_err(|(name, error)| cannot_draw(name, &error))?;
+        pictures.iter().try_for_each(|picture| self.write_picture(picture))?;
+        Ok(pictures)
     }
 
     /// Draws a figure, as SVG and PNG of this name into `figures/`.
     pub(super) fn draw_as(&self, name: &str, drawing: &Drawing) -> Result<Picture, Failure> {
-        let picture = drawing
-            .picture()
-            .map_err(|error| Failure::Run(format!("cannot draw {name}: {error}")))?;
-        self.write(&format!("figures/{name}.svg"), picture.svg.as_bytes())?;
-        self.write(&format!("figures/{name}.png"), &picture.png)?;
-        Ok(Picture { name: name.to_owned(), ..picture })
+        let picture = drawing.picture().map_err(|error| cannot_draw(name, &error))?;
+        let picture = Picture { name: name.to_owned(), ..picture };
+        self.write_picture(&picture)?;
+        Ok(picture)
+    }
+
+    fn write_picture(&self, Picture { name, svg, png, .. }: &Picture) -> Result<(), Failure> {
+        self.write(&format!("figures/{name}.svg"), svg.as_bytes())?;
+        self.write(&format!("figures/{name}.png"), png)
     }
 
     /// Where it is.
     pub(super) fn path(&self) -> std::path::Display<'_> {
         self.dir.display()
     }
+}
+
+/// The failure of a figure.
+pub(super) fn cannot_draw(name: &str, error: &deltazero_plots::Error) -> Failure {
+    Failure::Run(format!("cannot draw {name}: {error}"))
 }
 
 /// The lock of a command that alone writes into `dir`; what an earlier one left unfinished is removed.

@@ -21,7 +21,7 @@ use humantime::format_rfc3339_seconds;
 use serde_json::{Value, json};
 
 use super::kept::Kept;
-use super::output::{Output, hash, is_current};
+use super::output::{Output, cannot_draw, hash, is_current};
 use super::progress::Bar;
 use super::reference::reference;
 use super::{Failure, RESUMED, RunArgs, note_left_out, print, say, warn};
@@ -178,7 +178,7 @@ pub(super) fn write_report(
     drawings.extend(figures::chosen_axes(table, &config.study.x, &config.study.y));
     let about = About::of(config);
     let files = report::study_files(&about, &plan, table, &study.provenance(), &drawings)
-        .map_err(|(name, error)| Failure::Run(format!("cannot draw {name}: {error}")))?;
+        .map_err(|(name, error)| cannot_draw(name, &error))?;
     files.iter().try_for_each(|file| output.write(&file.name, &file.content))
 }
 

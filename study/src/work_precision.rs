@@ -122,8 +122,7 @@ pub fn against(
     // repeat of one.
     for turn in 0..*repeats {
         if turn == 1 {
-            is_timed =
-                rows.iter().map(|row| row.time_s().is_some() && may_win(row, &rows)).collect();
+            is_timed = rows.iter().map(|row| may_win(row, &rows)).collect();
             left.without_repeats(1, &is_timed);
         }
         let jobs: Vec<(usize, (&Setting, &Row))> = settings.iter().zip(&rows).enumerate().collect();
