@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::error::{Error, Outcome};
-use crate::event::GuardWatch;
+use crate::event_location::GuardWatch;
 use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
 use crate::real::Real;
 use crate::record::{Event, Record};

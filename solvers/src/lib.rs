@@ -80,7 +80,7 @@
 //!   [`order_conditions`]. Methods without a tableau are [`taylor`] series; the library [`diffsol`](mod@diffsol); and
 //!   the method that chooses between others ([`auto`]).
 //! - One step: [`step`] with its [`dense`] output, accepted or rejected by [`control`] to a [`tolerance`].
-//! - Events: [`event`] finds guards that fall within a step, [`root`] computes their roots.
+//! - Events: [`event_location`] finds guards that fall within a step, and when, by the root finders of [`root`].
 //! - One smooth phase: [`phase`] defines the contract, [`one_step`] fulfils it for methods that hand on a step.
 //! - The run: [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in an outcome or an
 //!   [`error`]. Runs of systems of a kind are computed several at once by [`Method::run_batch`], in a [`batch`].
@@ -106,7 +106,7 @@ pub mod double_double;
 pub mod enclosure;
 pub mod erk;
 pub mod error;
-pub mod event;
+pub mod event_location;
 pub mod integrate;
 pub mod lanes;
 mod linear;

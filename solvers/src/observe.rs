@@ -36,7 +36,7 @@
 //! # What is found within one step
 //!
 //! Each function is followed on the dense output of each step by the march that follows the guards which move faster
-//! than the states ([`event`](crate::event), stage 4): intervals that begin short, and grow while parabolas through the
+//! than the states ([`event_location`](crate::event_location), stage 4): intervals that begin short, and grow while parabolas through the
 //! values follow the function. Two zeros within one step are found by the minimum between them. It takes some twenty
 //! evaluations of the dense output and the function for each step, and the stages that dense output needs. A step on
 //! which a function is not finite, or cannot be followed, is [listed](Observations::unfollowed).
@@ -44,7 +44,7 @@
 use std::ops::ControlFlow;
 
 use crate::error::Error;
-use crate::event::march::{Found, first_fall, first_width};
+use crate::event_location::march::{Found, first_fall, first_width};
 use crate::phase::Point;
 use crate::record::{Accepted, Event, Record};
 use crate::root::{Bracket, find_root};

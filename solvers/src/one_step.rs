@@ -9,7 +9,7 @@ mod state;
 
 use crate::control::{Control, StepController, Steps, Verdict};
 use crate::error::Error;
-use crate::event::{GuardCrossing, GuardWatch};
+use crate::event_location::{GuardCrossing, GuardWatch};
 use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
 use crate::record::{Accepted, Needs, Record, reject};
 use crate::stats::Stats;

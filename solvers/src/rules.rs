@@ -15,7 +15,7 @@
 //!   [`Error::Chatter`]; 100 events within 1e-9 of the time since the run began
 //!   [accumulate](crate::System::accumulation).
 //! - A guard that is violated at the end of a step is always found. A dip inside the step is searched for where the
-//!   cubic through values and rates at both ends comes near zero ([`event`](crate::event)). Guards may move faster than
+//!   cubic through values and rates at both ends comes near zero ([`event_location`](crate::event_location)). Guards may move faster than
 //!   the states, which alone control the step: `sin(1000 t)` while the states rest. So each phase begins by comparing
 //!   the guards with their cubics, and a guard that strays is followed through the step in shorter intervals. None of
 //!   4000 sines of 1 to 1000 rad/s with dips of 1e-9 to one of their range was missed by any method, with fixed steps or

@@ -2,7 +2,7 @@
 
 use super::parameters::{ByParameters, pick, set};
 use super::steps::{Judgement, Steps};
-use crate::event::GuardWatch;
+use crate::event_location::GuardWatch;
 use crate::lanes::{Lanes, Simd};
 use crate::real::{Ordered, Real};
 use crate::system::{Alike, System, Vector};

@@ -2,7 +2,7 @@
 
 use super::parameters::ByParameters;
 use crate::control::Control;
-use crate::event::GuardWatch;
+use crate::event_location::GuardWatch;
 use crate::lanes::{Lanes, Simd};
 use crate::one_step::OneStep;
 use crate::real::{Ordered, Real};
@@ -121,7 +121,8 @@ impl<V: Simd> Judgement<V> {
         self.is_adaptive.then_some((self.rtol, &self.atol))
     }
 
-    /// Ends with lanes without turns, where the least [`no_turn`](crate::event::no_turn) of all guards is zero or more.
+    /// Ends with lanes without turns, where the least
+    /// [`no_turn`](crate::event_location::no_turn) of all guards is zero or more.
     #[inline(always)]
     pub(super) fn end_with(&mut self, least: Lanes<V>) {
         self.is_plain = self.is_clear & least.is_above(Lanes::cst(-f64::MIN_POSITIVE));

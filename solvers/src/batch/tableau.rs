@@ -5,7 +5,7 @@ use num_dual::Dual64;
 use super::parameters::{ByParameters, pick, set};
 use super::steps::{Judgement, Steps};
 use crate::erk::{ExplicitRk, sharpened};
-use crate::event::{GuardWatch, is_far, no_turn};
+use crate::event_location::{GuardWatch, is_far, no_turn};
 use crate::lanes::dual::DualLanes;
 use crate::lanes::{Lanes, Simd};
 use crate::real::{Ordered, Real};

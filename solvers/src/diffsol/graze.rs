@@ -1,7 +1,7 @@
 //! Grazing guards of accepted steps, and bounces too low to resolve.
 
 use super::{DiffsolSolver, SolverStep};
-use crate::event::{Graze, STEPS};
+use crate::event_location::{Graze, STEPS};
 use crate::record::Record;
 use crate::step::Step;
 use crate::system::System;

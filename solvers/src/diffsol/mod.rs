@@ -12,7 +12,7 @@ mod lu;
 mod stepper;
 
 use crate::error::Error;
-use crate::event::GuardWatch;
+use crate::event_location::GuardWatch;
 use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
 use crate::record::{Accepted, Record};
 use crate::stats::Stats;

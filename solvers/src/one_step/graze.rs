@@ -3,7 +3,7 @@
 use super::{OneStep, OneStepSolver, PhaseContext};
 use crate::control::Control;
 use crate::dense::hermite;
-use crate::event::{Graze, STEPS};
+use crate::event_location::{Graze, STEPS};
 use crate::step::Step;
 use crate::system::{System, Vector};
 

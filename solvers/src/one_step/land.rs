@@ -2,7 +2,7 @@
 
 use super::{OneStep, OneStepSolver};
 use crate::error::Error;
-use crate::event::GuardCrossing;
+use crate::event_location::GuardCrossing;
 use crate::root::Bracket;
 use crate::stats::Stats;
 use crate::step::Step;

@@ -15,7 +15,7 @@ use super::rows::MAX_ORDER;
 use crate::double_double::DoubleDouble;
 use crate::erk::InMode;
 use crate::error::{Error, Outcome};
-use crate::event::{GuardCrossing, GuardWatch};
+use crate::event_location::{GuardCrossing, GuardWatch};
 use crate::integrate::{Instant, Transitions, rounded};
 use crate::phase::{PhaseEnd, Point, check_finite};
 use crate::real::Real;

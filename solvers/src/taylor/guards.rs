@@ -8,7 +8,7 @@ use super::trace::Trace;
 use super::unrolled::OfOrder;
 use crate::erk::InMode;
 use crate::error::Error;
-use crate::event::{GuardCrossing, GuardWatch};
+use crate::event_location::{GuardCrossing, GuardWatch};
 use crate::real::{Ordered, Real};
 use crate::root::minimum;
 use crate::step::Step;

@@ -7,7 +7,7 @@ use super::order::{self, Reach};
 use super::rows::MAX_ORDER;
 use crate::erk::InMode;
 use crate::error::Error;
-use crate::event::{GuardCrossing, GuardWatch};
+use crate::event_location::{GuardCrossing, GuardWatch};
 use crate::one_step::OneStep;
 use crate::real::Real;
 use crate::stats::Stats;

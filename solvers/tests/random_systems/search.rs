@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use deltazero_solvers::Step;
-use deltazero_solvers::event::GuardWatch;
+use deltazero_solvers::event_location::GuardWatch;
 use fastrand::Rng;
 
 use crate::SEED;

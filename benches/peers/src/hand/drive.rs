@@ -18,7 +18,7 @@ const STRETCH: f64 = 1.01;
 const FIRST_STEP: f64 = 1e-6;
 /// A run with more events than this chatters.
 const MAX_EVENTS: usize = 10_000;
-/// See `deltazero_solvers::event`.
+/// See `deltazero_solvers::event_location`.
 const NEAR: f64 = 0.25;
 /// Fraction of a step to which dense output predicts an event.
 const PREDICTION: f64 = 1e-9;

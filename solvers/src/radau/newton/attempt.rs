@@ -4,7 +4,7 @@ use num_complex::Complex;
 
 use super::{FULL_STEPS, RadauMethod};
 use crate::error::Error;
-use crate::event::{GuardCrossing, GuardWatch};
+use crate::event_location::{GuardCrossing, GuardWatch};
 use crate::one_step::{OneStep, PREDICTION};
 use crate::radau::RadauStep;
 use crate::radau::convergence::Iteration;
