@@ -3,7 +3,7 @@
 //!
 //! A mechanism is made of [`Shared`] and of keys of its own; a configuration is both, read and checked.
 
-mod common;
+mod defaults;
 mod key;
 mod kind;
 mod range;
@@ -13,7 +13,7 @@ mod struts;
 pub(crate) mod test_defaults;
 mod words;
 
-pub use common::COMMON;
+pub use defaults::COMMON;
 pub use key::{DefaultValue, FINITE, JOINT_TABLES, JOINTS, Key, NOT_NEGATIVE, POSITIVE, one_joint};
 pub use kind::{Kind, listing};
 pub use range::{End, Range};

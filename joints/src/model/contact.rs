@@ -4,8 +4,8 @@ use deltazero_solvers::Real;
 use deltazero_solvers::real::{Length, Over};
 
 use super::elastic::{Conformal, Elastic, Logarithmic};
+use super::hysteresis::hysteresis_factor;
 use super::mode::delta_bound;
-use super::restitution::hysteresis_factor;
 use crate::keys::{Contact, ContactLaw, Curvature, Joint};
 
 /// Normal force law: an elastic relation F(δ) and what it loses, by viscous damping or by hysteresis.

@@ -1,5 +1,5 @@
 //! The normal laws, told: equation, source, range. Their forces are in [`contact`](super::contact),
-//! [`restitution`](super::restitution) and [`elastic`](super::elastic), their words in [`keys`](crate::keys).
+//! [`hysteresis`](super::hysteresis) and [`elastic`](super::elastic), their words in [`keys`](crate::keys).
 
 use crate::keys::ContactLaw;
 

@@ -1,4 +1,4 @@
-//! The readings of the paper: constants of one struct.
+//! The readings of the paper: constants of one struct. Forces are computed from them in `generalised_forces`.
 
 use crate::keys::ReadingName;
 
