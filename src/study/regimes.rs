@@ -1,4 +1,6 @@
-//! Where does which method win? The contest over a grid of contact stiffness × damping × accuracy.
+//! The map of joints: the contest over a grid of contact stiffness × damping × accuracy, and of readings of the paper.
+//!
+//! That of two parameters of any model is [`deltazero_study::map`].
 
 use std::ops::Deref;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,4 +1,4 @@
-//! Where does which method win? The contest over a grid of two parameters of a model, at several accuracies.
+//! The map of any model: the contest over a grid of two of its parameters, at several accuracies.
 
 use std::sync::atomic::AtomicBool;
 

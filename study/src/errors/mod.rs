@@ -1,4 +1,7 @@
 //! How far a run is from the reference, in states, events and contacts; and where its work went.
+//!
+//! The error `e` of one state is [`ErrorScale::error`]; that of a run is the largest over its samples within the horizon,
+//! [`PartReference::error`](crate::reference::PartReference::error).
 
 pub mod contact_summary;
 pub mod contacts;
