@@ -29,6 +29,12 @@ pub(crate) trait Scalar:
 
     /// `|Re| + |Im|`.
     fn size(self) -> f64;
+
+    /// Calls `factorise_any`. It is not generic, so that it is compiled in this crate alone; so with the next.
+    fn factorise(shifted: &mut Shifted<Self>, jacobian: &Jacobian, shift: Self, h: f64);
+
+    /// Calls `solve_any`.
+    fn solve(shifted: &mut Shifted<Self>, b: &mut [Self]);
 }
 
 impl Scalar for f64 {
@@ -41,6 +47,14 @@ impl Scalar for f64 {
     fn size(self) -> f64 {
         self.abs()
     }
+
+    fn factorise(shifted: &mut Shifted<Self>, jacobian: &Jacobian, shift: Self, h: f64) {
+        shifted.factorise_any(jacobian, shift, h);
+    }
+
+    fn solve(shifted: &mut Shifted<Self>, b: &mut [Self]) {
+        shifted.solve_any(b);
+    }
 }
 
 impl Scalar for Complex<f64> {
@@ -52,6 +66,14 @@ impl Scalar for Complex<f64> {
     #[inline(always)]
     fn size(self) -> f64 {
         self.re.abs() + self.im.abs()
+    }
+
+    fn factorise(shifted: &mut Shifted<Self>, jacobian: &Jacobian, shift: Self, h: f64) {
+        shifted.factorise_any(jacobian, shift, h);
+    }
+
+    fn solve(shifted: &mut Shifted<Self>, b: &mut [Self]) {
+        shifted.solve_any(b);
     }
 }
 
@@ -146,6 +168,16 @@ impl<T: Scalar> Shifted<T> {
 
     /// Factorises `shift I − h J`. Where that matrix is singular, solutions are not finite.
     pub(crate) fn factorise(&mut self, jacobian: &Jacobian, shift: T, h: f64) {
+        T::factorise(self, jacobian, shift, h);
+    }
+
+    /// Replaces `b` by the solution `x` of `(shift I − h J) x = b`.
+    pub(crate) fn solve(&mut self, b: &mut [T]) {
+        T::solve(self, b);
+    }
+
+    #[inline(always)]
+    fn factorise_any(&mut self, jacobian: &Jacobian, shift: T, h: f64) {
         if let (Self::Sparse(_), Jacobian::Dense(jacobian)) = (&*self, jacobian) {
             *self = Self::Dense(DenseLu::new(jacobian.n));
         }
@@ -159,8 +191,8 @@ impl<T: Scalar> Shifted<T> {
         }
     }
 
-    /// Replaces `b` by the solution `x` of `(shift I − h J) x = b`.
-    pub(crate) fn solve(&mut self, b: &mut [T]) {
+    #[inline(always)]
+    fn solve_any(&mut self, b: &mut [T]) {
         match self {
             Self::Dense(dense) => dense.solve(b),
             Self::Sparse(sparse) => sparse.solve(b),

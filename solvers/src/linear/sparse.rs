@@ -75,17 +75,21 @@ impl SparseMatrix {
             Some(k) => self.entries[k] = entry,
             None => is_complete = false,
         });
-        is_complete || (self.widen(all) && self.set(all))
+        if is_complete {
+            return true;
+        }
+        let mut new = Vec::new();
+        all.for_each(|i, j, _| new.push((i, j)));
+        self.widen(all.n(), &new) && self.set(all)
     }
 
-    /// Adds these entries, and the diagonal, to the pattern. Returns false where they are too many.
-    fn widen(&mut self, new: &impl Entries) -> bool {
-        let n = new.n();
+    /// Adds these entries `(i, j)`, and the diagonal, to the pattern of `n` rows. Returns false where they are too many.
+    fn widen(&mut self, n: usize, new: &[(usize, usize)]) -> bool {
         let mut rows: Vec<Vec<usize>> = (0..n).map(|j| vec![j]).collect();
         for (j, rows) in rows.iter_mut().enumerate() {
             rows.extend(&self.pattern.row_idx()[self.pattern.col_range(j)]);
         }
-        new.for_each(|i, j, _| rows[j].push(i));
+        new.iter().for_each(|&(i, j)| rows[j].push(i));
         let mut starts = vec![0];
         let mut all = Vec::new();
         for mut rows in rows {
