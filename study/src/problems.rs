@@ -8,6 +8,8 @@ use deltazero_solvers::{ModeOfState as _, Real, Record};
 use crate::problem::{Energy, Power, Problem, Quantity, Role, Touch};
 use crate::run::{Begun, OwnRun, Setting, at_once, blind, extended};
 
+// Functions that integrate are `inline`: they are compiled where they are called, and the program calls none of them.
+
 /// A position and its velocity.
 fn position_and_velocity(length: f64, speed: f64) -> Vec<Quantity> {
     vec![Quantity::new("x", "m", length), Quantity::new("v", "m/s", speed)]
@@ -26,6 +28,7 @@ impl Problem for BouncingBall {
         true
     }
 
+    #[inline]
     fn integrate_at_once(
         runs: &[Begun<'_, Self>],
         setting: &Setting,
@@ -102,6 +105,7 @@ impl Problem for CompliantBall {
         self.mode_of_state(t, y)
     }
 
+    #[inline]
     fn integrate_blind(
         &self,
         setting: &Setting,
@@ -112,6 +116,7 @@ impl Problem for CompliantBall {
         blind(self, setting, y0, t_end, record)
     }
 
+    #[inline]
     fn integrate_extended(
         &self,
         rtol: f64,

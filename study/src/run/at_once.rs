@@ -27,18 +27,19 @@ pub fn integrate_all<P: Problem, R: Record<P>>(
     if several.len() == 1 {
         alone.append(&mut several);
     }
-    let run = |(i, ((problem, y0), record)): (usize, (Begun<'_, P>, &mut dyn Record<P>))| {
-        (i, integrate(problem, setting, y0, t_end, record))
-    };
-    let mut made: Vec<_> = alone.into_iter().map(run).collect();
+    let mut made: Vec<Option<OwnRun<P>>> = runs.iter().map(|_| None).collect();
+    for (i, ((problem, y0), record)) in alone {
+        made[i] = Some(integrate(problem, setting, y0, t_end, record));
+    }
     let (places, several): (Vec<_>, Vec<_>) = several.into_iter().unzip();
     let (begun, mut records): (Vec<_>, Vec<_>) = several.into_iter().unzip();
     if !begun.is_empty() {
         let at_once = P::integrate_at_once(&begun, setting, t_end, &mut records);
-        made.extend(places.into_iter().zip(at_once));
+        for (i, run) in places.into_iter().zip(at_once) {
+            made[i] = Some(run);
+        }
     }
-    made.sort_by_key(|(i, _)| *i);
-    made.into_iter().map(|(_, run)| run).collect()
+    made.into_iter().flatten().collect()
 }
 
 /// Each after the one before.
