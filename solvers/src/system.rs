@@ -121,11 +121,11 @@ pub trait System {
     /// Writes the guards of `mode` to `g`. They are positive inside the mode.
     fn guards<S: Real>(&self, mode: Self::Mode, t: S, y: &Self::State<S>, g: &mut Self::Guards<S>);
 
-    /// Writes both [`rhs`](Self::rhs) and [`guards`](Self::guards) at `(t, y)`, with the same bits as the two
-    /// functions give alone. A model whose right-hand side and guards have terms in common may compute these terms
-    /// once; the default calls one function after the other.
+    /// Where [`rhs`](Self::rhs) and [`guards`](Self::guards) have terms in common in `mode`, writes both, with the bits
+    /// that the two functions give alone, and returns true. Elsewhere it returns false without an operation, as the
+    /// default always does; the caller then evaluates the two. The answer depends on the mode alone.
     ///
-    /// An own implementation must first make all operations of `rhs` on numbers, in the order of `rhs`. The reason: a
+    /// Where it writes, it must first make all operations of `rhs` on numbers, in the order of `rhs`. The reason: a
     /// Taylor series is begun with this function and, unless it is [traced](Self::IS_TRACED), continued with `rhs`; both address the stored coefficients
     /// by the position of the operation. A breach gives wrong series: steps to a tolerance are rejected until the run
     /// ends in [`StepUnderflow`](crate::Error::StepUnderflow), and fixed steps are accepted with wrong results. A
@@ -134,14 +134,13 @@ pub trait System {
     #[inline(always)]
     fn rhs_with_guards<S: Real>(
         &self,
-        mode: Self::Mode,
-        t: S,
-        y: &Self::State<S>,
-        dydt: &mut Self::State<S>,
-        g: &mut Self::Guards<S>,
-    ) {
-        self.rhs(mode.clone(), t, y, dydt);
-        self.guards(mode, t, y, g);
+        _mode: Self::Mode,
+        _t: S,
+        _y: &Self::State<S>,
+        _dydt: &mut Self::State<S>,
+        _g: &mut Self::Guards<S>,
+    ) -> bool {
+        false
     }
 
     /// Writes bounds of the rounding errors of [`guards`](Self::guards) to `bounds`, in the units of the guards and
@@ -289,7 +288,7 @@ pub trait Alike: System {
         g: &mut Self::Guards<S>,
     );
 
-    /// Writes both, as [`System::rhs_with_guards`] does.
+    /// Writes both, with the bits that the two give alone; it must first make all operations of `rhs_of`, in their order.
     #[inline(always)]
     fn rhs_with_guards_of<S: Over<C>, C: Copy + Debug>(
         parameters: &Self::Parameters<C>,

@@ -208,12 +208,13 @@ impl<F: Family> System for TextModel<F> {
         y: &F::State<S>,
         dydt: &mut F::State<S>,
         g: &mut Vec<S>,
-    ) {
+    ) -> bool {
         let tape = &self.0.mode(&mode).tape;
         let (own, unused) = g.split_at_mut(tape.second_outputs.len());
         let inputs = Inputs { t, y: y.as_ref(), held: &mode.held };
         tape.run_both(&inputs, dydt.as_mut(), own);
         unused.fill(S::cst(1.0));
+        true
     }
 
     fn guard_bounds(&self, mode: Mode, t: f64, y: &F::State<f64>, bounds: &mut Vec<f64>) {

@@ -123,7 +123,7 @@ fn try_out(text: &str) -> bool {
         let mode = model.initial_mode(0.0, &y);
         let mut dydt = y.clone();
         let [mut g, mut bounds] = [(); 2].map(|()| vec![0.0; model.n_guards()]);
-        model.rhs_with_guards(mode, 0.0, &y, &mut dydt, &mut g);
+        assert!(model.rhs_with_guards(mode, 0.0, &y, &mut dydt, &mut g));
         model.guard_bounds(mode, 0.0, &y, &mut bounds);
         assert!(bounds.iter().all(|bound| bound.is_nan() || *bound > 0.0), "{text}");
         for guard in 0..model.n_guards().min(3) {

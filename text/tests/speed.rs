@@ -88,7 +88,7 @@ impl System for Pendulum {
         y: &[S; 4],
         dydt: &mut [S; 4],
         g: &mut [S; 1],
-    ) {
+    ) -> bool {
         let [a, b, p, q] = *y;
         let (delta, [sa, ca, sb, cb], force) = Self::touch(*y);
         let (s, co) = (a - b).sin_cos();
@@ -103,6 +103,7 @@ impl System for Pendulum {
         let det = -(co * co) + 2.0;
         *dydt = [p, q, (f1 - co * f2) / det, (f2 * 2.0 - co * f1) / det];
         *g = [if touches { delta } else { -delta }];
+        true
     }
 
     fn guard_bounds(&self, _touches: bool, _t: f64, _y: &[f64; 4], bounds: &mut [f64; 1]) {

@@ -344,21 +344,19 @@ impl System for Block {
         }
     }
 
+    /// Rates and guards of a plain slip share its distance.
     #[inline(always)]
     fn rhs_with_guards<S: Real>(
         &self,
         mode: Mode,
-        t: S,
+        _t: S,
         y: &State<S>,
         dydt: &mut State<S>,
         g: &mut [S; N_GUARDS],
-    ) {
-        if let Some(slip) = self.plain_slip(mode) {
-            slip.rates_with_guards(y, dydt, g);
-        } else {
-            self.rhs(mode, t, y, dydt);
-            self.guards(mode, t, y, g);
-        }
+    ) -> bool {
+        let Some(slip) = self.plain_slip(mode) else { return false };
+        slip.rates_with_guards(y, dydt, g);
+        true
     }
 
     fn guard_bounds(&self, mode: Mode, _t: f64, y: &State<f64>, bounds: &mut [f64; N_GUARDS]) {

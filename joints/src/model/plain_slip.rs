@@ -259,6 +259,9 @@ mod tests {
                 let slips = [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)];
                 for mode in slips.into_iter().chain([Mode::Apart, Mode::Stick(Touch::PLAIN)]) {
                     assert!(begins_with_rhs(block, &mode, 0.0, &y), "{mode}");
+                    let (mut dydt, mut g) = ([0.0; 6], [0.0; N_GUARDS]);
+                    let shares = block.rhs_with_guards(mode, 0.0, &y, &mut dydt, &mut g);
+                    assert_eq!(shares, adhesion && mode.sigma().is_some(), "{mode}");
                 }
             }
         }

@@ -78,8 +78,9 @@ where
         y: &P::State<Series<'s, Lanes<V>>>,
         dydt: &mut P::State<Series<'s, Lanes<V>>>,
         g: &mut P::Guards<Series<'s, Lanes<V>>>,
-    ) {
+    ) -> bool {
         P::rhs_with_guards_of(&self.0, t, y, dydt, g);
+        true
     }
 }
 

@@ -29,14 +29,15 @@ pub(crate) trait SeriesField<P: System, B: Coefficient> {
         g: &mut P::Guards<Series<'s, B>>,
     );
 
-    /// Writes both. The operations must begin with those of [`slope`](Self::slope), in the same order.
+    /// Writes both in one run and returns true, or returns false without an operation where each is to have a run of its
+    /// own. The operations must begin with those of [`slope`](Self::slope), in the same order.
     fn slope_with_guards<'s>(
         &self,
         t: Series<'s, B>,
         y: &P::State<Series<'s, B>>,
         dydt: &mut P::State<Series<'s, B>>,
         g: &mut P::Guards<Series<'s, B>>,
-    );
+    ) -> bool;
 
     /// Whether its operations are [noted](super::trace) once a step, not made anew for every order. That takes one system
     /// in one mode.
@@ -82,8 +83,8 @@ impl<P: System, B: Coefficient> SeriesField<P, B> for InMode<'_, P> {
         y: &P::State<Series<'s, B>>,
         dydt: &mut P::State<Series<'s, B>>,
         g: &mut P::Guards<Series<'s, B>>,
-    ) {
-        self.problem.rhs_with_guards(self.mode.clone(), t, y, dydt, g);
+    ) -> bool {
+        self.problem.rhs_with_guards(self.mode.clone(), t, y, dydt, g)
     }
 }
 
@@ -97,12 +98,22 @@ pub(crate) struct Expansion<B: Copy> {
     rows: Rows<B>,
     /// Number of rows that the present expansion uses, unless it is traced.
     n_rows: usize,
+    /// The rows of guards that have runs of their own.
+    guard_rows: Rows<B>,
+    /// Number of those; none where slope and guards have runs together.
+    n_guard_rows: Option<usize>,
     trace: Trace<B>,
 }
 
 impl<B: Coefficient> Default for Expansion<B> {
     fn default() -> Self {
-        Self { rows: Rows::new(), n_rows: 0, trace: Trace::default() }
+        Self {
+            rows: Rows::new(),
+            n_rows: 0,
+            guard_rows: Rows::none(),
+            n_guard_rows: None,
+            trace: Trace::default(),
+        }
     }
 }
 
@@ -123,14 +134,23 @@ impl<B: Coefficient> Expansion<B> {
             }
             return;
         }
-        loop {
-            let run = Run { rows: &self.rows, t0, field };
-            self.n_rows =
-                RhsWithGuardsRun::<P, B, _> { run, y: y0, next: slope, g: guards }.unrolled(0);
-            if !self.rows.grow(self.n_rows) {
-                return;
-            }
+        let both = self.rows.until_enough(|rows| {
+            let (run, next, g) = (Run { rows, t0, field }, &mut *slope, &mut *guards);
+            RhsWithGuardsRun::<P, B, _> { run, y: y0, next, g }.unrolled(0)
+        });
+        if let Some(n) = both {
+            (self.n_rows, self.n_guard_rows) = (n, None);
+            return;
         }
+        let alone = self.rows.until_enough(|rows| {
+            let (run, next) = (Run { rows, t0, field }, &mut *slope);
+            Some(RhsRun::<P, B, _> { run, y: y0, next }.unrolled(0))
+        });
+        self.n_rows = alone.unwrap_or(0);
+        self.n_guard_rows = self.guard_rows.until_enough(|rows| {
+            let (run, g) = (Run { rows, t0, field }, &mut *guards);
+            Some(GuardsRun::<P, B, _> { run, y: y0, g }.unrolled(0))
+        });
     }
 
     /// Completes the expansion that was begun last, about the state `y[0]` at `t0` with the slope `y[1]`. Writes the
@@ -159,23 +179,27 @@ impl<B: Coefficient> Expansion<B> {
             }
             return;
         }
-        let mut n_beyond = None;
+        let mut n_beyond = self.n_guard_rows.map(|_| self.n_rows);
         for k in 1..y.len() - 1 {
             let (below, above) = y.split_at_mut(k + 1);
             let (run, y, next) = (Run { rows: &self.rows, t0, field }, &below[k], &mut above[0]);
-            let (n, known) = match g.get_mut(k) {
-                Some(g) => {
-                    (RhsWithGuardsRun::<P, B, _> { run, y, next, g }.unrolled(k), self.n_rows)
+            let is_same = match g.get_mut(k) {
+                Some(g) if self.n_guard_rows.is_none() => {
+                    let n = RhsWithGuardsRun::<P, B, _> { run, y, next, g }.unrolled(k);
+                    n == Some(self.n_rows)
                 }
-                None => {
+                g => {
                     let n = RhsRun::<P, B, _> { run, y, next }.unrolled(k);
-                    (n, *n_beyond.get_or_insert(n))
+                    let n_guards = g.map(|g| {
+                        let run = Run { rows: &self.guard_rows, t0, field };
+                        GuardsRun::<P, B, _> { run, y, g }.unrolled(k)
+                    });
+                    n == *n_beyond.get_or_insert(n)
+                        && n <= self.n_rows
+                        && (n_guards.is_none() || n_guards == self.n_guard_rows)
                 }
             };
-            assert!(
-                n == known && n <= self.n_rows,
-                "operations of order {k} differ from those of lower orders"
-            );
+            assert!(is_same, "operations of order {k} differ from those of lower orders");
         }
     }
 }
@@ -202,14 +226,16 @@ impl Operations {
         if const { P::IS_TRACED } {
             self.expansion.trace.n_results()
         } else {
-            self.expansion.n_rows
+            let Expansion { n_rows, n_guard_rows, .. } = self.expansion;
+            // Time and states begin both tables.
+            n_rows + n_guard_rows.map_or(0, |n| n - 1 - y.as_ref().len())
         }
     }
 }
 
-/// Whether [`System::rhs_with_guards`] keeps its contract at `(t, y)` in `mode`: it writes what `rhs` and `guards`
-/// write, to the bit, by operations that begin with those of `rhs`. It is meant for the tests of a model with an
-/// implementation of its own.
+/// Whether [`System::rhs_with_guards`] keeps its contract at `(t, y)` in `mode`: it returns false, or writes what `rhs`
+/// and `guards` write, to the bit, by operations that begin with those of `rhs`. It is meant for the tests of a model
+/// with an implementation of its own.
 pub fn begins_with_rhs<P: System>(problem: &P, mode: &P::Mode, t: f64, y: &P::State<f64>) -> bool {
     let field = InMode { problem, mode };
     let [mut slope, mut slope_alone] = [(); 2].map(|()| y.clone());
@@ -222,7 +248,7 @@ pub fn begins_with_rhs<P: System>(problem: &P, mode: &P::Mode, t: f64, y: &P::St
         let look =
             RhsWithGuardsRun::<P, f64, _> { run: run(&both), y, next: &mut slope, g: &mut g };
         let rhs = RhsRun::<P, f64, _> { run: run(&alone), y, next: &mut slope_alone };
-        let (n_both, n_alone) = (look.unrolled(0), rhs.unrolled(0));
+        let (Some(n_both), n_alone) = (look.unrolled(0), rhs.unrolled(0)) else { return true };
         if !(both.grow(n_both) | alone.grow(n_both.max(n_alone))) {
             break (n_alone.min(n_both), n_alone <= n_both);
         }
@@ -293,7 +319,7 @@ impl<P: System, B: Coefficient, F: SeriesField<P, B>> OfOrder for RhsRun<'_, P, 
     }
 }
 
-/// The same run with the guards, whose coefficients it writes to `g`, rounded.
+/// The same run with the guards, whose coefficients it writes to `g`, rounded; none where they share no terms.
 struct RhsWithGuardsRun<'a, P: System, B: Coefficient, F> {
     run: Run<'a, F, B>,
     y: &'a P::State<B>,
@@ -302,7 +328,7 @@ struct RhsWithGuardsRun<'a, P: System, B: Coefficient, F> {
 }
 
 impl<P: System, B: Coefficient, F: SeriesField<P, B>> OfOrder for RhsWithGuardsRun<'_, P, B, F> {
-    type Output = usize;
+    type Output = Option<usize>;
 
     // Beyond the first look the guards are expanded alone.
     const MOST: usize = FIRST_LOOK;
@@ -312,16 +338,19 @@ impl<P: System, B: Coefficient, F: SeriesField<P, B>> OfOrder for RhsWithGuardsR
     const HIGHEST_APIECE: usize = FIRST_LOOK;
 
     #[inline(always)]
-    fn of_order(self, k: usize) -> usize {
+    fn of_order(self, k: usize) -> Option<usize> {
         let Run { rows, t0, field } = self.run;
         let n = Cell::new(0);
         let (t, y) = start(rows.table(&n, k), t0, self.y.as_ref());
         let mut f = zeros::<B, P::State<_>>(self.next.as_ref().len());
         let mut g = zeros::<B, P::Guards<_>>(self.g.as_ref().len());
-        field.slope_with_guards(t, &y, &mut f, &mut g);
+        if !field.slope_with_guards(t, &y, &mut f, &mut g) {
+            debug_assert_eq!(n.get(), 1 + self.y.as_ref().len(), "operations without a result");
+            return None;
+        }
         write_next(k, f.as_ref(), self.next.as_mut());
         write_rounded(k, g.as_ref(), self.g.as_mut());
-        n.get()
+        Some(n.get())
     }
 }
 
@@ -398,7 +427,6 @@ fn each(n: usize, mut of: impl FnMut(usize)) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problems::BouncingBall;
     use crate::real::Real;
     use crate::system::Next;
 
@@ -429,11 +457,12 @@ mod tests {
             y: &[S; 2],
             dydt: &mut [S; 2],
             g: &mut [S; 1],
-        ) {
+        ) -> bool {
             let of_guard = if self.guards_first { Some(y[1] * y[1]) } else { None };
             let sin = y[0].sin_cos().0;
             *dydt = [y[1], -sin];
             *g = [sin + of_guard.unwrap_or_else(|| y[1] * y[1])];
+            true
         }
 
         fn guard_bounds(&self, (): (), _t: f64, _y: &[f64; 2], bounds: &mut [f64; 1]) {
@@ -450,7 +479,5 @@ mod tests {
         let y = [0.3, -0.2];
         assert!(begins_with_rhs(&Pendulum { guards_first: false }, &(), 0.0, &y));
         assert!(!begins_with_rhs(&Pendulum { guards_first: true }, &(), 0.0, &y));
-        let ball = BouncingBall { restitution: 0.75, gravity: 9.81, height: 1.3 };
-        assert!(begins_with_rhs(&ball, &ball.initial_mode(0.0, &ball.start()), 0.0, &ball.start()));
     }
 }

@@ -13,8 +13,8 @@
 //!   [many states](crate::Vector::IS_SHORT), for systems that [ask for it](crate::System::IS_TRACED), and for double-double numbers.
 //!
 //! A model needs nothing special for either, but [`length`](crate::Real::length), [`over`](crate::Real::over) and
-//! [`turning`](crate::Real::turning) save sums where they apply. Up to order five the guards are expanded in the same
-//! evaluation, and may [share](crate::System::rhs_with_guards) terms with the right-hand side.
+//! [`turning`](crate::Real::turning) save sums where they apply. Up to order five the guards are expanded with the
+//! slope: in the same evaluation where they [share](crate::System::rhs_with_guards) terms with it, else in one of their own.
 //!
 //! A step [is its polynomial](method): its size follows from the [last terms](order), its dense
 //! output is the polynomial itself, and cutting it short needs no new series. The order follows from the tolerance;

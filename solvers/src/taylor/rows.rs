@@ -79,6 +79,27 @@ impl<B: Coefficient> Rows<B> {
         Self { rows: (0..N_ROWS).map(|_| Row::new()).collect() }
     }
 
+    /// A table without rows, which has some after [`until_enough`](Self::until_enough).
+    pub(super) const fn none() -> Self {
+        Self { rows: Vec::new() }
+    }
+
+    /// Makes `run`, which returns the number of rows that it takes, until there are enough for it. Returns that number, or
+    /// none where the run has none.
+    #[inline(always)]
+    pub(super) fn until_enough(
+        &mut self,
+        mut run: impl FnMut(&Self) -> Option<usize>,
+    ) -> Option<usize> {
+        self.grow(N_ROWS);
+        loop {
+            let n = run(self)?;
+            if !self.grow(n) {
+                return Some(n);
+            }
+        }
+    }
+
     /// The coefficients of order zero in the first `n` rows.
     pub(super) fn values(&self, n: usize) -> Vec<B> {
         self.rows[..n].iter().map(|row| row.at(0)).collect()

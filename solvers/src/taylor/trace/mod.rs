@@ -66,7 +66,11 @@ impl<B: Coefficient> Trace<B> {
         let (t, y) = self.start::<P::State<_>>(t, y.as_ref());
         let mut dydt = zeros::<B, P::State<_>>(slope.as_ref().len());
         let mut g = zeros::<B, P::Guards<_>>(guards.as_ref().len());
-        field.problem.rhs_with_guards(field.mode.clone(), t, &y, &mut dydt, &mut g);
+        let InMode { problem, mode } = field;
+        if !problem.rhs_with_guards((*mode).clone(), t, &y, &mut dydt, &mut g) {
+            problem.rhs((*mode).clone(), t, &y, &mut dydt);
+            problem.guards((*mode).clone(), t, &y, &mut g);
+        }
         for (slope, traced) in slope.as_mut().iter_mut().zip(dydt.as_ref()) {
             *slope = traced.number();
         }

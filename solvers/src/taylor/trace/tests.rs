@@ -163,8 +163,8 @@ impl<B: Coefficient> SeriesField<Swing, B> for AtOnce<'_> {
         y: &[Series<'s, B>; 6],
         dydt: &mut [Series<'s, B>; 6],
         g: &mut [Series<'s, B>; 4],
-    ) {
-        self.0.slope_with_guards(t, y, dydt, g);
+    ) -> bool {
+        self.0.slope_with_guards(t, y, dydt, g)
     }
 }
 
