@@ -1,4 +1,5 @@
-//! The keys that all mechanisms have, each with its default and the source of that.
+//! The keys that all mechanisms have, each with its default and the source of that. Those of one mechanism are with it, the
+//! struts' in `struts`.
 
 use deltazero_study::setting::{Digits, Events};
 

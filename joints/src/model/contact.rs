@@ -1,4 +1,7 @@
 //! Penetration and normal force of a pin in its bush.
+//!
+//! A law is an elastic relation, chosen here by `elastic`, and a factor of [hysteresis](super::hysteresis) or a damping. What
+//! is said of each is in [`laws`](super::laws).
 
 use deltazero_solvers::Real;
 use deltazero_solvers::real::{Length, Over};
@@ -146,7 +149,16 @@ fn elastic(contact: &Contact, joint: &Joint) -> Elastic {
         ContactLaw::LankaraniNikraveshCylinder => {
             Elastic::power(4.0 / 3.0 * modulus * radius.sqrt(), 1.5)
         }
-        _ => Elastic::power(contact.stiffness, contact.exponent),
+        ContactLaw::Power
+        | ContactLaw::HuntCrossley
+        | ContactLaw::HerbertMcWhannell
+        | ContactLaw::LeeWang
+        | ContactLaw::LankaraniNikravesh
+        | ContactLaw::Gonthier
+        | ContactLaw::HuGuo
+        | ContactLaw::Flores
+        | ContactLaw::CarvalhoMartins
+        | ContactLaw::ExactRestitution => Elastic::power(contact.stiffness, contact.exponent),
     }
 }
 
