@@ -17,7 +17,7 @@ use deltazero_study::selection::{Benchmark, Candidate, Contest, Rules};
 use deltazero_study::setting::Events;
 use deltazero_study::simulation::Asked;
 use deltazero_study::steps::StepTables;
-use deltazero_study::warning::Warning;
+use deltazero_study::warning::{Code, Warning};
 use deltazero_study::work_precision::{Row, Status, WorkPrecision, work_precision};
 use deltazero_study::{Plan, Subject};
 
@@ -390,4 +390,22 @@ fn a_simulation_of_a_ball_between_walls_tells_its_motion_wall_by_wall() {
         assert!((own - exact).abs() < 1e-9, "{own} {exact}");
     }
     assert_eq!(all.len(), events.len());
+}
+
+#[test]
+fn walls_that_give_energy_are_told_with_how_much() {
+    let pushing = CompliantBall { damping: -2.0, ..BALL };
+    let (subject, stop) = (Subject::of(pushing), AtomicBool::new(false));
+    let plan = plan(&["dop853"], &[Events::Located], &[1e-10], &[], T_END);
+    let (setting, limits) = (&plan.settings[0], Limits::none(&stop));
+    let asked = Asked { setting, t_end: T_END, grid: Grid::Times(vec![]), tell: &|_| {} };
+    let own = subject.parts[0].simulate(&asked, &mut limits.watch(Price::of_setting(setting)));
+    let ([x, v], _) = pushing.solution(T_END);
+    assert!((0.0..BALL.gap).contains(&x), "in a wall at {x}");
+    let given = 0.5 * BALL.mass * (v * v - BALL.start[1] * BALL.start[1]);
+    let told: Vec<_> =
+        own.warnings.iter().map(|warning| (warning.code, &warning.message)).collect();
+    let [(code, message)] = told[..] else { panic!("{told:?}") };
+    assert_eq!(code, Code::Dissipation);
+    assert!(message.contains(&format!("gave {given:.1e} J")), "{message} {given}");
 }
