@@ -59,3 +59,16 @@ pub struct Warning {
     /// With numbers.
     pub message: String,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Code;
+
+    #[test]
+    fn energy_that_is_not_there_tells_of_a_wrong_run_and_a_hard_motion_does_not() {
+        assert!(Code::Energy.is_of_a_wrong_run() && Code::Dissipation.is_of_a_wrong_run());
+        for code in [Code::Horizon, Code::Grazing, Code::Chatter, Code::Penetration, Code::Stiff] {
+            assert!(!code.is_of_a_wrong_run(), "{}", code.name());
+        }
+    }
+}

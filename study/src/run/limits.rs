@@ -265,4 +265,14 @@ mod tests {
         let left = |batch| limits.after(&part(batch), Price::PLAIN).max_seconds;
         assert_eq!([left(1), left(8)], [58.0, 44.0]);
     }
+
+    #[test]
+    fn a_rejected_series_is_worth_a_quarter_of_one() {
+        let mut stats = Stats { n_rejected: 3, ..Stats::default() };
+        (stats.work.n_rhs, stats.work.n_series) = (10, 4);
+        let price = Price::of_series(20.0);
+        assert_eq!((price.rejected(&stats), Price::PLAIN.rejected(&stats)), (15.0, 0.0));
+        // Four of the ten evaluations are series.
+        assert_eq!((price.of(&stats), Price::PLAIN.of(&stats)), (6.0 + 80.0 + 15.0, 10.0));
+    }
 }
