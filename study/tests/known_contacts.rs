@@ -15,7 +15,7 @@ use deltazero_study::reference::Reference;
 use deltazero_study::run::{Limits, Price};
 use deltazero_study::selection::{Benchmark, Candidate, Contest, Rules};
 use deltazero_study::setting::Events;
-use deltazero_study::simulation::Asked;
+use deltazero_study::simulation::{Asked, Simulation};
 use deltazero_study::steps::StepTables;
 use deltazero_study::warning::{Code, Warning};
 use deltazero_study::work_precision::{Row, Status, WorkPrecision, work_precision};
@@ -336,14 +336,20 @@ fn a_map_has_a_winner_at_each_place_and_tells_by_how_much() {
     }
 }
 
+/// A simulation by `dop853` to `T_END`, sampled at `times`.
+fn simulated(ball: CompliantBall, rtol: f64, times: &[f64]) -> Simulation {
+    let (subject, stop) = (Subject::of(ball), AtomicBool::new(false));
+    let plan = plan(&["dop853"], &[Events::Located], &[rtol], &[], T_END);
+    let (setting, limits) = (&plan.settings[0], Limits::none(&stop));
+    let asked =
+        Asked { setting, t_end: T_END, grid: Grid::Times(times.to_vec()), tell: &|_: &Warning| {} };
+    subject.parts[0].simulate(&asked, &mut limits.watch(Price::of_setting(setting)))
+}
+
 #[test]
 fn a_simulation_of_a_ball_between_walls_tells_its_motion_wall_by_wall() {
-    let (subject, stop) = (Subject::of(BALL), AtomicBool::new(false));
-    let plan = plan(&["dop853"], &[Events::Located], &[1e-12], &[], T_END);
-    let (setting, limits) = (&plan.settings[0], Limits::none(&stop));
-    let (times, tell) = (vec![0.01, 0.031, 0.1, 0.2, 0.39], |_: &Warning| {});
-    let asked = Asked { setting, t_end: T_END, grid: Grid::Times(times.clone()), tell: &tell };
-    let own = subject.parts[0].simulate(&asked, &mut limits.watch(Price::of_setting(setting)));
+    let times = [0.01, 0.031, 0.1, 0.2, 0.39];
+    let own = simulated(BALL, 1e-12, &times);
     let (end, events) = BALL.solution(T_END);
     assert_eq!((own.n_events, own.failed_site, own.stopped), (events.len(), None, None));
     assert_eq!((own.n_at_speed_floor, own.warnings.len()), (0, 0));
@@ -395,11 +401,7 @@ fn a_simulation_of_a_ball_between_walls_tells_its_motion_wall_by_wall() {
 #[test]
 fn walls_that_give_energy_are_told_with_how_much() {
     let pushing = CompliantBall { damping: -2.0, ..BALL };
-    let (subject, stop) = (Subject::of(pushing), AtomicBool::new(false));
-    let plan = plan(&["dop853"], &[Events::Located], &[1e-10], &[], T_END);
-    let (setting, limits) = (&plan.settings[0], Limits::none(&stop));
-    let asked = Asked { setting, t_end: T_END, grid: Grid::Times(vec![]), tell: &|_| {} };
-    let own = subject.parts[0].simulate(&asked, &mut limits.watch(Price::of_setting(setting)));
+    let own = simulated(pushing, 1e-10, &[]);
     let ([x, v], _) = pushing.solution(T_END);
     assert!((0.0..BALL.gap).contains(&x), "in a wall at {x}");
     let given = 0.5 * BALL.mass * (v * v - BALL.start[1] * BALL.start[1]);

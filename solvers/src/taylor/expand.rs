@@ -243,18 +243,18 @@ pub fn begins_with_rhs<P: System>(problem: &P, mode: &P::Mode, t: f64, y: &P::St
         [(); 2].map(|()| P::Guards::<f64>::from_fn(problem.n_guards(), |_| 0.0));
     problem.guards(mode.clone(), t, y, &mut g_alone);
     let [mut both, mut alone] = [Rows::new(), Rows::new()];
-    let (n, n_alone_is_least) = loop {
-        let run = |rows| Run { rows, t0: t, field: &field };
-        let look =
-            RhsWithGuardsRun::<P, f64, _> { run: run(&both), y, next: &mut slope, g: &mut g };
-        let rhs = RhsRun::<P, f64, _> { run: run(&alone), y, next: &mut slope_alone };
-        let (Some(n_both), n_alone) = (look.unrolled(0), rhs.unrolled(0)) else { return true };
-        if !(both.grow(n_both) | alone.grow(n_both.max(n_alone))) {
-            break (n_alone.min(n_both), n_alone <= n_both);
-        }
-    };
+    let n_both = both.until_enough(|rows| {
+        let run = Run { rows, t0: t, field: &field };
+        RhsWithGuardsRun::<P, f64, _> { run, y, next: &mut slope, g: &mut g }.unrolled(0)
+    });
+    let n_alone = alone.until_enough(|rows| {
+        let run = Run { rows, t0: t, field: &field };
+        Some(RhsRun::<P, f64, _> { run, y, next: &mut slope_alone }.unrolled(0))
+    });
+    let (Some(n_both), Some(n_alone)) = (n_both, n_alone) else { return true };
+    let n = n_alone.min(n_both);
     let bits = |x: &[f64]| -> Vec<u64> { x.iter().map(|x| x.to_bits()).collect() };
-    n_alone_is_least
+    n_alone <= n_both
         && bits(slope.as_ref()) == bits(slope_alone.as_ref())
         && bits(g.as_ref()) == bits(g_alone.as_ref())
         && bits(&both.values(n)) == bits(&alone.values(n))
