@@ -31,6 +31,7 @@ macro_rules! unrolled {
             2 => $work($($argument),*, 2),
             4 => $work($($argument),*, 4),
             6 => $work($($argument),*, 6),
+            9 => $work($($argument),*, 9),
             n => $work($($argument),*, n),
         }
     };

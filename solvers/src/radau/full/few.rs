@@ -103,6 +103,11 @@ impl FewStates {
                 }
             });
         }
+        self.factorise_kept();
+    }
+
+    /// Factorises the matrix of the states that are kept.
+    fn factorise_kept(&mut self) {
         self.choose();
         self.assemble();
         self.lu.factorise(&self.matrix, 0.0, -1.0);
