@@ -11,8 +11,9 @@ use deltazero_solvers::Grid;
 use deltazero_solvers::problems::{CompliantBall, Exit, SpringStop};
 use deltazero_study::map::{CellStatus, Map, MapAxis, MapPlan};
 use deltazero_study::plan::settings;
+use deltazero_study::problem::Problem;
 use deltazero_study::reference::Reference;
-use deltazero_study::run::{Limits, Price};
+use deltazero_study::run::{Limits, Price, integrate};
 use deltazero_study::selection::{Benchmark, Candidate, Contest, Rules};
 use deltazero_study::setting::Events;
 use deltazero_study::simulation::{Asked, Simulation};
@@ -101,6 +102,47 @@ fn the_reference_of_a_ball_between_walls_has_its_events_forces_and_energies() {
     near(row.errors.peak_force_n, fine.map(force).fold(0.0, f64::max), "peak");
     // They are relative to the work of a drive, of which there is none.
     assert_eq!((row.errors.dissipation_error, row.errors.energy_residual), (None, None));
+}
+
+#[test]
+fn a_reference_that_is_cut_keeps_what_lies_before() {
+    let (subject, stop) = (Subject::of(BALL), AtomicBool::new(false));
+    let Plan { times, .. } = Plan::new(T_END);
+    let whole = Reference::new(&subject, T_END, &times, Limits::none(&stop)).unwrap();
+    let mut events: Vec<f64> = whole.parts[0].counted_events().map(|event| event.t).collect();
+    events.sort_by(f64::total_cmp);
+    // The second contact ends with the fourth event.
+    let sample_after = |event: f64| *times.iter().find(|t| **t > event).unwrap();
+    for (t_end, n_events, n_contacts) in
+        [(sample_after(events[1]), 2, 1), (events[2], 3, 1), (sample_after(events[3]), 4, 2)]
+    {
+        let mut cut = whole.clone();
+        cut.cut(&subject, t_end);
+        let part = &cut.parts[0];
+        assert_eq!((cut.n_events(), cut.n_all_events()), (n_events, whole.n_all_events()));
+        assert_eq!(part.times.len(), times.iter().filter(|t| **t <= t_end).count());
+        assert_eq!(part.samples.len(), part.times.len());
+        assert!(part.nodes.last().is_some_and(|node| node.t <= t_end));
+        let contacts = part.sites.iter().flat_map(|site| site.contacts.as_ref().unwrap());
+        assert_eq!(contacts.count(), n_contacts);
+        assert_eq!(part.y_end, whole.parts[0].y_end);
+    }
+}
+
+#[test]
+fn runs_of_a_problem_that_offers_no_batch_are_made_one_by_one() {
+    let stops = [STOP, SpringStop { stop_stiffness: 1000.0, ..STOP }];
+    let begun: Vec<(&SpringStop, [f64; 2])> = stops.iter().map(|stop| (stop, stop.start)).collect();
+    let plan = plan(&["rk45"], &[Events::Located], &[1e-6], &[], 1.0);
+    let setting = &plan.settings[0];
+    let (mut one, mut other) = ((), ());
+    let runs = SpringStop::integrate_at_once(&begun, setting, 1.0, &mut [&mut one, &mut other]);
+    let alone = |i: usize| integrate(begun[i].0, setting, begun[i].1, 1.0, &mut ());
+    assert_eq!(runs.len(), 2);
+    for (i, run) in runs.iter().enumerate() {
+        assert_eq!((run.y, run.stats, run.batch), (alone(i).y, alone(i).stats, 1));
+    }
+    assert_ne!(runs[0].y, runs[1].y);
 }
 
 /// A row without its times.
