@@ -103,15 +103,21 @@ impl Thermostat {
         }
     }
 
-    /// How long `mode` lasts from `temperature` on [s].
+    /// How long `mode` lasts from `temperature` on [s]; infinite where the room does not get to the end of the band.
     fn duration(&self, mode: Heater, temperature: f64) -> f64 {
         let settled = self.settled(mode);
-        let switches_at = match mode {
-            Heater::On => self.high,
-            Heater::Off => self.low,
+        // Below zero past the end of the band.
+        let (switches_at, left, reach) = match mode {
+            Heater::On => (self.high, self.high - temperature, settled - self.high),
+            Heater::Off => (self.low, temperature - self.low, self.low - settled),
         };
-        let ratio = (settled - temperature) / (settled - switches_at);
-        self.time_constant() * libm::log(ratio).max(0.0)
+        if left <= 0.0 {
+            return 0.0;
+        }
+        if reach <= 0.0 {
+            return f64::INFINITY;
+        }
+        self.time_constant() * libm::log((settled - temperature) / (settled - switches_at))
     }
 }
 
@@ -208,5 +214,13 @@ mod tests {
             assert_eq!(pieces.len(), 2);
             assert_eq!(pieces[1], Piece { t: 0.0, mode: other, y: [temperature] });
         }
+    }
+
+    #[test]
+    fn a_room_that_does_not_get_to_the_end_of_its_band_does_not_switch() {
+        let room = Thermostat { power: 0.0, outside: 293.0, ..thermostat(292.5, Heater::Off) };
+        assert_eq!((room.time_on(), room.time_off()), (f64::INFINITY, f64::INFINITY));
+        assert_eq!(room.pieces(1e9).len(), 1);
+        assert!((room.state(1e9)[0] - 293.0).abs() < 1e-9);
     }
 }
