@@ -31,8 +31,8 @@ pub(crate) trait Algebra: Sized + 'static {
     /// Makes all entries zero.
     fn clear(matrix: &mut Self::M);
 
-    /// Writes the entry in row `i` of column `j`.
-    fn set(matrix: &mut Self::M, i: usize, j: usize, entry: f64);
+    /// Writes the entry in row `i` of column `j`, and returns whether the matrix has a place for it.
+    fn set(matrix: &mut Self::M, i: usize, j: usize, entry: f64) -> bool;
 }
 
 /// Dense linear algebra by `nalgebra`.
@@ -66,8 +66,9 @@ impl Algebra for Dense {
     }
 
     #[inline]
-    fn set(matrix: &mut Self::M, i: usize, j: usize, entry: f64) {
+    fn set(matrix: &mut Self::M, i: usize, j: usize, entry: f64) -> bool {
         matrix.inner_mut()[(i, j)] = entry;
+        true
     }
 }
 
@@ -99,10 +100,12 @@ impl Algebra for Sparse {
         matrix.inner_mut()[0].val_mut().fill(0.0);
     }
 
-    fn set(matrix: &mut Self::M, i: usize, j: usize, entry: f64) {
+    fn set(matrix: &mut Self::M, i: usize, j: usize, entry: f64) -> bool {
         let matrix = &mut matrix.inner_mut()[0];
-        if let Some(k) = position(matrix.symbolic(), i, j) {
+        let place = position(matrix.symbolic(), i, j);
+        if let Some(k) = place {
             matrix.val_mut()[k] = entry;
         }
+        place.is_some()
     }
 }

@@ -1,6 +1,6 @@
 //! A [`Field`] in the form of equations that `diffsol` takes.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 use diffsol::{
     ConstantOp, NonLinearOp, NonLinearOpJacobian, OdeEquations, OdeEquationsRef, Op, UnitCallable,
@@ -10,10 +10,18 @@ use diffsol_la::Matrix;
 use super::algebra::Algebra;
 use super::field::Field;
 
-/// `ẏ = f(t, y)` from `y0`.
+/// Rows and columns of entries of a Jacobian.
+pub(super) type Places = RefCell<Vec<(usize, usize)>>;
+
+/// `ẏ = f(t, y)` from `y0` at `t0`.
 pub(super) struct Equations<'f, A: Algebra> {
     field: &'f dyn Field,
+    t0: f64,
     y0: &'f [f64],
+    /// Places of entries that the Jacobian at the start does not have, and others had.
+    further: &'f Places,
+    /// Whether a Jacobian had one that the matrices have no place for.
+    pub(super) is_outgrown: Cell<bool>,
     pub(super) n_rhs: Cell<u64>,
     pub(super) n_jac: Cell<u64>,
     /// The state whose slope was not finite in the last evaluation, if there was one.
@@ -24,11 +32,18 @@ pub(super) struct Equations<'f, A: Algebra> {
 }
 
 impl<'f, A: Algebra> Equations<'f, A> {
-    pub(super) fn new(field: &'f dyn Field, y0: &'f [f64]) -> Self {
+    pub(super) fn new(
+        field: &'f dyn Field,
+        (t0, y0): (f64, &'f [f64]),
+        further: &'f Places,
+    ) -> Self {
         let (n_rhs, n_jac) = (Cell::new(0), Cell::new(0));
         Self {
             field,
+            t0,
             y0,
+            further,
+            is_outgrown: Cell::new(false),
             n_rhs,
             n_jac,
             non_finite: Cell::new(None),
@@ -115,16 +130,20 @@ impl<A: Algebra> NonLinearOpJacobian for &Equations<'_, A> {
             if !entry.is_finite() {
                 self.non_finite_row.set(Some(i));
             }
-            A::set(jac, i, j, entry);
+            if !A::set(jac, i, j, entry) && entry != 0.0 {
+                self.further.borrow_mut().push((i, j));
+                self.is_outgrown.set(true);
+            }
         });
     }
 
-    /// All entries that the Jacobian of the mode may have.
+    /// The entries of the Jacobian at the start, and those that others had.
     fn jacobian_sparsity(&self) -> Option<<A::M as Matrix>::Sparsity> {
         let n = self.field.dim();
         A::pattern(n, || {
             let mut entries: Vec<_> = (0..n).map(|i| (i, i)).collect();
-            self.field.jacobian(0.0, self.y0, &mut |i, j, _| entries.push((i, j)));
+            self.field.jacobian(self.t0, self.y0, &mut |i, j, _| entries.push((i, j)));
+            entries.extend(self.further.borrow().iter());
             entries
         })
     }

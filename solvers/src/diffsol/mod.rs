@@ -19,6 +19,7 @@ use crate::stats::Stats;
 use crate::step::{Step, end_accessors};
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
+use equations::Places;
 use field::OfSystem;
 use graze::Place;
 use stepper::{Phase, Stepper};
@@ -131,7 +132,8 @@ impl<P: System> DiffsolSolver<P> {
         })
     }
 
-    /// Steps by `stepper` on `field`, the equations of `problem`, to `t_end` or the first violated guard.
+    /// Steps by `stepper` on `field`, the equations of `problem`, to `t_end` or the first violated guard; `None` at the
+    /// end of a step that outgrew the stepper.
     fn advance(
         &mut self,
         problem: &P,
@@ -140,7 +142,7 @@ impl<P: System> DiffsolSolver<P> {
         t_end: f64,
         stats: &mut Stats,
         record: &mut dyn Record<P>,
-    ) -> Result<PhaseEnd, Error> {
+    ) -> Result<Option<PhaseEnd>, Error> {
         let mode = point.mode.clone();
         let mut before = *stats;
         let mut begun = Stats::default();
@@ -181,9 +183,10 @@ impl<P: System> DiffsolSolver<P> {
             let SolverStep { t1, y1, slope1, .. } = step;
             (point.t, point.y, slope0) = (t1, y1, slope1);
             match landed_on {
-                _ if go_on.is_break() => return Ok(PhaseEnd::Interrupted),
-                Some(guard) => return Ok(PhaseEnd::Guard(guard)),
-                None if at_end => return Ok(PhaseEnd::EndOfTime),
+                _ if go_on.is_break() => return Ok(Some(PhaseEnd::Interrupted)),
+                Some(guard) => return Ok(Some(PhaseEnd::Guard(guard))),
+                None if at_end => return Ok(Some(PhaseEnd::EndOfTime)),
+                None if stepper.is_outgrown() => return Ok(None),
                 None => {}
             }
         }
@@ -229,34 +232,41 @@ impl<P: System> PhaseSolver<P> for DiffsolSolver<P> {
         stats: &mut Stats,
         record: &mut dyn Record<P>,
     ) -> Result<PhaseEnd, Error> {
-        if point.t == t_end {
-            return Ok(PhaseEnd::EndOfTime);
-        }
-        let span = t_end - point.t;
-        if span.abs() <= RESOLUTION * (point.t.abs() + span.abs()) {
-            return self.one_euler_step(problem, point, t_end, stats, record);
-        }
-        let (t, mode, y) = (point.t, point.mode.clone(), point.y.clone());
+        let mode = point.mode.clone();
+        let (field, further) = (&OfSystem::new(problem, mode.clone()), &Places::default());
         let tolerance = self.tolerance.clone();
-        let field = &OfSystem::new(problem, mode.clone());
-        let phase = Phase {
-            scheme: self.scheme,
-            tolerance: &tolerance,
-            field,
-            mode: &mode,
-            t,
-            y: y.as_ref(),
-            span,
-            first: self.first.take(),
-        };
-        let then = &mut |stepper: &mut dyn Stepper| {
-            self.advance(problem, (stepper, field), point, t_end, stats, record)
-        };
-        // The condition is a constant, so a program with short states alone does not contain the other branch.
-        if const { <P::State<f64> as Vector<f64>>::IS_SHORT } {
-            phase.with_dense(then)
-        } else {
-            phase.with_sparse(then)
+        loop {
+            let span = t_end - point.t;
+            if span == 0.0 {
+                return Ok(PhaseEnd::EndOfTime);
+            }
+            if span.abs() <= RESOLUTION * (point.t.abs() + span.abs()) {
+                return self.one_euler_step(problem, point, t_end, stats, record);
+            }
+            let (t, y) = (point.t, point.y.clone());
+            let phase = Phase {
+                scheme: self.scheme,
+                tolerance: &tolerance,
+                field,
+                mode: &mode,
+                t,
+                y: y.as_ref(),
+                further,
+                span,
+                first: self.first.take(),
+            };
+            let then = &mut |stepper: &mut dyn Stepper| {
+                self.advance(problem, (stepper, field), point, t_end, stats, record)
+            };
+            // The condition is a constant, so a program with short states alone does not contain the other branch.
+            let end = if const { <P::State<f64> as Vector<f64>>::IS_SHORT } {
+                phase.with_dense(then)
+            } else {
+                phase.with_sparse(then)
+            };
+            if let Some(end) = end? {
+                return Ok(end);
+            }
         }
     }
 }

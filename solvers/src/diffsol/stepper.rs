@@ -10,7 +10,7 @@ use diffsol_la::{MatrixRef, VectorRef};
 
 use super::DiffsolScheme;
 use super::algebra::{Algebra, Dense, Sparse};
-use super::equations::Equations;
+use super::equations::{Equations, Places};
 use super::field::Field;
 use crate::error::Error;
 use crate::phase::PhaseEnd;
@@ -31,6 +31,10 @@ pub(super) trait Stepper {
     /// [`Error::NonFinite`] where a Jacobian was not finite, or a slope in a step that failed; [`Error::Diffsol`].
     fn step(&mut self) -> Result<bool, Error>;
 
+    /// Whether Jacobians have had entries that their matrices have no place for, as where the system branches. They were
+    /// left out, so the iteration of further steps would converge badly or not at all.
+    fn is_outgrown(&self) -> bool;
+
     /// The time reached.
     fn t(&self) -> f64;
 
@@ -50,8 +54,8 @@ pub(super) trait Stepper {
     fn count(&self, stats: &mut Stats);
 }
 
-/// What is done with the method on a phase.
-pub(super) type Then<'t> = &'t mut dyn FnMut(&mut dyn Stepper) -> Result<PhaseEnd, Error>;
+/// What is done with the method on a phase; `None` where it is to begin anew, [outgrown](Stepper::is_outgrown).
+pub(super) type Then<'t> = &'t mut dyn FnMut(&mut dyn Stepper) -> Result<Option<PhaseEnd>, Error>;
 
 /// A phase to be stepped through.
 pub(super) struct Phase<'f> {
@@ -65,6 +69,8 @@ pub(super) struct Phase<'f> {
     pub(super) t: f64,
     /// State at its start.
     pub(super) y: &'f [f64],
+    /// Places of entries of its Jacobian beside those at its start.
+    pub(super) further: &'f Places,
     /// Its length, negative where time runs backward.
     pub(super) span: f64,
     /// Size of the first step, where one is given.
@@ -75,17 +81,17 @@ impl Phase<'_> {
     /// Begins the phase with dense linear algebra, and hands the method to `then`.
     // Never inlined: it would be compiled for each system.
     #[inline(never)]
-    pub(super) fn with_dense(&self, then: Then<'_>) -> Result<PhaseEnd, Error> {
+    pub(super) fn with_dense(&self, then: Then<'_>) -> Result<Option<PhaseEnd>, Error> {
         self.with::<Dense>(then)
     }
 
     /// The same with sparse linear algebra.
     #[inline(never)]
-    pub(super) fn with_sparse(&self, then: Then<'_>) -> Result<PhaseEnd, Error> {
+    pub(super) fn with_sparse(&self, then: Then<'_>) -> Result<Option<PhaseEnd>, Error> {
         self.with::<Sparse>(then)
     }
 
-    fn with<A: Algebra>(&self, then: Then<'_>) -> Result<PhaseEnd, Error>
+    fn with<A: Algebra>(&self, then: Then<'_>) -> Result<Option<PhaseEnd>, Error>
     where
         for<'b> &'b A::V: VectorRef<A::V>,
         for<'b> &'b A::M: MatrixRef<A::M>,
@@ -95,7 +101,7 @@ impl Phase<'_> {
             .t0(self.t)
             .rtol(self.tolerance.rtol)
             .atol(self.tolerance.atol.iter().copied())
-            .build_from_eqn(Equations::<A>::new(self.field, self.y))
+            .build_from_eqn(Equations::<A>::new(self.field, (self.t, self.y), self.further))
             .map_err(refused)?;
         built.ode_options.max_nonlinear_solver_failures = usize::MAX;
         built.ode_options.min_timestep = LEAST_STEP * self.span.abs();
@@ -169,6 +175,10 @@ impl<'a, 'f: 'a, A: Algebra, S: OdeSolverMethod<'a, Equations<'f, A>>> Stepper
         }
         let reason = reason.map_err(|error| failure(self.t0, self.mode, &error))?;
         Ok(reason == OdeSolverStopReason::TstopReached)
+    }
+
+    fn is_outgrown(&self) -> bool {
+        self.equations.is_outgrown.get()
     }
 
     fn t(&self) -> f64 {
