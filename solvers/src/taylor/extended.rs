@@ -7,9 +7,8 @@
 use std::ops::ControlFlow;
 
 use super::coefficient::Coefficient;
-use super::expand::Expansion;
-use super::guards::{GuardSeries, Look};
-use super::method::{TaylorStep, sum_with_slope};
+use super::guards::Look;
+use super::method::{TaylorMethod, TaylorStep};
 use super::order::{self, Reach};
 use super::rows::MAX_ORDER;
 use crate::double_double::DoubleDouble;
@@ -21,6 +20,7 @@ use crate::phase::{PhaseEnd, Point, check_finite};
 use crate::real::Real;
 use crate::record::{Accepted, Record, reject};
 use crate::stats::Stats;
+use crate::step::Step;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 
@@ -49,20 +49,13 @@ impl Coefficient for DoubleDouble {
 /// An integration with double-double numbers: its present point and the work done so far.
 pub struct ExtendedIntegration<'a, P: System> {
     problem: &'a P,
-    /// Time.
-    pub t: DoubleDouble,
     /// Mode.
     pub mode: P::Mode,
     /// Work so far.
     pub stats: Stats,
     tolerance: Tolerance,
-    expansion: Expansion<DoubleDouble>,
-    guards: GuardSeries<P::Guards<f64>, DoubleDouble>,
-    /// Coefficients by order; that of order zero is the present state.
-    y: Vec<P::State<DoubleDouble>>,
-    t1: DoubleDouble,
-    y1: P::State<DoubleDouble>,
-    slope1: P::State<DoubleDouble>,
+    /// Its step begins at the present time and state.
+    method: TaylorMethod<P::State<DoubleDouble>, P::Guards<f64>, DoubleDouble>,
     /// The same step in the nearest `f64`.
     step: TaylorStep<P::State<f64>>,
     watch: GuardWatch<P>,
@@ -73,29 +66,30 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     /// An integration that starts at `(t, y)` in the mode that the system gives it, with series of the highest order.
     /// Tolerances may be as small as 1e-28. A tolerance that is not valid is an error of the first run.
     pub fn new(problem: &'a P, t: f64, y: &P::State<f64>, tolerance: Tolerance) -> Self {
-        let n = problem.dim();
-        let extended = P::State::<DoubleDouble>::from_fn(n, |i| DoubleDouble::from(y.as_ref()[i]));
+        let n = y.as_ref().len();
+        let mut method = TaylorMethod::new(n, problem.n_guards(), MAX_ORDER);
+        method.step.t0 = DoubleDouble::from(t);
+        method.step.y[0] = Vector::from_fn(n, |i| DoubleDouble::from(y.as_ref()[i]));
         Self {
             problem,
-            t: DoubleDouble::from(t),
             mode: problem.initial_mode(t, y),
             stats: Stats::default(),
             tolerance,
-            expansion: Expansion::default(),
-            guards: GuardSeries::new(problem.n_guards(), MAX_ORDER),
-            y: vec![extended.clone(); MAX_ORDER + 1],
-            t1: DoubleDouble::from(t),
-            y1: extended.clone(),
-            slope1: extended,
+            method,
             step: TaylorStep::new(n, MAX_ORDER),
             watch: GuardWatch::new(problem),
             transitions: Transitions::new(problem, t),
         }
     }
 
+    /// The present time.
+    pub fn t(&self) -> DoubleDouble {
+        self.method.step.t0
+    }
+
     /// The present state.
     pub fn state(&self) -> &P::State<DoubleDouble> {
-        &self.y[0]
+        &self.method.step.y[0]
     }
 
     /// The nearest `f64` of the present state.
@@ -114,7 +108,8 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         let mut guard = self.transitions.begin(self.problem, &self.point(), t_end)?;
         loop {
             if let Some(guard) = guard {
-                let instant = Instant { t: self.t, y: &mut self.y[0], mode: &mut self.mode };
+                let (t, y) = (self.t(), &mut self.method.step.y[0]);
+                let instant = Instant { t, y, mode: &mut self.mode };
                 let ends = self.transitions.switch(
                     self.problem,
                     instant,
@@ -135,18 +130,16 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     }
 
     fn point(&self) -> Point<P> {
-        Point { t: self.t.value(), y: rounded::<P, _>(self.state()), mode: self.mode.clone() }
+        Point { t: self.t().value(), y: rounded::<P, _>(self.state()), mode: self.mode.clone() }
     }
 
     /// Integrates in the present mode to `t_end` or to the zero of the first guard that falls.
     fn phase(&mut self, t_end: f64, record: &mut dyn Record<P>) -> Result<PhaseEnd, Error> {
         let (problem, mode) = (self.problem, self.mode.clone());
-        let (start, rest) = self.y.split_at_mut(1);
-        let field = InMode { problem, mode: &mode };
-        self.expansion.begin(&field, self.t, &start[0], &mut rest[0], self.guards.start());
-        let point = self.point();
-        self.watch.begin(problem, mode.clone(), point.t, &point.y, &rounded::<P, _>(&self.y[1]));
-        while self.t.value() != t_end {
+        self.method.begin::<P>(&InMode { problem, mode: &mode });
+        let (point, slope) = (self.point(), rounded::<P, _>(&self.method.step.y[1]));
+        self.watch.begin(problem, mode.clone(), point.t, &point.y, &slope);
+        while self.t().value() != t_end {
             if self.take_step(t_end, record)?.is_break() {
                 return Ok(PhaseEnd::Interrupted);
             }
@@ -155,10 +148,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
             let (step, stats, proposed) = (&self.step, &self.stats, None);
             let accepted = Accepted { mode: mode.clone(), step, landed_on, proposed, stats };
             let go_on = record.step(&accepted);
-            self.t = self.t1;
-            std::mem::swap(&mut self.y[0], &mut self.y1);
-            std::mem::swap(&mut self.y[1], &mut self.slope1);
-            self.guards.advance();
+            self.method.go_on();
             match landed_on {
                 _ if go_on.is_break() => return Ok(PhaseEnd::Interrupted),
                 Some(guard) => return Ok(PhaseEnd::Guard(guard)),
@@ -175,11 +165,11 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         t_end: f64,
         record: &mut dyn Record<P>,
     ) -> Result<ControlFlow<()>, Error> {
-        let field = InMode { problem: self.problem, mode: &self.mode };
-        self.expansion.complete(&field, self.t, &mut self.y, self.guards.low());
+        self.method.finish::<P>(&InMode { problem: self.problem, mode: &self.mode });
         self.stats.work.add_series();
-        (self.step.t0, self.step.t0_low) = (self.t.hi(), self.t.lo());
-        for (rounded_y, y) in self.step.y.iter_mut().zip(&self.y) {
+        let t0 = self.t();
+        (self.step.t0, self.step.t0_low) = (t0.hi(), t0.lo());
+        for (rounded_y, y) in self.step.y.iter_mut().zip(&self.method.step.y) {
             *rounded_y = rounded::<P, _>(y);
         }
         let reach = order::reach(&self.step.y, &self.tolerance, &mut self.step.weights);
@@ -188,11 +178,11 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
             check_finite(&point, &self.step.y[MAX_ORDER])?;
             return Err(self.underflow(0.0));
         };
-        self.step.degree = degree;
-        let span = DoubleDouble::from(t_end) - self.t;
+        (self.step.degree, self.method.step.degree) = (degree, degree);
+        let span = DoubleDouble::from(t_end) - t0;
         loop {
             let is_last = h >= span.value().abs();
-            let ahead = self.t + h.copysign(span.value());
+            let ahead = t0 + h.copysign(span.value());
             let t1 = if is_last { DoubleDouble::from(t_end) } else { ahead };
             if t1.value() == self.step.t0 {
                 return Err(self.underflow(h));
@@ -204,31 +194,24 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
             if reject(&mut self.stats, record).is_break() {
                 return Ok(ControlFlow::Break(()));
             }
-            h = 0.5 * (t1 - self.t).value().abs();
+            h = 0.5 * (t1 - t0).value().abs();
         }
     }
 
     fn underflow(&self, h: f64) -> Error {
-        Error::StepUnderflow { t: self.t.value(), h, mode: format!("{:?}", self.mode) }
+        Error::StepUnderflow { t: self.t().value(), h, mode: format!("{:?}", self.mode) }
     }
 
     /// Sums the series at `t1`, and returns the norm of the error estimate, which follows from the defect there.
     fn attempt(&mut self, t1: DoubleDouble) -> f64 {
-        let (size, degree) = (t1 - self.t, self.step.degree);
-        self.t1 = t1;
-        let mut slopes = self.y1.clone();
-        sum_with_slope(&self.y[..=degree], size, &mut self.y1, &mut slopes);
         let field = InMode { problem: self.problem, mode: &self.mode };
-        let (slope1, end) = (&mut self.slope1, &mut self.guards.end);
-        self.expansion.begin(&field, self.t1, &self.y1, slope1, end);
-        self.step.t1 = self.t1.value();
-        self.step.y1 = rounded::<P, _>(&self.y1);
-        self.step.slope1 = rounded::<P, _>(&self.slope1);
-        let share = size.value() / (degree + 1) as f64;
-        let pairs = slopes.as_ref().iter().zip(self.slope1.as_ref());
-        let error: Vec<f64> =
-            pairs.map(|(of_series, of_state)| share * (*of_series - *of_state).value()).collect();
-        self.tolerance.norm(&error, self.step.y[0].as_ref(), self.step.y1.as_ref())
+        self.method.take::<P>(&field, t1, t1 - self.t());
+        let of_method = &self.method.step;
+        self.step.t1 = t1.value();
+        self.step.y1 = rounded::<P, _>(&of_method.y1);
+        self.step.slope1 = rounded::<P, _>(&of_method.slope1);
+        let error = rounded::<P, _>(&self.method.error);
+        self.tolerance.norm(error.as_ref(), self.step.y[0].as_ref(), self.step.y1.as_ref())
     }
 
     /// Cuts the step at the zero of the guard that falls first on it, and returns that guard.
@@ -236,25 +219,22 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         let (problem, mode) = (self.problem, self.mode.clone());
         let whole = self.step.t1 - self.step.t0;
         loop {
-            let polynomial = (self.t, &self.y[..], self.step.degree);
-            let look = self.guards.first_to_fall(
-                problem,
-                mode.clone(),
-                (&self.step, whole),
-                polynomial,
-                &mut self.watch,
-            )?;
+            let TaylorMethod { step, guards, .. } = &mut self.method;
+            let (t0, t1) = (step.t0, step.t1);
+            let polynomial = (t0, &step.y[..], step.degree);
+            let of_step = (&self.step as &dyn Step<_>, whole);
+            let watch = &mut self.watch;
+            let look = guards.first_to_fall(problem, mode.clone(), of_step, polynomial, watch)?;
             let GuardCrossing { guard, t, violated_at } = match look {
                 Look::Clear => return Ok(None),
                 Look::Falls(crossing) => crossing,
                 Look::Within(range) => {
                     self.watch.forget_step();
-                    self.attempt(self.t + (self.t1 - self.t) * range);
+                    self.attempt(t0 + (t1 - t0) * range);
                     continue;
                 }
             };
             if violated_at != self.step.t1 {
-                let t1 = self.t1;
                 self.attempt(DoubleDouble::from(violated_at));
                 if self.watch.violated(problem, mode.clone(), violated_at, &self.step.y1)?.is_none()
                 {
@@ -264,8 +244,8 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
                     continue;
                 }
             }
-            let zero = self.zero_of(guard, DoubleDouble::from(t) - self.t);
-            self.attempt(self.t + zero);
+            let zero = self.zero_of(guard, DoubleDouble::from(t) - t0);
+            self.attempt(t0 + zero);
             return Ok(Some(guard));
         }
     }
@@ -275,18 +255,19 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     fn zero_of(&self, guard: usize, s: DoubleDouble) -> DoubleDouble {
         let n = self.problem.n_guards();
         let mut g = P::Guards::<DoubleDouble>::from_fn(n, |_| DoubleDouble::from(0.0));
-        let mut y = self.y1.clone();
+        let TaylorStep { t0, y: series, degree, .. } = &self.method.step;
+        let mut y = self.method.step.y1.clone();
         let close = PRECISION * self.step.t1.abs().max(self.step.t0.abs());
         let (mut zero, mut last) = (s, f64::INFINITY);
         for _ in 0..MOST_ITERATIONS {
-            y.clone_from(&self.y[self.step.degree]);
-            for c in self.y[..self.step.degree].iter().rev() {
+            y.clone_from(&series[*degree]);
+            for c in series[..*degree].iter().rev() {
                 for (y, c) in y.as_mut().iter_mut().zip(c.as_ref()) {
                     *y = *y * zero + *c;
                 }
             }
-            self.problem.guards(self.mode.clone(), self.t + zero, &y, &mut g);
-            let rate = self.guards.rate(guard, zero.value(), self.step.degree);
+            self.problem.guards(self.mode.clone(), *t0 + zero, &y, &mut g);
+            let rate = self.method.guards.rate(guard, zero.value(), *degree);
             let correction = g.as_ref()[guard] / rate;
             let size = correction.value().abs();
             let next = zero - correction;
@@ -319,7 +300,7 @@ mod tests {
         let tolerance = Tolerance { rtol, atol: vec![rtol; problem.dim()] };
         let mut run = ExtendedIntegration::new(problem, 0.0, &y0, tolerance);
         assert_eq!(run.run(t_end, &mut ()), Ok(Outcome::Finished));
-        assert_eq!(run.t, DoubleDouble::from(t_end));
+        assert_eq!(run.t(), DoubleDouble::from(t_end));
         run.state().as_ref().to_vec()
     }
 

@@ -152,5 +152,5 @@ fn a_recorder_ends_a_run_in_extended_precision_that_only_rejects() {
     let mut seen = Impatient::default();
     let mut run = ExtendedIntegration::new(&Cliff, 0.0, &[0.0; 2], tolerance());
     let outcome = run.run(1.0, &mut seen).unwrap();
-    assert_ended("extended", outcome, run.t.hi(), &seen);
+    assert_ended("extended", outcome, run.t().hi(), &seen);
 }

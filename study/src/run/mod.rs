@@ -133,7 +133,7 @@ pub fn extended<P: Problem>(
     let atol = scales(problem).into_iter().map(|scale| rtol * scale).collect();
     let mut run = ExtendedIntegration::new(problem, 0.0, &y0, Tolerance { rtol, atol });
     let outcome = problem.check().and_then(|()| run.run(t_end, record));
-    let end = Point { t: run.t.value(), y: run.rounded(), mode: run.mode };
+    let end = Point { t: run.t().value(), y: run.rounded(), mode: run.mode };
     finished(problem, end, run.stats, outcome, watch.took())
 }
 
