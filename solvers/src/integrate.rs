@@ -53,7 +53,8 @@ impl<'a, P: System> Integration<'a, P> {
     /// accepted steps that it needs and every event.
     ///
     /// # Errors
-    /// [`Error::BadArgument`] for a `t_end` that is not finite, [`Error::NonFinite`] for a start that is not finite,
+    /// [`Error::BadArgument`] for a `t_end` that is not finite and for a start with more or fewer states than the system
+    /// [has](System::dim), [`Error::NonFinite`] for a start that is not finite,
     /// [`Error::Chatter`] for transitions at one instant that do not end, [`Error::EventStorm`] for events that
     /// accumulate to no [limit](System::accumulation), [`Error::BadGuardBound`] for a rounding bound that is not above
     /// zero, any error of the recorder's [beginning](Record::begin), and any error of a step.
@@ -165,6 +166,11 @@ impl<P: System> Transitions<P> {
         if !t_end.is_finite() {
             let allowed = "the end of a run must be finite";
             return Err(Error::BadArgument { name: "t_end", value: t_end, allowed });
+        }
+        let n = point.y.as_ref().len();
+        if n != problem.dim() {
+            let allowed = "a start has as many states as the system says that it has";
+            return Err(Error::BadArgument { name: "number of states", value: n as f64, allowed });
         }
         check_finite(point, &point.y)?;
         self.t_end = t_end;

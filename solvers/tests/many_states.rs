@@ -4,7 +4,10 @@
 mod common;
 
 use common::at_most;
-use deltazero_solvers::{Control, Integration, Method, Next, Real, Stats, System, Tolerance};
+use deltazero_solvers::taylor::ExtendedIntegration;
+use deltazero_solvers::{
+    Control, Error, Integration, METHODS, Method, Next, Real, Stats, System, Tolerance,
+};
 
 /// Heat in a rod, `ẏ_i = (n + 1)² (y_(i−1) − 2 y_i + y_(i+1))` between ends at zero.
 struct Rod {
@@ -204,5 +207,95 @@ fn the_default_jacobian_of_carts_in_a_row_is_as_good_as_one_by_hand() {
         let (work_by_default, y_by_default) = run_of_carts(&ByDefault(Carts { n: 20 }), name);
         assert_eq!(work, work_by_default, "{name}");
         at_most(name, common::distance(&y, &y_by_default), 1e-9);
+    }
+}
+
+#[test]
+fn a_start_with_other_states_than_the_system_has_is_refused() {
+    let carts = Carts { n: 3 };
+    let tolerance = Tolerance { rtol: 1e-6, atol: vec![1e-6; 6] };
+    let is_refused = |outcome: Result<_, Error>| {
+        matches!(outcome, Err(Error::BadArgument { name: "number of states", .. }))
+    };
+    for n in [0, 5, 7] {
+        for method in METHODS {
+            let control = match method.is_fixed_step() {
+                true => Control::Fixed(0.01),
+                false => Control::Adaptive(tolerance.clone()),
+            };
+            let mut solver = method.solver(&carts, control).unwrap();
+            let mut run = Integration::new(&carts, 0.0, vec![0.0; n]);
+            assert!(is_refused(run.run(1.0, &mut *solver, &mut ())), "{} with {n}", method.name);
+        }
+        let mut run = ExtendedIntegration::new(&carts, 0.0, &vec![0.0; n], tolerance.clone());
+        assert!(is_refused(run.run(1.0, &mut ())), "extended with {n}");
+    }
+}
+
+/// A mass that falls on a damped spring, in one mode whose rate branches.
+struct Drop;
+
+/// The same with its state in a `Vec`, whose default Jacobian has the entries of the branch taken.
+struct DropInVec;
+
+impl Drop {
+    fn rates<S: Real>(x: S, v: S) -> [S; 2] {
+        [v, if x.value() > 0.0 { S::cst(-9.8) } else { -x * 1e8 - v * 3e4 - 9.8 }]
+    }
+}
+
+macro_rules! without_guards {
+    ($System:ty, $State:ident, $of:ty) => {
+        impl System for $System {
+            type Mode = ();
+            type State<$State: Real> = $of;
+            type Guards<S: Real> = [S; 0];
+
+            fn dim(&self) -> usize {
+                2
+            }
+
+            fn initial_mode(&self, _t: f64, _y: &Self::State<f64>) {}
+
+            fn rhs<S: Real>(&self, (): (), _t: S, y: &Self::State<S>, dydt: &mut Self::State<S>) {
+                dydt.copy_from_slice(&Drop::rates(y[0], y[1]));
+            }
+
+            fn guards<S: Real>(&self, (): (), _t: S, _y: &Self::State<S>, _g: &mut [S; 0]) {}
+
+            fn guard_bounds(&self, (): (), _: f64, _y: &Self::State<f64>, _: &mut [f64; 0]) {}
+
+            fn transition<S: Real>(
+                &self,
+                (): (),
+                _guard: usize,
+                _t: S,
+                _y: &mut Self::State<S>,
+            ) -> Next<()> {
+                Next::Stop
+            }
+        }
+    };
+}
+
+without_guards!(Drop, S, [S; 2]);
+without_guards!(DropInVec, S, Vec<S>);
+
+#[test]
+fn a_branch_that_gives_the_jacobian_more_entries_is_no_matter() {
+    fn run<P: System>(problem: &P, name: &str, y: P::State<f64>) -> (Stats, Vec<f64>) {
+        let tolerance = Tolerance { rtol: 1e-6, atol: vec![1e-9; 2] };
+        let method = Method::named(name).unwrap();
+        let mut solver = method.solver(problem, Control::Adaptive(tolerance)).unwrap();
+        let mut run = Integration::new(problem, 0.0, y);
+        run.run(0.2, &mut *solver, &mut ()).unwrap();
+        (run.stats, run.point.y.as_ref().to_vec())
+    }
+    for name in ["bdf", "tr_bdf2", "esdirk34", "radau5", "rodas5p"] {
+        let (of_array, expected) = run(&Drop, name, [1e-3, 0.0]);
+        let (of_vec, found) = run(&DropInVec, name, vec![1e-3, 0.0]);
+        let (n, m) = (of_vec.n_accepted, of_array.n_accepted);
+        assert!(n <= 2 * m, "{name}: {n} steps for {m}");
+        at_most(name, common::distance(&found, &expected), 1e-6);
     }
 }
