@@ -3,7 +3,7 @@
 use super::coefficient::Coefficient;
 use super::expand::{Expansion, SeriesField};
 use super::guards::{GuardSeries, Look};
-use super::order::{self, Reach};
+use super::order::{self, LOW, Reach};
 use super::rows::MAX_ORDER;
 use crate::erk::InMode;
 use crate::error::Error;
@@ -69,9 +69,9 @@ impl<Y: Vector<B>, B: Real> TaylorStep<Y, B> {
 }
 
 impl<Y: Vector<B>, G: Vector<B::Rounded>, B: Coefficient> TaylorMethod<Y, G, B> {
-    /// The method of `order` for systems of `n` states and `n_guards` guards.
+    /// The method of `order`, or of the nearest from 3 to [`MAX_ORDER`], for systems of `n` states and `n_guards` guards.
     pub fn new(n: usize, n_guards: usize, order: usize) -> Self {
-        let order = order.clamp(1, MAX_ORDER);
+        let order = order.clamp(LOW, MAX_ORDER);
         Self {
             step: TaylorStep::new(n, order),
             expansion: Expansion::default(),

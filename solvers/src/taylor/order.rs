@@ -13,7 +13,7 @@ const LEAST_ORDER: usize = 8;
 const SAFETY: f64 = 0.9;
 /// Order of the low term that is compared with the last two. If it too is within the tolerance there, the high terms
 /// do not decrease and cannot be trusted.
-const LOW: usize = 3;
+pub(super) const LOW: usize = 3;
 /// Factor on the step size at which the low term is tested, `e^½`.
 const FARTHER: f64 = 1.648_721_270_700_128;
 
@@ -47,15 +47,18 @@ pub struct Reach {
 ///
 /// Jorba and Zou, §3.2.1. Near a singular point of the right-hand side the high terms grow without bound or are not
 /// finite. The series is then cut at the degree that allows the longest step. Returns `None` where not even two terms
-/// beyond the first are finite.
+/// beyond the first are finite, and for fewer than four coefficients.
 ///
 /// `weights` is workspace of the length of a state.
 pub fn reach<Y: Vector<f64>>(y: &[Y], tolerance: &Tolerance, weights: &mut Y) -> Option<Reach> {
+    if y.len() <= LOW {
+        return None;
+    }
     tolerance.weights(y[0].as_ref(), weights.as_mut());
     reach_by(y.len() - 1, |k| weighed_sq(y[k].as_ref(), weights.as_ref()))
 }
 
-/// [`reach`] of a series of `order`, from the squares of the norms of its coefficients.
+/// [`reach`] of a series of `order`, at least [`LOW`], from the squares of the norms of its coefficients.
 #[inline]
 pub(crate) fn reach_by(order: usize, norm_sq: impl Fn(usize) -> f64) -> Option<Reach> {
     // log₂ h from the terms n − 1 and n; NaN where one of them is.
@@ -151,6 +154,8 @@ mod tests {
             assert!(reach.is_some_and(|reach| reach.degree < 6 && reach.h > 0.0), "{reach:?}");
         }
         assert_eq!(reach_of(|k| if k < 2 { 1.0 } else { f64::NAN }), None);
+        let three = [[1.0]; 3];
+        assert_eq!(reach(&three, &Tolerance { rtol: 1e-6, atol: vec![1e-6] }, &mut [0.0]), None);
         assert!(
             reach_of(|k| if k < 2 { 1.0 } else { 0.0 }).is_some_and(|reach| reach.h.is_infinite())
         );
