@@ -22,14 +22,16 @@ pub enum Grid {
 }
 
 impl Grid {
-    /// `t = spacing · k` for `k = 1 … ⌊t_end/spacing + 1e-9⌋`; every accepted step if `spacing`
-    /// is zero.
+    /// `t = spacing · k` for `k = 1 … ⌊t_end/spacing + 1e-9⌋`, for a run from zero to `t_end`; every accepted step if
+    /// `spacing` is zero. Where `t_end` is below zero, so is the spacing. The last time is `t_end` itself where rounding
+    /// would put it beyond.
     pub fn uniform(spacing: f64, t_end: f64) -> Self {
         if spacing == 0.0 {
             return Self::Steps;
         }
         let n = (t_end / spacing + 1e-9).floor() as u64;
-        Self::Times((1..=n).map(|k| (spacing * k as f64).min(t_end)).collect())
+        let within = |t: f64| if t.abs() > t_end.abs() { t_end } else { t };
+        Self::Times((1..=n).map(|k| within(spacing * k as f64)).collect())
     }
 }
 
@@ -216,5 +218,20 @@ impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
                 None => Needs::Nothing,
             },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_multiples_of_the_spacing_forward_and_backward() {
+        assert_eq!(Grid::uniform(0.5, 1.2), Grid::Times(vec![0.5, 1.0]));
+        assert_eq!(Grid::uniform(-0.5, -1.2), Grid::Times(vec![-0.5, -1.0]));
+        // 3 · 0.1 is above 0.3.
+        assert_eq!(Grid::uniform(0.1, 0.3), Grid::Times(vec![0.1, 0.2, 0.3]));
+        assert_eq!(Grid::uniform(-0.1, -0.3), Grid::Times(vec![-0.1, -0.2, -0.3]));
+        assert_eq!(Grid::uniform(0.1, -0.3), Grid::Times(Vec::new()));
     }
 }
