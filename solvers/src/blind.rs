@@ -116,13 +116,15 @@ impl<'a, P: ModeOfState, R: Record<P>> Record<Blind<'a, P>> for Unblind<'a, P, R
         let seen = Accepted { mode: before.clone(), step, landed_on: None, proposed, stats };
         let go_on = self.record.step(&seen);
         let after = self.problem.mode_of_state(step.t1(), step.y1());
-        if after == before || go_on.is_break() {
+        if after == before {
             return go_on;
         }
         self.mode = after.clone();
         let (t, y) = (step.t1(), step.y1());
         let after = Next::Mode(after);
-        self.record.event(&Event { t, guard: 0, before, after, y_before: y, y })
+        // A run that is interrupted here has made this step, so its event is shown, too.
+        let event = self.record.event(&Event { t, guard: 0, before, after, y_before: y, y });
+        if go_on.is_break() { go_on } else { event }
     }
 
     fn event(&mut self, event: &Event<'_, Blind<'a, P>>) -> ControlFlow<()> {

@@ -2,10 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use deltazero_solvers::problems::BouncingBall;
-use deltazero_solvers::{Accepted, Event, Grid, Integration, Needs, Outcome, Record, Trajectory};
+use deltazero_solvers::problems::{BouncingBall, SpringStop};
+use deltazero_solvers::{
+    Accepted, Blind, Event, Grid, Integration, Needs, Outcome, Record, Trajectory, Unblind,
+};
 
-use crate::common::{at_most, steps_itself};
+use crate::common::{at_most, iterates, steps_itself};
 use crate::log::{Log, Setting, settings};
 use crate::script::chain;
 
@@ -188,5 +190,33 @@ fn a_landing_has_the_slope_of_where_it_lands() {
         // Measured: 0, for diffsol's at most 3.2e-13 m/s (tsit45).
         let bound = if steps_itself(method, &ball) { 3e-12 } else { 0.0 };
         at_most(method.name, landings.0, bound);
+    }
+}
+
+#[test]
+fn a_blind_run_that_is_broken_off_shows_the_change_of_mode_of_its_last_step() {
+    let stop = SpringStop {
+        mass: 1.0,
+        stiffness: 4.0,
+        stop_stiffness: 400.0,
+        gap: 0.1,
+        start: [-0.3, 0.4],
+    };
+    let blind = Blind(&stop);
+    // A fixed step of an iteration may have no solution where the slope jumps.
+    for (method, control) in settings().into_iter().filter(|setting| !iterates(setting.0)) {
+        let run = |break_at| {
+            let mut log = Log { break_at, ..Log::default() };
+            let mut shown = Unblind::new(&stop, 0.0, &stop.start, &mut log);
+            let mut integration = Integration::new(&blind, 0.0, stop.start);
+            let mut solver = method.solver(&blind, control.clone()).unwrap();
+            while integration.run(3.0, &mut *solver, &mut shown).unwrap() == Outcome::Interrupted {}
+            log
+        };
+        let whole = run((usize::MAX, usize::MAX));
+        assert!(!whole.events.is_empty(), "{}", method.name);
+        // The step after which the mode is first another.
+        let broken_off = run((whole.events[0].4, usize::MAX));
+        assert_eq!(broken_off.events[0], whole.events[0], "{}", method.name);
     }
 }
