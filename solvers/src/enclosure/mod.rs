@@ -172,10 +172,11 @@ impl<'p, P: System> Enclosure<'p, P> {
     /// event.
     ///
     /// # Errors
-    /// [`Error::NotProven`] where it cannot be shown what follows. [`Error::BadArgument`] where `to` is not finite.
+    /// [`Error::NotProven`] where it cannot be shown what follows. [`Error::BadArgument`] where `to` is not finite, or
+    /// before the time that is reached.
     pub fn advance(&mut self, to: f64) -> Result<Option<ProvenEvent<P::Mode>>, Error> {
-        if !to.is_finite() {
-            let allowed = "a finite time";
+        if !to.is_finite() || to < self.t {
+            let allowed = "a finite time, not before the one that is reached";
             return Err(Error::BadArgument { name: "to", value: to, allowed });
         }
         while self.t < to && !self.is_over {
@@ -205,6 +206,7 @@ impl<'p, P: System> Enclosure<'p, P> {
                 Tried::TooLong(factor) => h *= factor.clamp(SHRINK, SAFETY),
                 Tried::Step(step) => match self.pass(&step, end) {
                     Ok(event) => {
+                        self.n_steps += 1;
                         let next = h * step.factor().clamp(SHRINK, GROWTH);
                         self.h = if end == to { self.h.max(next) } else { next };
                         return Ok(event);
@@ -221,9 +223,8 @@ impl<'p, P: System> Enclosure<'p, P> {
     /// Moves on to the end of the step, or through the first event on the way.
     fn pass(&mut self, step: &Step, end: f64) -> Result<Option<ProvenEvent<P::Mode>>, Doubt> {
         let first = self.first_fall(step)?;
-        let to = first.map_or(end, |(_, fall)| self.t + fall);
+        let to = first.map_or(end, |(_, fall)| end.min(self.t + fall));
         let set = step.end(&self.field, &self.set, to).ok_or(Doubt::NoBox)?;
-        self.n_steps += 1;
         let Some((guard, _)) = first else {
             (self.t, self.set, self.begun) = (to, set, None);
             return Ok(None);
