@@ -126,8 +126,9 @@ impl<'a, B: Coefficient> Series<'a, B> {
     fn power(table: Table<'_, B>, (row, a_k): (&Row<B>, B), p: f64) -> B {
         let k = table.k;
         if (2.0..=LARGEST_PRODUCT).contains(&p) && p.fract() == 0.0 {
+            // Unlike the recurrence of powers, products have no singular point where the base is zero.
             let base = Series { place: Some(Place { table, row }), coefficient: a_k };
-            let product = base.product(p as u32);
+            let product = base.powi(p as u32);
             // The value must agree with `f64` to the bit.
             let c_k = if k == 0 { Real::powf(a_k, p) } else { product.coefficient };
             return Series::new(table, c_k).coefficient;
@@ -163,22 +164,6 @@ impl<'a, B: Coefficient> Series<'a, B> {
             coefficient,
         });
         f.of(x).map(|y| Series::new(table, y.coefficient(table.k)).coefficient)
-    }
-
-    /// `selfⁿ` by repeated squaring, `n ≥ 1`. Unlike the recurrence of powers it has no singular point where the base
-    /// is zero.
-    fn product(self, mut n: u32) -> Self {
-        let (mut square, mut product) = (self, None);
-        loop {
-            if n % 2 == 1 {
-                product = Some(product.map_or(square, |product: Self| product * square));
-            }
-            n /= 2;
-            match product {
-                Some(product) if n == 0 => return product,
-                _ => square = square * square,
-            }
-        }
     }
 }
 
