@@ -264,19 +264,13 @@ pub trait Ordered: Real {
     /// The result of a comparison: true or false for each run.
     type Mask: Copy + BitAnd<Output = Self::Mask>;
 
-    /// True for each run.
-    const YES: Self::Mask;
-
     /// Absolute value.
     fn abs(self) -> Self;
-
-    /// The larger of the two; where one is NaN, the other.
-    fn max(self, other: Self) -> Self;
 
     /// The smaller of the two; where one is NaN, any of both. A vector has one instruction for it.
     fn lesser(self, other: Self) -> Self;
 
-    /// The larger of the two; where one is NaN, any of both. [`max`](Self::max) takes a vector more instructions.
+    /// The larger of the two; where one is NaN, any of both.
     fn larger(self, other: Self) -> Self;
 
     /// Whether this number is above `other`.
@@ -335,14 +329,8 @@ impl Real for f64 {
 impl Ordered for f64 {
     type Mask = bool;
 
-    const YES: bool = true;
-
     fn abs(self) -> Self {
         self.abs()
-    }
-
-    fn max(self, other: Self) -> Self {
-        self.max(other)
     }
 
     fn lesser(self, other: Self) -> Self {

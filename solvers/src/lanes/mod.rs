@@ -55,9 +55,6 @@ pub trait Simd:
     /// Absolute value.
     fn abs(self) -> Self;
 
-    /// The larger one in each lane; where one is NaN, the other.
-    fn max(self, other: Self) -> Self;
-
     /// The smaller one in each lane; where one is NaN, any of both.
     fn lesser(self, other: Self) -> Self;
 
@@ -110,11 +107,6 @@ macro_rules! simd {
             #[inline(always)]
             fn abs(self) -> Self {
                 <$vector>::abs(self)
-            }
-
-            #[inline(always)]
-            fn max(self, other: Self) -> Self {
-                <$vector>::max(self, other)
             }
 
             #[inline(always)]
@@ -264,16 +256,9 @@ impl<V: Simd> Ordered for Lanes<V> {
     /// A bit for each lane.
     type Mask = u32;
 
-    const YES: u32 = (1 << V::N) - 1;
-
     #[inline(always)]
     fn abs(self) -> Self {
         Self(self.0.abs())
-    }
-
-    #[inline(always)]
-    fn max(self, other: Self) -> Self {
-        Self(self.0.max(other.0))
     }
 
     #[inline(always)]
@@ -321,12 +306,15 @@ mod tests {
         let (x, y) = (Lanes::<V>::from_fn(|i| a[i]), Lanes::<V>::from_fn(|i| b[i]));
         for i in 0..V::N {
             let same = |found: f64, alone: f64| found == alone || found.is_nan() && alone.is_nan();
-            assert!(same(x.max(y).lane(i), a[i].max(b[i])), "{i}");
+            if !a[i].is_nan() && !b[i].is_nan() {
+                assert_eq!(x.larger(y).lane(i), a[i].max(b[i]), "{i}");
+                assert_eq!(x.lesser(y).lane(i), a[i].min(b[i]), "{i}");
+            }
             assert_eq!((-x).lane(i).to_bits(), (-a[i]).to_bits(), "{i}");
             assert!(same(x.abs().lane(i), a[i].abs()), "{i}");
             assert_eq!(x.is_above(y) & (1 << i) != 0, a[i] > b[i], "{i}");
         }
-        assert_eq!(Lanes::<V>::cst(1.0).is_above(Lanes::cst(0.0)), Lanes::<V>::YES);
+        assert_eq!(Lanes::<V>::cst(1.0).is_above(Lanes::cst(0.0)), (1 << V::N) - 1);
     }
 
     #[test]
