@@ -11,9 +11,10 @@
 //!   own order. The methods of `diffsol` land on their interpolant, so an event is as exact as that. The error of the
 //!   time is (error of the guard + bound)/|ġ|.
 //! - A transition returns mode and state. Every guard of the new mode is then evaluated, and one that is violated
-//!   switches at the same t. If one is still violated after 16 transitions at one t, the run ends in
-//!   [`Error::Chatter`]; 100 events within 1e-9 of the time since the run began
-//!   [accumulate](crate::System::accumulation).
+//!   switches at the same t. If one is still violated after 16 transitions at one t, or after twice as many as there are
+//!   guards where that is more, the run ends in [`Error::Chatter`]. Events [accumulate](crate::System::accumulation)
+//!   where 100 in a row, or twice as many as there are guards, lie within 1e-9 of the time since the integration began,
+//!   or within 1e-12 of the time from there to the end of the run.
 //! - A guard that is violated at the end of a step is always found. A dip inside the step is searched for where the
 //!   cubic through values and rates at both ends comes near zero ([`event_location`](crate::event_location)). Guards may move faster than
 //!   the states, which alone control the step: `sin(1000 t)` while the states rest. So each phase begins by comparing

@@ -46,7 +46,8 @@ const LEAST_RTOL: f64 = 1e-15;
 pub struct Method {
     /// Short name, as in configurations.
     pub name: &'static str,
-    /// Order of the propagated solution; the highest order where it varies.
+    /// Order of the propagated solution; the highest order of methods of several. Of Taylor series it is that of fixed
+    /// steps; a tolerance sets [others](Self::series_order).
     pub order: usize,
     /// What the method is, and what it suits.
     pub about: &'static str,
@@ -245,8 +246,8 @@ impl Method {
     /// # Errors
     /// [`Error::BadControl`] for a tolerance given to a fixed-step method, a fixed step given to a method that needs a
     /// tolerance, and limits given with a fixed step or the longest step to a method of `diffsol`;
-    /// [`Error::BadArgument`] for a step that is not finite and above zero; [`Error::BadTolerance`] for a tolerance that
-    /// is not valid.
+    /// [`Error::BadArgument`] for a step that is not finite and above zero, and for `rtol` below 1e-15;
+    /// [`Error::BadTolerance`] for a tolerance that is not valid in another way.
     pub fn solver<'p, P: System + 'p>(
         &self,
         problem: &P,

@@ -109,7 +109,8 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
         &mut self.g[..=highest]
     }
 
-    /// The highest of the low orders. The series of a solution to some order determines its guards to one order less.
+    /// The highest of the low orders: one less than that of the series where this is low. The last coefficients of the
+    /// states come from slopes of one order less, and the guards are evaluated with these.
     #[inline(always)]
     pub(crate) fn highest_low(&self) -> usize {
         (self.g.len() - 2).min(FIRST_LOOK)
