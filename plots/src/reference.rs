@@ -77,6 +77,27 @@ impl Label<'_> {
 
 /// The texts of levels, uprights, guides and notes, each where it crosses the fewest lines of data and earlier texts.
 pub(crate) fn labels<'a>(chart: &'a LineChart, view: &View, fonts: &Fonts) -> Vec<Label<'a>> {
+    let texts = texts(chart, view, fonts);
+    if texts.is_empty() {
+        return Vec::new();
+    }
+    let paths = paths(chart, view);
+    let mut labels: Vec<Label<'a>> = Vec::new();
+    for (text, places) in texts {
+        let areas = places.into_iter().map(|at| area(text, at, &view.plot, fonts));
+        let crossed = |area: &Rect| -> usize {
+            let data: usize = paths.iter().map(|path| clip(path, area).len()).sum();
+            data + labels.iter().filter(|label| label.area.touches(area)).count()
+        };
+        if let Some(area) = areas.min_by_key(crossed) {
+            labels.push(Label { text, area });
+        }
+    }
+    labels
+}
+
+/// The texts, each with places where its baseline may begin, the best first.
+fn texts<'a>(chart: &'a LineChart, view: &View, fonts: &Fonts) -> Vec<(&'a str, Vec<Point>)> {
     let mut texts: Vec<(&str, Vec<Point>)> = Vec::new();
     let plot = view.plot;
     for level in &chart.levels {
@@ -123,22 +144,7 @@ pub(crate) fn labels<'a>(chart: &'a LineChart, view: &View, fonts: &Fonts) -> Ve
         }
     }
     texts.retain(|(text, _)| !text.is_empty());
-    if texts.is_empty() {
-        return Vec::new();
-    }
-    let paths = paths(chart, view);
-    let mut labels: Vec<Label<'a>> = Vec::new();
-    for (text, places) in texts {
-        let areas = places.into_iter().map(|at| area(text, at, &plot, fonts));
-        let crossed = |area: &Rect| -> usize {
-            let data: usize = paths.iter().map(|path| clip(path, area).len()).sum();
-            data + labels.iter().filter(|label| label.area.touches(area)).count()
-        };
-        if let Some(area) = areas.min_by_key(crossed) {
-            labels.push(Label { text, area });
-        }
-    }
-    labels
+    texts
 }
 
 /// The area of a text whose baseline begins there, moved into the plot area.

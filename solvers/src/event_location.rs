@@ -365,8 +365,9 @@ impl<P: System> GuardWatch<P> {
             self.doubt(problem, mode.clone(), step, &|i| tolerance.allowed(i, y));
         }
         for (quarter, values) in (1..).zip(&mut self.quarters) {
-            step.interpolate(t0 + 0.25 * f64::from(quarter) * h, &mut self.y);
-            problem.guards(mode.clone(), t0 + 0.25 * f64::from(quarter) * h, &self.y, values);
+            let t = t0 + 0.25 * f64::from(quarter) * h;
+            step.interpolate(t, &mut self.y);
+            problem.guards(mode.clone(), t, &self.y, values);
         }
         self.violated(problem, mode.clone(), t1, step.y1())?;
         let mut first: Option<GuardCrossing> = None;

@@ -162,21 +162,18 @@ impl Block {
                     g[GUARD_RANGE] = self.normal.factor(pose.delta_dot, touch);
                 }
                 self.within_range(pose.delta, &mut g);
-                match mode.sigma() {
-                    Some(sigma) => {
-                        let (s, [low, high]) =
-                            (self.v_t_of(held, &pose, y) * sigma, self.sliding.span(touch.piece));
-                        g[GUARD_UPPER] = s - low;
-                        if high < f64::INFINITY {
-                            g[GUARD_LOWER] = -(s - high);
-                        }
+                if let Some(sigma) = mode.sigma() {
+                    let s = self.v_t_of(held, &pose, y) * sigma;
+                    let [low, high] = self.sliding.span(touch.piece);
+                    g[GUARD_UPPER] = s - low;
+                    if high < f64::INFINITY {
+                        g[GUARD_LOWER] = -(s - high);
                     }
-                    None => {
-                        let forces = self.forces_among(held, mode, y, &pose, extra);
-                        let mu = self.sliding.at_rest(self.mu);
-                        g[GUARD_UPPER] = forces.normal * mu - forces.tangential;
-                        g[GUARD_LOWER] = forces.normal * mu + forces.tangential;
-                    }
+                } else {
+                    let forces = self.forces_among(held, mode, y, &pose, extra);
+                    let mu = self.sliding.at_rest(self.mu);
+                    g[GUARD_UPPER] = forces.normal * mu - forces.tangential;
+                    g[GUARD_LOWER] = forces.normal * mu + forces.tangential;
                 }
             }
         }

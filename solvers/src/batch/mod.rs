@@ -118,19 +118,7 @@ fn run<P: Alike, V: Simd, S: Steps<P, V>>(
         members.get(lane).unwrap_or(&members[0]).load(lane, &mut field, &mut steps);
     }
     while members.len() >= S::LEAST {
-        steps.prepare(&field);
-        for (lane, member) in members.iter_mut().enumerate() {
-            member.aim(lane, &steps);
-        }
-        let t0 = steps.t0();
-        let t1 = Lanes::from_fn(|lane| members.get(lane).map_or(t0.lane(lane), |run| run.t1));
-        let h = Lanes::from_fn(|lane| members.get(lane).map_or(0.0, |run| run.h));
-        steps.take(&field, t1, h);
-        let mut fates = [const { Fate::Stays }; LANES];
-        for ((lane, member), fate) in members.iter_mut().enumerate().zip(&mut fates) {
-            *fate = member.settle(lane, &steps);
-        }
-        steps.advance();
+        let fates = step(&mut members, &field, &mut steps);
         // From the last one, so that a run that takes over a lane has settled.
         for (lane, fate) in fates.into_iter().enumerate().rev() {
             match fate {
@@ -157,6 +145,29 @@ fn run<P: Alike, V: Simd, S: Steps<P, V>>(
         let index = member.index;
         ends[index] = Some(member.finish());
     }
+}
+
+/// Takes a step of every run, and returns what becomes of each.
+#[inline(always)]
+fn step<P: Alike, V: Simd, S: Steps<P, V>>(
+    members: &mut [Member<'_, '_, P, S::Method>],
+    field: &ByParameters<P, V>,
+    steps: &mut S,
+) -> [Fate; LANES] {
+    steps.prepare(field);
+    for (lane, member) in members.iter_mut().enumerate() {
+        member.aim(lane, steps);
+    }
+    let t0 = steps.t0();
+    let t1 = Lanes::from_fn(|lane| members.get(lane).map_or(t0.lane(lane), |run| run.t1));
+    let h = Lanes::from_fn(|lane| members.get(lane).map_or(0.0, |run| run.h));
+    steps.take(field, t1, h);
+    let mut fates = [const { Fate::Stays }; LANES];
+    for ((lane, member), fate) in members.iter_mut().enumerate().zip(&mut fates) {
+        *fate = member.settle(lane, steps);
+    }
+    steps.advance();
+    fates
 }
 
 /// Takes the run in `lane` out, and puts the last one there.

@@ -58,6 +58,7 @@ pub(crate) fn first_width(values: [f64; 2], slopes: [f64; 2]) -> f64 {
 ///
 /// The intervals begin short and grow while parabolas follow the guard. So the guard is followed from the start, and
 /// an interval of many of its periods is not taken for one on which it rests.
+// Longer than 60 lines: parts of it would hand on the last two values, the highest one and two closures.
 pub(crate) fn first_fall(
     mut g: impl FnMut(f64) -> f64,
     from: f64,
@@ -76,12 +77,10 @@ pub(crate) fn first_fall(
         let end = if a.theta + width >= 1.0 - 0.5 * SHORTEST { 1.0 } else { a.theta + width };
         let inner = INNER.map(|part| value(a.theta + part * (end - a.theta)));
         let values = [inner[0], inner[1], inner[2], value(end)];
-        let (least, most) = values.iter().fold((a.g, a.g), |(l, m), v| (l.min(v.g), m.max(v.g)));
         if values.iter().any(|v| !v.g.is_finite()) {
             return Found::NotFinite;
         }
-        let off = misfit(a.g, values.map(|v| v.g));
-        let allowed = (MISFIT * (most - least) + noise).max(least / HEADROOM);
+        let (off, allowed) = misfit(a.g, values.map(|v| v.g), noise);
         if off > allowed && width > SHORTEST {
             width = (0.5 * width).max(SHORTEST);
             continue;
@@ -134,13 +133,16 @@ fn depth(before: Value, least: Value, next: Value) -> f64 {
 }
 
 /// Largest difference, at the first and the last of the inner points, from the parabola through the start, the middle
-/// and the end.
-fn misfit(start: f64, [first, middle, last, end]: [f64; 4]) -> f64 {
+/// and the end; and the largest one at which the parabola is held to follow.
+fn misfit(start: f64, values: [f64; 4], noise: f64) -> (f64, f64) {
+    let [first, middle, last, end] = values;
     let parabola = |s: f64| {
         let u = 2.0 * s - 1.0;
         middle + 0.5 * u * (end - start + u * (start - 2.0 * middle + end))
     };
-    (first - parabola(INNER[0])).abs().max((last - parabola(INNER[2])).abs())
+    let off = (first - parabola(INNER[0])).abs().max((last - parabola(INNER[2])).abs());
+    let (least, most) = values.iter().fold((start, start), |(l, m), g| (l.min(*g), m.max(*g)));
+    (off, (MISFIT * (most - least) + noise).max(least / HEADROOM))
 }
 
 #[cfg(test)]

@@ -262,18 +262,8 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
     ) -> Result<Look, Error> {
         let (start, t1) = (step.t0(), step.t1());
         let (h, low) = (t1 - start, degree.min(self.highest_low()));
-        let ends = self.end.as_ref().iter().zip(watch.lows().as_ref()).enumerate();
-        // All guards are tested without a branch between them. Where all are clear, none is violated at the end.
-        let (all, high) = ends.fold((true, true), |(all, high), (guard, (end, touch))| {
-            let (is_clear, no_turn) = self.look(guard, h, low, (*end, *touch));
-            (all & is_clear, high & (no_turn >= 0.0))
-        });
         watch.begin_search();
-        if all {
-            if !high {
-                self.note_turns_of_clear((start, h), |x| *x, watch);
-            }
-            watch.keep();
+        if self.are_clear((start, h), low, watch) {
             return Ok(Look::Clear);
         }
         watch.violated(problem, mode.clone(), t1, step.y1())?;
@@ -311,7 +301,7 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
                 }
                 continue;
             };
-            let inside = violated.map(|violated| start + violated * h);
+            let inside = violated.map(|part| start + part * h);
             let inside = inside.filter(|t| (t - start).abs() < h.abs());
             let Some(violated_at) = inside.or(at_end.then_some(t1)) else { continue };
             let t = start + s * h;
@@ -325,6 +315,29 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
             watch.keep();
         }
         Ok(Look::of(first))
+    }
+
+    /// Whether all guards are clear on a step of size `h` from `start`, by their terms to the order `low`.
+    #[inline(always)]
+    fn are_clear<P: System<Guards<f64> = G>>(
+        &mut self,
+        (start, h): (f64, f64),
+        low: usize,
+        watch: &mut GuardWatch<P>,
+    ) -> bool {
+        let ends = self.end.as_ref().iter().zip(watch.lows().as_ref()).enumerate();
+        // All guards are tested without a branch between them. Where all are clear, none is violated at the end.
+        let (all, high) = ends.fold((true, true), |(all, high), (guard, (end, touch))| {
+            let (is_clear, no_turn) = self.look(guard, h, low, (*end, *touch));
+            (all & is_clear, high & (no_turn >= 0.0))
+        });
+        if all {
+            if !high {
+                self.note_turns_of_clear((start, h), |x| *x, watch);
+            }
+            watch.keep();
+        }
+        all
     }
 
     /// The guard that falls first by the search on values and rates, where no polynomial describes a guard.
