@@ -14,7 +14,7 @@ use deltazero_study::plan::settings;
 use deltazero_study::problem::Problem;
 use deltazero_study::reference::Reference;
 use deltazero_study::run::{Limits, Price, integrate};
-use deltazero_study::selection::{Benchmark, Candidate, Contest, Rules};
+use deltazero_study::selection::{Benchmark, Candidate, Contest, Rules, Start};
 use deltazero_study::setting::Events;
 use deltazero_study::simulation::{Asked, Simulation};
 use deltazero_study::steps::StepTables;
@@ -169,6 +169,30 @@ fn told(row: &Row) -> String {
         row.events,
         row.setting()
     )
+}
+
+#[test]
+fn without_a_sample_before_the_horizon_no_error_is_told() {
+    let (subject, stop) = (Subject::of(BALL), AtomicBool::new(false));
+    let beyond = Plan {
+        times: vec![2.0 * T_END],
+        ..plan(&["rk45"], &[Events::Located], &[1e-3], &[], T_END)
+    };
+    let table = study(&subject, &beyond);
+    let (reference, row) = (&table.reference, &table.rows[0]);
+    assert_eq!(row.status, Status::Ok);
+    assert!(row.e.is_some_and(f64::is_nan) && !reference.can_decide(0.1), "{row:?}");
+    let told = [reference.undecided(), reference.limits().concat()];
+    assert!(told.iter().all(|text| text.contains("no sample before")), "{told:?}");
+
+    // So too where the horizon ends before the one sample that there is.
+    let mut one = Reference::new(&subject, T_END, &[T_END], Limits::none(&stop)).unwrap();
+    let setting = &beyond.settings[0];
+    let (mut watch, grid) = (Limits::none(&stop).watch(Price::PLAIN), Grid::Times(vec![T_END]));
+    let (_, run) = subject.parts[0].run(setting, Start::Exact, T_END, &grid, &mut watch);
+    assert!(one.parts[0].error(&run) < 1.0);
+    one.parts[0].lost_at = T_END;
+    assert!(one.parts[0].error(&run).is_nan() && one.parts[0].error_of_site(0, &run).is_nan());
 }
 
 #[test]

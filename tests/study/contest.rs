@@ -285,6 +285,16 @@ fn the_horizon_ends_the_first_events_as_it_ends_all() {
 }
 
 #[test]
+fn a_horizon_that_no_sample_lies_before_is_looked_for_with_samples_of_its_own() {
+    let fine = benchmark_of(&["contact.damping=0"]);
+    let coarse = benchmark_of(&["contact.damping=0", "run.sample=2"]);
+    assert!(coarse.times.len() > 10 && coarse.times.iter().all(|t| *t <= coarse.t_end));
+    // Each is known to a sample, of 0.01 s and a two hundredth of 2 s.
+    let [fine, coarse] = [fine, coarse].map(|own| own.horizon.unwrap());
+    assert!((fine - coarse).abs() <= 0.01, "{fine} {coarse}");
+}
+
+#[test]
 fn a_run_that_ends_early_has_an_infinite_error_and_one_a_sample_short_has_not() {
     let benchmark = benchmark_of(&["run.t_end=0.1"]);
     let setting = deltazero::run::setting(&config(&[])).unwrap();

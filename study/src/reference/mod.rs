@@ -191,7 +191,7 @@ impl Reference {
             let scale = part.error_scale(&largest);
             let lost_at = solved.lost_at(&scale);
             let (e, times) = solved.disagreement(part, &scale, lost_at);
-            agreement = worse(agreement, e);
+            agreement = worse(agreement, e.unwrap_or(f64::NAN));
             event_agreement = event_agreement.zip(times).map(|(a, b)| a.max(b));
             if let Some(balance) = solved.path.balance {
                 *energy.get_or_insert_default() += balance;
@@ -223,6 +223,11 @@ impl Reference {
         for (part, own) in subject.parts.iter().zip(&mut self.parts) {
             own.scale = part.error_scale(&largest);
         }
+    }
+
+    /// The first time at which a part is [lost](PartReference::lost_at) [s]; infinite where none is.
+    pub fn lost_at(&self) -> f64 {
+        self.parts.iter().fold(f64::INFINITY, |least, part| least.min(part.lost_at))
     }
 
     /// The shortest horizon of its parts [s].
@@ -355,17 +360,22 @@ impl PartReference {
     }
 
     /// Largest `e` of a run's samples, on the same times, within the horizon; infinite for a run that ends
-    /// before them.
+    /// before them, not a number where no sample lies within.
     pub fn error(&self, run: &Trace) -> f64 {
         let errors = self.pairs_within(run).map(|(y, own)| self.scale.error(own, y));
-        if self.ends_early(run) { f64::INFINITY } else { errors.fold(0.0, worse) }
+        self.largest(run, errors)
     }
 
     /// The same of the groups of one site.
     pub fn error_of_site(&self, site: usize, run: &Trace) -> f64 {
         let pairs = self.pairs_within(run);
         let errors = pairs.map(|(y, own)| self.scale.error_of_site(site, own, y));
-        if self.ends_early(run) { f64::INFINITY } else { errors.fold(0.0, worse) }
+        self.largest(run, errors)
+    }
+
+    /// The largest of the errors of a run's samples; see [`error`](Self::error).
+    fn largest(&self, run: &Trace, errors: impl Iterator<Item = f64>) -> f64 {
+        if self.ends_early(run) { f64::INFINITY } else { errors.reduce(worse).unwrap_or(f64::NAN) }
     }
 
     /// Whether a run ends before the samples of the reference do. One that ends a sample early stopped at its end

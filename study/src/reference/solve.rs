@@ -25,7 +25,7 @@ use crate::warning::Warning;
 
 /// Changes with whatever changes results: what is kept on disk of a reference, a study or a map that is not
 /// finished is then made anew.
-pub const RECIPE: u32 = 13;
+pub const RECIPE: u32 = 14;
 
 /// Method and tolerance of the reference, and those of the run that tells its error.
 type Pair = [(&'static str, f64); 2];
@@ -119,18 +119,18 @@ impl Solved {
         differ.map_or(lost_at, |t| t.min(lost_at))
     }
 
-    /// Largest `e` between both runs of `part` before `lost_at`, and the largest difference of their event times
-    /// [s]; none where their events differ.
+    /// Largest `e` between both runs of `part` before `lost_at`, none where there is no sample before; and the largest
+    /// difference of their event times [s], none where their events differ.
     pub(super) fn disagreement(
         &self,
         part: &Part,
         scale: &ErrorScale,
         lost_at: f64,
-    ) -> (f64, Option<f64>) {
+    ) -> (Option<f64>, Option<f64>) {
         let (own, check) = (&self.path.trace, &self.check.trace);
         let pairs = own.times.iter().zip(own.states.iter().zip(&check.states));
         let errors = pairs.filter(|(t, _)| **t < lost_at);
-        let largest = errors.map(|(_, (a, b))| scale.error(b, a)).fold(0.0, worse);
+        let largest = errors.map(|(_, (a, b))| scale.error(b, a)).reduce(worse);
         let mut latest = Some(0.0_f64);
         for (own, check) in self.path.events.iter().zip(&self.check.events) {
             let within = |events: &[ModeChange]| -> Vec<ModeChange> {
@@ -169,11 +169,12 @@ pub(super) fn solve(
                 let lost_at = solved.lost_at(&scale);
                 let (e, times) = solved.disagreement(part, &scale, lost_at);
                 let may_agree = times.is_some() && solved.path.is_sound();
-                if may_agree && e <= AGREED && (lost_at == f64::INFINITY || pair == PAIRS[0]) {
+                let agrees = may_agree && e.is_none_or(|e| e <= AGREED);
+                if agrees && (lost_at == f64::INFINITY || pair == PAIRS[0]) {
                     return Ok(solved);
                 }
                 let until = if may_agree { solved.agrees_until(&scale, lost_at) } else { 0.0 };
-                let own = Agreement { until, e };
+                let own = Agreement { until, e: e.unwrap_or(0.0) };
                 if best.as_ref().is_none_or(|(best, _)| own.is_better_than(best)) {
                     best = Some((own, solved));
                 }

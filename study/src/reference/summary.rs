@@ -7,6 +7,10 @@ use crate::errors::Largest;
 use crate::json_number;
 use crate::warning::Warning;
 
+/// What is said where a part has no sample by which runs could be compared.
+const NO_SAMPLE: &str =
+    "a part has no sample before its end and its horizon, so e is not defined; shorten run.sample";
+
 /// The scale of a group of states.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScaleSummary {
@@ -51,7 +55,7 @@ pub struct ReferenceSummary {
     pub method: String,
     /// The method and setting of the run that tells its error.
     pub check: String,
-    /// Its error: the largest `e` between both, within the horizon.
+    /// Its error: the largest `e` between both, within the horizon; not a number where a part has no sample there.
     #[serde(with = "json_number::one")]
     pub agreement: f64,
     /// The error of its event times: the largest difference between both, within the horizon [s]; none
@@ -86,6 +90,7 @@ impl ReferenceSummary {
             Some(warning) => {
                 format!("the reference is wrong, by its own account: {}", warning.message)
             }
+            None if self.agreement.is_nan() => NO_SAMPLE.to_owned(),
             None => format!("the reference is good to {:.1e}", self.agreement),
         }
     }
@@ -136,6 +141,9 @@ impl ReferenceSummary {
     pub fn limits(&self) -> Vec<String> {
         let mut limits = Vec::new();
         limits.extend(self.warnings.iter().map(|warning| warning.message.clone()));
+        if self.agreement.is_nan() {
+            limits.push(NO_SAMPLE.to_owned());
+        }
         if self.agreement > 1e-10 {
             let good = self.agreement;
             limits.push(format!(

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 use deltazero_solvers::Grid;
 
 use crate::part::{Subject, Timing};
+use crate::plan::sample_times;
 use crate::reference::{Reference, ReferenceError};
 use crate::run::{Limits, Setting};
 
@@ -40,7 +41,8 @@ impl Benchmark {
     /// compared at `times` [s].
     ///
     /// Beyond the first half an error of the size of a tolerance is more and more the amplified error
-    /// of the first steps: how good a method is shows before.
+    /// of the first steps: how good a method is shows before. Samples so far apart that none lies in that half tell the
+    /// horizon no better than their distance: it is looked for again, with samples of its own.
     ///
     /// # Errors
     /// [`ReferenceError`] where there is no reference.
@@ -51,7 +53,14 @@ impl Benchmark {
         limits: Limits<'_>,
     ) -> Result<Self, ReferenceError> {
         let mut reference = Reference::new(&subject, t_end, &times, limits)?;
-        let lost = reference.parts.iter().fold(f64::INFINITY, |least, b| least.min(b.lost_at));
+        let mut lost = reference.lost_at();
+        let least = ILL_POSED_BELOW * subject.unit_of_time();
+        let is_sampled = |times: &[f64], lost: f64| times.iter().any(|t| *t <= 0.5 * lost);
+        while lost.is_finite() && lost >= least && !is_sampled(&times, lost) {
+            times = sample_times(None, lost);
+            reference = Reference::new(&subject, lost, &times, limits)?;
+            lost = lost.min(reference.lost_at());
+        }
         let horizon = lost.is_finite().then_some(lost);
         if let Some(horizon) = horizon {
             t_end = 0.5 * horizon;
