@@ -43,7 +43,7 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
         subjects.push(config.mechanism.subject(config));
     }
     let dir = args.run.to.dir("deltazero-out/map");
-    let asked = json!({ "config": config.to_json(), "axes": args.axis });
+    let asked = json!({ "config": config.identity(), "axes": args.axis });
     let output = Output::open(&dir, hash("map", &asked), args.run.to.force)?;
     if let Some(threads) = args.threads {
         config.regimes.threads = usize::from(threads);

@@ -12,7 +12,7 @@ use deltazero::study::contests::keep;
 use deltazero::study::regimes::{Cell, Site, cells, estimate, quick, sites};
 use deltazero_study::forecast::Forecast;
 use deltazero_study::reference::RECIPE;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::axes;
 use super::contests;
@@ -51,8 +51,7 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
         dir = "deltazero-out/regimes-quick";
     }
     let dir = args.run.to.dir(dir);
-    let output =
-        Output::open(&dir, hash("regimes", &json_without_threads(&config)), args.run.to.force)?;
+    let output = Output::open(&dir, hash("regimes", &config.identity()), args.run.to.force)?;
     if let Some(threads) = args.threads {
         config.regimes.threads = usize::from(threads);
     }
@@ -117,14 +116,6 @@ fn write(
         ));
     }
     Ok(())
-}
-
-/// The configuration as results are named by: threads change nothing but the time.
-fn json_without_threads(config: &Config) -> Value {
-    let mut config = config.clone();
-    config.regimes.threads = 1;
-    config.study.threads = 1;
-    config.to_json()
 }
 
 /// Says how long it will take, after short trials; none where nobody is told, or it was interrupted.

@@ -54,7 +54,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
         .ok_or_else(|| Failure::Usage(format!("no method {}", config.solver.method)))?;
     let rows = Rows::new(&config, &setting)?;
     let dir = args.run.to.dir("deltazero-out/simulate");
-    let output = Output::open(&dir, hash("simulate", &config.to_json()), args.run.to.force)?;
+    let output = Output::open(&dir, hash("simulate", &config.identity()), args.run.to.force)?;
 
     let subject = config.mechanism.subject(&config);
     let bar = TimeBar::new(args.run.to.quiet);

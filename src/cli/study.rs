@@ -49,7 +49,7 @@ impl StudyArgs {
 pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut config = args.load()?;
     let dir = args.run.to.dir("deltazero-out");
-    let hash = hash("study", &json_of_runs(&config)?);
+    let hash = hash("study", &identity_of_runs(&config)?);
     let output = Output::open(&dir, hash, args.run.to.force)?;
     if let Some(threads) = args.threads {
         config.study.threads = usize::from(threads);
@@ -124,12 +124,11 @@ fn now() -> Option<String> {
     Some(format_rfc3339_seconds(SystemTime::now()).to_string())
 }
 
-/// The configuration as results are named by: threads change nothing but the time, the axes of a figure
-/// no run.
-fn json_of_runs(config: &Config) -> Result<Value, Failure> {
+/// What results are of, apart from the axes of a figure, which change no run.
+fn identity_of_runs(config: &Config) -> Result<Value, Failure> {
     let (mut config, default) = (config.clone(), Config::table1()?.shared.study);
-    (config.study.threads, config.study.x, config.study.y) = (1, default.x, default.y);
-    Ok(config.to_json())
+    (config.study.x, config.study.y) = (default.x, default.y);
+    Ok(config.identity())
 }
 
 /// The rows of an earlier study of the same configuration that was interrupted; one that was

@@ -110,12 +110,9 @@ impl Sweep {
     /// What its rows follow from: the plan, the configuration, the version of the program, and its build where that has
     /// fused multiply-add.
     pub fn identity(&self) -> Value {
-        let mut config = self.config().clone();
-        config.study.threads = 1;
-        config.regimes.threads = 1;
         let mut identity = json!({
             "plan": self.plan,
-            "config": config.to_json(),
+            "config": self.config().identity(),
             "version": env!("CARGO_PKG_VERSION"),
         });
         if FUSED {

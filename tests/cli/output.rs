@@ -27,6 +27,13 @@ fn results_of_another_configuration_are_overwritten_only_by_force() {
 }
 
 #[test]
+fn threads_are_no_part_of_what_results_are_of() {
+    let scratch = Scratch::new();
+    scratch.simulate("out", &[SHORT]);
+    scratch.simulate("out", &[SHORT, "study.threads=2", "regimes.threads=1"]);
+}
+
+#[test]
 fn a_command_forced_into_the_directory_of_another_is_at_home_there_afterwards() {
     let scratch = Scratch::new();
     fs::create_dir(scratch.path("out")).unwrap();

@@ -147,7 +147,8 @@ fn a_killed_map_over_any_axes_goes_on() {
     let sets = with_sets(&["regimes"], &[&["regimes.threads=1"], &SMALL[4..]].concat());
     let sets = [&sets[..], &axes, &["--set", "run.t_end=0.1"]].concat();
     let scratch = Scratch::new();
-    scratch.succeed(&[&sets[..], &["--quiet", "--out", "whole"]].concat());
+    let on_two = ["--quiet", "--out", "whole", "--set", "regimes.threads=2"];
+    scratch.succeed(&[&sets[..], &on_two].concat());
     let settings = |dir: &str| -> Vec<Vec<String>> {
         let rows = scratch.table(&format!("{dir}/map.csv")).rows;
         let keys = [
@@ -164,6 +165,8 @@ fn a_killed_map_over_any_axes_goes_on() {
     killed_and_gone_on(&scratch, &args, 30, "0000000.rows", false);
     assert_eq!(settings("out"), settings("whole"));
     assert_eq!(settings("out").len(), 60);
+    let [own, whole] = ["out", "whole"].map(|dir| scratch.json(&format!("{dir}/map.json")));
+    assert_eq!(own["hash"], whole["hash"], "threads are no part of what results are of");
 }
 
 #[test]

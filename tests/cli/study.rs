@@ -89,7 +89,8 @@ fn without_a_command_the_study_is_done_and_every_run_is_a_row() {
 fn threads_change_no_number_but_times() {
     let scratch = Scratch::new();
     scratch.study("one", &SHORT, &["--threads", "1"]);
-    let ran = scratch.study("two", &SHORT, &["--threads", "2", "--json", "--quiet"]);
+    let sets = [&SHORT[..], &["regimes.threads=3"]].concat();
+    let ran = scratch.study("two", &sets, &["--threads", "2", "--json", "--quiet"]);
     assert_eq!(ran.stderr, "");
     let printed: Value = serde_json::from_str(&ran.stdout).unwrap();
     assert_eq!(printed["rows"].as_array().unwrap().len(), 10);

@@ -182,6 +182,13 @@ impl Config {
         events.iter().copied().filter(|&e| e == Events::Located || has_blind).collect()
     }
 
+    /// What results follow from: [all of it](Self::to_json), numbers of threads as 1, which change nothing but times.
+    pub fn identity(&self) -> Value {
+        let mut config = self.clone();
+        (config.study.threads, config.regimes.threads) = (1, 1);
+        config.to_json()
+    }
+
     /// The configuration that [`to_json`](Self::to_json) wrote; what is absent has its default.
     ///
     /// A text of it must be parsed with serde_json's feature `float_roundtrip`, or numbers come back

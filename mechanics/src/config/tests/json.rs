@@ -102,6 +102,15 @@ fn equal_configurations_have_equal_json() {
 }
 
 #[test]
+fn threads_are_no_part_of_the_identity() {
+    let identity = |text: &str| load(text, &[]).unwrap().identity();
+    assert_eq!(identity("study.threads = 3\nregimes.threads = 5"), identity(""));
+    assert_ne!(identity("study.repeats = 2"), identity(""));
+    let one = load("study.threads = 1\nregimes.threads = 1", &[]).unwrap();
+    assert_eq!(identity(""), one.to_json());
+}
+
+#[test]
 fn json_is_checked_like_a_file() {
     let refusal = |text: &str| serde_json::from_str::<Config>(text).unwrap_err().to_string();
     assert_eq!(
