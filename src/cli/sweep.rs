@@ -90,7 +90,9 @@ impl Shard {
 impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         match error {
-            SweepError::File(_) | SweepError::Altered { .. } => Self::Run(error.to_string()),
+            SweepError::File(_) | SweepError::Row { .. } | SweepError::Altered { .. } => {
+                Self::Run(error.to_string())
+            }
             _ => Self::Usage(error.to_string()),
         }
     }

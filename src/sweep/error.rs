@@ -95,6 +95,14 @@ pub enum SweepError {
     /// A file that cannot be written or read.
     #[error("{0}; what was finished is kept, and the same command goes on")]
     File(#[from] FileError),
+    /// A row that is not as it was written, so that it cannot be told by column.
+    #[error("{}: {what}; make the sweep again with --force", path.display())]
+    Row {
+        /// The file.
+        path: PathBuf,
+        /// Which line, and what is wrong with it.
+        what: String,
+    },
     /// Chunks that were found altered again and again.
     #[error(
         "{n} chunks in {} are altered each time they are written; look at the disk",

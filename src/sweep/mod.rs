@@ -139,7 +139,12 @@ impl Sweep {
         let mut metadata = self.identity();
         metadata["units"] = self.columns().into_iter().zip(self.units()).collect();
         let rows = BufReader::new(File::open(csv).map_err(FileError::of(csv, "read"))?);
-        Ok(parquet_file::write(rows, &self.heads, metadata.to_string(), path)?)
+        parquet_file::write(rows, &self.heads, metadata.to_string(), path).map_err(|refused| {
+            match refused {
+                parquet_file::Refused::File(error) => SweepError::File(error),
+                row => SweepError::Row { path: csv.to_owned(), what: row.to_string() },
+            }
+        })
     }
 
     /// The first line of `runs.csv`.

@@ -87,20 +87,50 @@ impl Column {
     }
 }
 
+/// Why there is no file.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum Refused {
+    /// A line with more or fewer fields than columns, with a field that is not of its column's kind, or that is no text.
+    #[error("line {line}{why}")]
+    Row {
+        /// Its number, from 1.
+        line: usize,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// The file system.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
 /// Writes the rows of `csv`, whose columns have these heads, to `path` with this metadata.
 ///
 /// # Errors
-/// Those of the file system, a row with more or fewer fields than columns, and a field that is not of its column's kind.
+/// [`Refused`].
 pub(super) fn write(
     csv: impl BufRead,
     heads: &[Head],
     metadata: String,
     path: &Path,
-) -> std::result::Result<(), FileError> {
-    whole::write_by(path, |out| to(out, csv, heads, metadata).map_err(io::Error::other))
+) -> std::result::Result<(), Refused> {
+    let mut wrong = None;
+    let written = whole::write_by(path, |out| {
+        to(out, csv, heads, metadata, &mut wrong).map_err(io::Error::other)
+    });
+    match (written, wrong) {
+        (Err(_), Some(row)) => Err(row),
+        (written, _) => Ok(written?),
+    }
 }
 
-fn to(out: impl Write + Send, csv: impl BufRead, heads: &[Head], metadata: String) -> Result<()> {
+/// The same to `out`; a row that ends it is told in `wrong`.
+fn to(
+    out: impl Write + Send,
+    csv: impl BufRead,
+    heads: &[Head],
+    metadata: String,
+    wrong: &mut Option<Refused>,
+) -> Result<()> {
     let schema = schema(heads)?;
     let metadata = Some(vec![KeyValue::new("deltazero".to_owned(), metadata)]);
     let properties = WriterProperties::builder().set_key_value_metadata(metadata).build();
@@ -109,8 +139,11 @@ fn to(out: impl Write + Send, csv: impl BufRead, heads: &[Head], metadata: Strin
     let mut n = 0;
     // The first line is the header.
     for (line, text) in csv.lines().enumerate().skip(1) {
-        add(&text?, heads, &mut columns)
-            .map_err(|why| ParquetError::General(format!("line {}{why}", line + 1)))?;
+        let text = text.map_err(|error| format!(": {error}"));
+        if let Err(why) = text.and_then(|text| add(&text, heads, &mut columns)) {
+            *wrong = Some(Refused::Row { line: line + 1, why });
+            return Err(ParquetError::General("a row is not as it was written".to_owned()));
+        }
         n += 1;
         if n == GROUP {
             group(&mut writer, &mut columns)?;
