@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use deltazero::config::{Config, Model, Place, Variants, is_of_runs};
-use deltazero::figures::map::winners;
+use deltazero::figures::map::{WINNERS, winners};
 use deltazero::report::regimes::map_csv;
 use deltazero::studied::{map_markdown, map_table};
 use deltazero::sweep::plan::Values;
@@ -45,6 +45,7 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     let dir = args.run.to.dir("deltazero-out/map");
     let asked = json!({ "config": config.identity(), "axes": args.axis });
     let output = Output::open(&dir, hash("map", &asked), args.run.to.force)?;
+    output.remove_of_another(RECORD, &["map.md", "map.csv"], &[WINNERS])?;
     if let Some(threads) = args.threads {
         config.regimes.threads = usize::from(threads);
     }

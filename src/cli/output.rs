@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use deltazero::figures::{self, Drawing, Picture};
-use deltazero::whole;
+use deltazero::whole::{self, FileError};
 use deltazero_study::reference::RECIPE;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -15,6 +15,9 @@ use super::Failure;
 /// Files that carry the hash of what they are results of.
 const OWNERS: [&str; 6] =
     ["study.json", "run.json", "regimes.json", "audit.json", "map.json", "sweep.json"];
+
+/// Where figures are.
+pub(super) const FIGURES: &str = "figures";
 
 /// The file that a command holds a lock on while it writes into a directory. It stays there: were it removed, two
 /// commands could each hold a lock on a file of that name.
@@ -110,6 +113,34 @@ impl Output {
         fs::read(self.dir.join(name)).ok()
     }
 
+    /// Removes what a command wrote for another configuration, before it writes its own: its record, the files beside it, and
+    /// figures by their names. Where there is no such record, files of these names may be a user's own.
+    pub(super) fn remove_of_another(
+        &self,
+        record: &str,
+        files: &[&str],
+        figures: &[&str],
+    ) -> Result<(), Failure> {
+        if self.bytes(record).is_none() || self.own(record).is_some() {
+            return Ok(());
+        }
+        self.remove(figures.iter().flat_map(|name| figure_files(name)))?;
+        self.remove(files.iter().chain([&record]).map(|name| (*name).to_owned()))
+    }
+
+    /// Removes the files of these names, those that are there.
+    pub(super) fn remove(&self, names: impl IntoIterator<Item = String>) -> Result<(), Failure> {
+        for path in names.into_iter().map(|name| self.dir.join(name)) {
+            match fs::remove_file(&path) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                    return Err(FileError::of(&path, "remove")(error).into());
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
     /// Writes a file, whole or not at all.
     pub(super) fn write(&self, name: &str, content: &[u8]) -> Result<(), Failure> {
         self.write_by(name, |out| out.write_all(content))
@@ -146,14 +177,20 @@ impl Output {
     }
 
     fn write_picture(&self, Picture { name, svg, png, .. }: &Picture) -> Result<(), Failure> {
-        self.write(&format!("figures/{name}.svg"), svg.as_bytes())?;
-        self.write(&format!("figures/{name}.png"), png)
+        let [svg_name, png_name] = figure_files(name);
+        self.write(&svg_name, svg.as_bytes())?;
+        self.write(&png_name, png)
     }
 
     /// Where it is.
     pub(super) fn path(&self) -> std::path::Display<'_> {
         self.dir.display()
     }
+}
+
+/// The files of a figure, as SVG and PNG.
+fn figure_files(name: &str) -> [String; 2] {
+    ["svg", "png"].map(|end| format!("{FIGURES}/{name}.{end}"))
 }
 
 /// The failure of a figure.

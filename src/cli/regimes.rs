@@ -22,6 +22,8 @@ use super::{Failure, RESUMED, RunArgs, default_only, note_left_out, print, say};
 
 /// The record of a map.
 const RECORD: &str = "regimes.json";
+/// What stands beside it.
+const FILES: [&str; 3] = ["regimes.html", "regimes.md", "regimes.csv"];
 
 #[derive(Args)]
 pub(super) struct RegimesArgs {
@@ -52,6 +54,7 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     }
     let dir = args.run.to.dir(dir);
     let output = Output::open(&dir, hash("regimes", &config.identity()), args.run.to.force)?;
+    output.remove_of_another(RECORD, &FILES, &figures::regimes::ALL)?;
     if let Some(threads) = args.threads {
         config.regimes.threads = usize::from(threads);
     }

@@ -16,6 +16,9 @@ use serde_json::Value;
 use super::output::Output;
 use super::{Failure, say, study};
 
+/// The report of a sweep.
+pub(super) const PAGE: &str = "sweep.html";
+
 #[derive(Args)]
 pub(super) struct ReportArgs {
     /// Directory of a finished study or sweep
@@ -92,10 +95,10 @@ fn report_sweep(args: &ReportArgs, output: &Output) -> Result<(), Failure> {
     let pictures = pictures.collect::<Result<Vec<_>, _>>()?;
     let command = format!("deltazero report DIR{asked}");
     let page = sweep_page(&results, &origin, &findings, pictures, &command);
-    output.write("sweep.html", page.html().as_bytes())?;
+    output.write(PAGE, page.html().as_bytes())?;
     if !args.quiet {
         let n = findings.drawings.len();
-        say(&format!("written to {}: sweep.html, {n} figures in figures/", output.path()));
+        say(&format!("written to {}: {PAGE}, {n} figures in figures/", output.path()));
     }
     Ok(())
 }

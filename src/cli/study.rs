@@ -26,6 +26,23 @@ use super::progress::Bar;
 use super::reference::reference;
 use super::{Failure, RESUMED, RunArgs, note_left_out, print, say, warn};
 
+/// The record of a study.
+const RECORD: &str = "study.json";
+/// What stands beside it, apart from the reference, which tells itself whose it is.
+const FILES: [&str; 11] = [
+    "report.html",
+    "study.md",
+    "study.csv",
+    "motion.csv",
+    "steps.csv",
+    "step_histogram.csv",
+    "stays.csv",
+    "restarts.csv",
+    "restart_costs.csv",
+    "tolerance.csv",
+    "rk4_stability.csv",
+];
+
 #[derive(Args)]
 pub(super) struct StudyArgs {
     #[command(flatten)]
@@ -51,6 +68,7 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let dir = args.run.to.dir("deltazero-out");
     let hash = hash("study", &identity_of_runs(&config)?);
     let output = Output::open(&dir, hash, args.run.to.force)?;
+    output.remove_of_another(RECORD, &FILES, &figures::OF_STUDIES)?;
     if let Some(threads) = args.threads {
         config.study.threads = usize::from(threads);
     }
@@ -134,7 +152,7 @@ fn identity_of_runs(config: &Config) -> Result<Value, Failure> {
 /// The rows of an earlier study of the same configuration that was interrupted; one that was
 /// finished is done anew, which measures its times again.
 fn unfinished_rows(output: &Output) -> Vec<Row> {
-    let rows = output.own("study.json").and_then(|mut study| {
+    let rows = output.own(RECORD).and_then(|mut study| {
         if study.get("finished")?.as_bool()? || !is_current(&study) {
             return None;
         }
@@ -145,7 +163,7 @@ fn unfinished_rows(output: &Output) -> Vec<Row> {
 
 /// `study.json`; `finished` once figures and report are on disk too.
 pub(super) fn write_json(output: &Output, study: &StudyRecord) -> Result<(), Failure> {
-    output.write_json("study.json", &study.to_json())
+    output.write_json(RECORD, &study.to_json())
 }
 
 /// The figures with the data behind them, and the reports: all that follows from `study.json`.

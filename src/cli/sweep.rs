@@ -7,12 +7,14 @@ use std::time::Instant;
 
 use clap::Args;
 use deltazero::chunks::{Chunks, Work, work};
+use deltazero::figures::sweep::may_be_named;
 use deltazero::study::machine::Machine;
 use deltazero::sweep::{Joined, Over, RECORD, ROWS, SHARDS, Sweep, SweepError, join};
 use serde_json::{Value, json};
 
 use super::meter::Meter;
-use super::output::{Output, hash};
+use super::output::{FIGURES, Output, hash};
+use super::report::PAGE;
 use super::{Failure, RESUMED, ResultsTo, or_cores, print, say, warn};
 
 /// All rows by column.
@@ -128,11 +130,10 @@ pub(super) fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
         None => Output::open(&dir, hash, args.to.force)?,
     };
     let chunks = Chunks::new(&dir, &output.hash, sweep.n_runs, sweep.plan.chunk);
-    let known = output.own(RECORD);
-    if args.shard.is_none() && known.is_none() && output.read(RECORD).is_some() {
+    let known = output.own(RECORD).filter(|_| !args.to.force);
+    if args.shard.is_none() && known.is_none() && output.bytes(RECORD).is_some() {
         chunks.clear()?;
-        // It would stand beside rows that are not its own.
-        let _ = std::fs::remove_file(dir.join(BY_COLUMN));
+        output.remove(old_files(&dir, &output))?;
     }
     let wall_before = known.as_ref().and_then(|known| known["wall_s"].as_f64()).unwrap_or(0.0);
     let start = Instant::now();
@@ -155,6 +156,26 @@ pub(super) fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
 /// The record of the sweep that a directory holds, if it holds one.
 fn begun(dir: &Path) -> Option<Value> {
     serde_json::from_slice(&std::fs::read(dir.join(RECORD)).ok()?).ok()
+}
+
+/// What a sweep that is begun anew, and its reports and plots, left beside its record.
+fn old_files(dir: &Path, output: &Output) -> Vec<String> {
+    let record = output.read(RECORD).unwrap_or_default();
+    let columns: Vec<&str> =
+        record["columns"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+    let in_folder = |folder: &str, is_own: &dyn Fn(&str) -> bool| -> Vec<String> {
+        let entries = std::fs::read_dir(dir.join(folder)).into_iter().flatten().flatten();
+        let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        names.filter(|name| is_own(name)).map(|name| format!("{folder}/{name}")).collect()
+    };
+    let is_figure = |name: &str| {
+        let stem = name.strip_suffix(".svg").or_else(|| name.strip_suffix(".png"));
+        stem.is_some_and(|stem| may_be_named(stem, &columns))
+    };
+    let mut files = [ROWS, BY_COLUMN, PAGE].map(str::to_owned).to_vec();
+    files.extend(in_folder(SHARDS, &|name| Shard::named(name).is_some()));
+    files.extend(in_folder(FIGURES, &is_figure));
+    files
 }
 
 /// Name and text of the model of a sweep, if it has one.

@@ -7,6 +7,9 @@ use deltazero_study::setting::Events;
 
 use super::{Drawing, number};
 
+/// The name of its figure.
+pub const WINNERS: &str = "winners";
+
 /// A colour for each cell, row by row from the top: that of its winner.
 pub(super) fn winner_colors<'a>(grid: impl Iterator<Item = Option<&'a Contested>>) -> Cells {
     let methods = METHODS.iter().map(|method| method.name.to_owned());
@@ -59,7 +62,7 @@ pub fn winners(map: &Map) -> Drawing {
         legend: Legend::Below,
         ..Figure::default()
     };
-    Drawing { name: "winners", caption, figure }
+    Drawing { name: WINNERS, caption, figure }
 }
 
 /// A value of an axis, as one would write it.

@@ -34,6 +34,24 @@ use crate::study::stability::Stability;
 /// Room left at both ends of an axis of step sizes, as factors: above, for the ticks of events.
 const SIZE_ROOM: (f64, f64) = (1.5, 3.0);
 
+/// The names of all figures that studies have.
+pub const OF_STUDIES: [&str; 14] = [
+    "work_precision_time",
+    "work_precision_rhs",
+    "step_size",
+    "step_size_zoom",
+    "step_histogram",
+    "steps_per_contact",
+    "restarts",
+    "gap_and_force",
+    "against_ideal",
+    "orbit",
+    "rk4_order",
+    "rk4_stability",
+    "tolerance",
+    "chosen_axes",
+];
+
 /// A figure with what is said about it.
 #[derive(Clone, Debug)]
 pub struct Drawing {

@@ -5,9 +5,14 @@ use deltazero_plots::{
 };
 
 use super::Drawing;
-use super::map::{winner_colors, winner_word};
+use super::map::{WINNERS, winner_colors, winner_word};
 use crate::keys::ReadingName;
 use crate::study::regimes::{Cell, maps, of_map};
+
+/// The names of its figures.
+pub const ALL: [&str; 3] = [WINNERS, MARGIN, COST];
+const MARGIN: &str = "margin";
+const COST: &str = "cost";
 
 /// The figures of a map.
 pub fn drawings(cells: &[Cell]) -> Vec<Drawing> {
@@ -109,7 +114,7 @@ fn winners(cells: &[Cell]) -> Drawing {
         counts.join(", "),
         cells.len()
     );
-    Drawing { name: "winners", caption, figure }
+    Drawing { name: WINNERS, caption, figure }
 }
 
 fn margin(cells: &[Cell]) -> Drawing {
@@ -135,7 +140,7 @@ fn margin(cells: &[Cell]) -> Drawing {
          cells the two are within a tenth, in {open} the winner is within the noise of the times.",
         margins.len()
     );
-    Drawing { name: "margin", caption, figure }
+    Drawing { name: MARGIN, caption, figure }
 }
 
 /// Cost against K of the best explicit and the best implicit method, a panel a damping ratio.
@@ -198,7 +203,7 @@ fn cost(cells: &[Cell]) -> Drawing {
         share_x: true,
         share_y: true,
     };
-    Drawing { name: "cost", caption, figure }
+    Drawing { name: COST, caption, figure }
 }
 
 /// The K from which on the second curve is below the first, by power laws between the points.

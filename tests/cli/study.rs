@@ -249,6 +249,23 @@ fn a_repeated_study_takes_the_reference_that_is_there() {
 }
 
 #[test]
+fn a_study_in_the_place_of_another_leaves_nothing_of_it() {
+    let scratch = Scratch::new();
+    let axes = ["study.x=e_l2", "study.y=wall_s_min"];
+    scratch.study("out", &[&SHORT[..], &axes].concat(), &["--quiet"]);
+    let of_struts = scratch.files("out");
+    for name in ["figures/chosen_axes.png", "figures/orbit.png", "rk4_stability.csv"] {
+        assert!(of_struts.iter().any(|own| own == name), "{name}: {of_struts:?}");
+    }
+    fs::write(scratch.path("out/figures/mine.svg"), "mine").unwrap();
+    let other = [&SHORT[..], &["mechanism=impact-oscillator"]].concat();
+    scratch.study("out", &other, &["--force", "--quiet"]);
+    scratch.study("alone", &other, &["--quiet"]);
+    fs::write(scratch.path("alone/figures/mine.svg"), "mine").unwrap();
+    assert_eq!(scratch.files("out"), scratch.files("alone"));
+}
+
+#[test]
 fn a_reference_that_cannot_be_read_is_made_anew_with_a_message() {
     let scratch = Scratch::new();
     scratch.study("out", &SHORT, &[]);

@@ -112,13 +112,37 @@ fn a_finished_sweep_gives_its_rows_by_column_too() {
 }
 
 #[test]
-fn another_sweep_leaves_no_rows_by_column_of_the_one_before() {
+fn another_sweep_leaves_nothing_of_the_one_before_but_what_is_not_its_own() {
     let scratch = Scratch::with_plan(0.01);
-    scratch.sweep("out", &["--parquet"]);
-    assert!(scratch.path("out/runs.parquet").exists());
+    scratch.succeed(&["sweep", "plan.toml", "--out", "out", "--shard", "1/1", "--quiet"]);
+    scratch.sweep("out", &["--merge", "--parquet"]);
+    scratch.succeed(&["report", "out", "--y", "peak_force_n", "--quiet"]);
+    let axes = ["--x", "contact.stiffness", "--y", "peak_force_n", "--color", "n_events"];
+    scratch.succeed(&[&["plot", "out"][..], &axes].concat());
+    fs::write(scratch.path("out/figures/mine.svg"), "mine").unwrap();
+    let all = scratch.files("out");
+    let colored = "figures/peak_force_n_over_contact.stiffness_by_n_events.png";
+    for name in [colored, "runs.parquet", "shards/1-of-1.json", "sweep.html"] {
+        assert!(all.iter().any(|own| own == name), "{name}: {all:?}");
+    }
     fs::write(scratch.path("plan.toml"), PLAN.replace("seed = 3", "seed = 4")).unwrap();
     scratch.sweep("out", &["--force"]);
-    assert_eq!(scratch.files("out"), ["runs.csv", "sweep.json"]);
+    assert_eq!(scratch.files("out"), ["figures/mine.svg", "runs.csv", "sweep.json"]);
+}
+
+#[test]
+fn force_makes_a_finished_sweep_again() {
+    let scratch = Scratch::with_plan(0.01);
+    let whole = scratch.sweep("out", &[]);
+    // Of the same length, so that the record does not tell.
+    let torn = whole.replacen("\n1,", "\nx,", 1);
+    fs::write(scratch.path("out/runs.csv"), &torn).unwrap();
+    let ran = scratch.run(&["sweep", "plan.toml", "--out", "out", "--parquet"]);
+    assert_eq!(ran.code, Some(1), "{}", ran.stderr);
+    let expected = "line 3, run: \"x\" is no whole number; make the sweep again with --force\n";
+    assert!(ran.stderr.contains(expected), "{}", ran.stderr);
+    assert_eq!(scratch.sweep("out", &["--force", "--parquet"]), whole);
+    assert!(scratch.path("out/runs.parquet").exists());
 }
 
 #[test]

@@ -51,6 +51,18 @@ impl<'a> Asked<'a> {
     }
 }
 
+/// Whether a figure of some of these columns is called `name`.
+pub fn may_be_named(name: &str, columns: &[&str]) -> bool {
+    let is_column = |name: &str| columns.contains(&name);
+    let is_over = |name: &str| {
+        let mut each = columns.iter().filter_map(|y| name.strip_prefix(y)?.strip_prefix("_over_"));
+        is_column(name) || each.any(is_column)
+    };
+    let mut colored = columns.iter().filter_map(|own| name.strip_suffix(own)?.strip_suffix("_by_"));
+    let is_sobol = columns.iter().any(|own| sobol::file_name(own) == name);
+    is_sobol || is_over(name) || colored.any(is_over)
+}
+
 /// What is drawn: the columns of the runs that came to their end.
 struct Data<'a> {
     x: Field<'a>,
