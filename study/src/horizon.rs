@@ -318,19 +318,23 @@ impl Bound<'_> {
     fn work(&self, stats: &Stats) -> f64 {
         work(self.setting.method, self.setting.rtol(), &stats.work) + stats.n_rejected as f64
     }
-}
 
-impl Brake for Bound<'_> {
-    fn step(&mut self, _t: f64, stats: &Stats) -> ControlFlow<()> {
+    fn judge(&self, stats: &Stats) -> ControlFlow<()> {
         if self.work(stats) > self.most || self.stop.load(Ordering::Relaxed) {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())
         }
     }
+}
 
-    fn rejected(&mut self, _stats: &Stats) -> ControlFlow<()> {
-        ControlFlow::Continue(())
+impl Brake for Bound<'_> {
+    fn step(&mut self, _t: f64, stats: &Stats) -> ControlFlow<()> {
+        self.judge(stats)
+    }
+
+    fn rejected(&mut self, stats: &Stats) -> ControlFlow<()> {
+        self.judge(stats)
     }
 
     fn event(&mut self) -> ControlFlow<()> {
@@ -391,6 +395,17 @@ mod tests {
         assert_eq!((early.e, early.has_events), (None, None));
         let late = judged(0.08);
         assert!(late.e.is_some() && late.has_events == Some(true), "{late:?}");
+    }
+
+    #[test]
+    fn a_run_that_only_rejects_is_broken_off_too() {
+        let (_, setting, _) = two_balls();
+        let stats = |n_rejected| Stats { n_rejected, ..Stats::default() };
+        let ends = |most: f64, stop: &AtomicBool, n_rejected| {
+            Bound { setting: &setting, most, stop }.rejected(&stats(n_rejected)).is_break()
+        };
+        assert!(!ends(100.0, &RUNNING, 64) && ends(100.0, &RUNNING, 128));
+        assert!(ends(f64::INFINITY, &AtomicBool::new(true), 64));
     }
 
     fn events(list: &[(f64, i8)]) -> Vec<ModeChange> {
