@@ -4,9 +4,10 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use deltazero_study::motion::Motion;
+use deltazero_study::problem::Quantity;
 use deltazero_study::simulation::{NamedChange, SiteMotion};
 
-use crate::csv::{exact, header_of};
+use crate::csv::{exact, field, header_of};
 
 /// `trajectory.csv`: what tells the sites apart, time, mode and the columns of each; sites in their order.
 ///
@@ -16,7 +17,7 @@ pub fn trajectory_csv(out: &mut dyn Write, sites: &[&SiteMotion]) -> io::Result<
     let Some(first) = sites.first() else { return Ok(()) };
     let mut header = label_names(first);
     header.extend(["t_s".to_owned(), "mode".to_owned()]);
-    header.extend(first.columns.iter().map(header_of));
+    header.extend(first.columns.iter().map(header_field));
     writeln!(out, "{}", header.join(","))?;
     // A diverging state may be finite where its forces are not.
     let finite = |x: &f64| exact(x.is_finite().then_some(*x));
@@ -57,7 +58,7 @@ pub fn motion_csv(motion: &Motion) -> String {
     let mut header = vec!["part".to_owned()];
     header.extend(label_names(first));
     header.extend(["t_s".to_owned(), "mode".to_owned()]);
-    header.extend(first.columns.iter().map(header_of));
+    header.extend(first.columns.iter().map(header_field));
     // Where the columns do not have them.
     let adds = ["delta_m", "f_n_n"].map(|name| !header.iter().any(|own| own == name));
     let names = ["delta_m", "f_n_n"].into_iter().zip(adds);
@@ -76,6 +77,11 @@ pub fn motion_csv(motion: &Motion) -> String {
         }
     }
     csv
+}
+
+/// What is above a column: the unit of a model is any text.
+fn header_field(column: &Quantity) -> String {
+    field(&header_of(column))
 }
 
 fn label_names(site: &SiteMotion) -> Vec<String> {

@@ -74,6 +74,23 @@ fn a_model_has_a_study_a_recommendation_and_a_map_over_two_of_its_parameters() {
     assert_eq!(scratch.files("map/figures"), ["winners.png", "winners.svg"]);
 }
 
+#[test]
+fn a_unit_with_a_comma_is_one_field_of_a_header() {
+    let (scratch, file) = with_model("thermostat");
+    let text = scratch.text(&file);
+    let commas = text.replacen("unit = \"", "unit = \"rel., ", 99);
+    std::fs::write(scratch.path(&file), commas).unwrap();
+    let sets = ["--set", "study.methods=[\"rk45\"]", "--set", "study.rtol=[1e-6]"];
+    let args = ["--model", &file, "--set", "study.repeats=1"];
+    scratch.succeed(&[&["simulate", "--out", "out"], &args[..]].concat());
+    scratch.succeed(&[&["study", "--out", "out", "--force"], &args[..], &sets].concat());
+    for name in ["trajectory.csv", "motion.csv"] {
+        // Read with as many fields in the header as in each row.
+        let table = scratch.table(&format!("out/{name}"));
+        assert!(table.header.iter().any(|column| column.contains("rel.,_")), "{:?}", table.header);
+    }
+}
+
 /// A step that begins within rounding of such an event ends where it begins.
 #[test]
 fn events_at_times_that_fixed_steps_hit_have_a_study() {
