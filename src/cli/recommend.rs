@@ -51,6 +51,6 @@ pub(super) fn run(args: &RecommendArgs, stop: &AtomicBool) -> Result<(), Failure
     }
     match answer.first() {
         Some(_) => Ok(()),
-        None => Err(Failure::Run(format!("no method reaches e = {:e}", args.accuracy))),
+        None => Err(Failure::Run(format!("none for e = {:e}: {}", args.accuracy, answer.reason))),
     }
 }

@@ -3,6 +3,7 @@
 use deltazero_plots::{
     Axis, Cells, Figure, Heatmap, Legend, LineChart, Marker, Panel, Series, Size, Upright,
 };
+use deltazero_study::selection::{CUT, FINAL};
 
 use super::Drawing;
 use super::map::{WINNERS, winner_colors, winner_word};
@@ -184,9 +185,9 @@ fn cost(cells: &[Cell]) -> Drawing {
         }
     }
     let caption = format!(
-        "Time of the fastest explicit and the fastest implicit method against contact stiffness; a \
-         missing point is one that does not reach the accuracy within ten times the least work, \
-         a blind run within three times. \
+        "Time of the fastest explicit and the fastest implicit method against contact stiffness. A \
+         missing point is one that does not reach the accuracy, or is given up: at {CUT} times the least work, \
+         a blind run at {FINAL} times that of the best that locates events. \
          Crossovers (vertical lines): {}.",
         if crossovers.is_empty() { "none".to_owned() } else { crossovers.join("; ") }
     );

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use deltazero_study::map::{CellStatus, Contested, Map, MapCell};
-use deltazero_study::selection::{CUT, EVENTS_FROM, Entry, FINAL, Failure, Standings};
+use deltazero_study::selection::{CUT, EVENTS_FROM, Entry, FINAL, Failure, FailureKind, Standings};
 use deltazero_study::setting::Events;
 
 use crate::config::Config;
@@ -168,7 +168,17 @@ fn implicit(cells: &[&Cell]) -> String {
         return format!("Implicit wins nowhere in {decided} cells.");
     }
     let by = |cell: &&&Cell| cell.explicit_over_implicit().unwrap_or(f64::INFINITY);
-    let alone = wins.iter().filter(|cell| by(cell).is_infinite()).count();
+    let alone = wins.iter().filter(|cell| by(cell).is_infinite());
+    let (mut cut, mut lost) = (0, 0);
+    for cell in alone {
+        let mut kinds = cell.standings.lost(false).map(|own| own.kind).collect::<Vec<_>>();
+        kinds.dedup();
+        match kinds[..] {
+            [] => {}
+            [FailureKind::Cut] => cut += 1,
+            _ => lost += 1,
+        }
+    }
     let mut text = format!("Implicit wins in {} of {decided} cells: ", wins.len());
     let mut zetas: Vec<f64> = wins.iter().map(|cell| cell.damping_ratio).collect();
     zetas.sort_by(f64::total_cmp);
@@ -191,10 +201,16 @@ fn implicit(cells: &[&Cell]) -> String {
             place(most)
         );
     }
-    if alone > 0 {
+    if cut > 0 {
         let _ = write!(
             text,
-            ". In {alone} of them no explicit method that locates events comes within {CUT} times its work"
+            ". In {cut} of them no explicit method that locates events comes within {CUT} times its work"
+        );
+    }
+    if lost > 0 {
+        let _ = write!(
+            text,
+            ". In {lost} of them no explicit method that locates events reaches it; `failures` says why"
         );
     }
     text + "."
@@ -361,4 +377,59 @@ fn table(cells: &[&Cell]) -> String {
         text.push('\n');
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::keys::ReadingName;
+
+    /// A cell that an implicit method wins, in which explicit ones fail so.
+    fn cell(failures: &[(FailureKind, Events)]) -> Cell {
+        let entry = json!({
+            "method": "radau5", "events": "located", "rtol": 1e-6, "step": null, "e": 1e-7,
+            "e_spread": [1e-7, 1e-7], "missed": 0, "spurious": 0, "implicit": true, "n_rhs": 10,
+            "n_accepted": 5, "mean_step_s": 0.1, "bound_by_stability": false, "work": 100.0,
+            "wall_s": 1e-3, "grazes": false, "timed": true,
+        });
+        let failure = |(kind, events): &(FailureKind, Events)| Failure {
+            method: "rk45".to_owned(),
+            events: *events,
+            implicit: false,
+            kind: *kind,
+            message: String::new(),
+            mean_step_s: Some(1e-5),
+        };
+        let standings = Standings {
+            entries: vec![serde_json::from_value(entry).unwrap()],
+            failures: failures.iter().map(failure).collect(),
+            n_trials: 1,
+        };
+        let contest = Contested {
+            accuracy: 1e-6,
+            status: CellStatus::Ok,
+            error: None,
+            t_end_s: Some(1.0),
+            horizon_s: None,
+            n_events: Some(3),
+            standings,
+        };
+        Cell { reading: ReadingName::Pin, stiffness: 1e9, damping_ratio: 1.0, contest }
+    }
+
+    #[test]
+    fn why_no_explicit_method_arrives_is_told_by_its_failures() {
+        use FailureKind::{Cut, EventsWrong};
+        let told = |failures: &[(FailureKind, Events)]| implicit(&[&cell(failures)]);
+        let cut = told(&[(Cut, Events::Located), (EventsWrong, Events::Blind)]);
+        assert!(cut.ends_with(
+            "In 1 of them no explicit method that locates events comes within 10 times its work."
+        ));
+        let wrong = told(&[(Cut, Events::Located), (EventsWrong, Events::Located)]);
+        assert!(wrong.ends_with("reaches it; `failures` says why."), "{wrong}");
+        // Of what takes no part nothing is said.
+        assert!(told(&[]).ends_with("for K = 1e9."), "{}", told(&[]));
+    }
 }

@@ -109,16 +109,18 @@ fn storm(error: &ReferenceError) -> Option<Warning> {
 
 /// The warning that an event hardly is one, so that a change of the tolerance changes the sequence: the
 /// reference and its check disagree about it, or a tighter setting of the winner has it wrong, or every
-/// located run has, however small its error.
+/// located run of a small enough error has.
 fn grazing(benchmark: &Benchmark, standings: &Standings) -> Option<Warning> {
-    let is_wrong = |failure: &Failure| failure.kind == FailureKind::EventsWrong;
+    let is_wrong = |failure: &Failure| {
+        failure.events == Events::Located && failure.kind == FailureKind::EventsWrong
+    };
     let is_located = |entry: &Entry| entry.events == Events::Located;
     let what = if benchmark.reference.summary.event_time_agreement_s.is_none() {
         "the reference and its check differ in their events"
     } else if standings.entries.first().is_some_and(|first| first.grazes) {
         "a tighter setting than the one found has the events wrong"
     } else if !standings.entries.iter().any(is_located) && standings.failures.iter().any(is_wrong) {
-        "no located run has the events right, however small its error"
+        "no located run of a small enough error has the events right"
     } else {
         return None;
     };
@@ -172,18 +174,22 @@ fn beside(standings: &Standings, first: &Entry) -> String {
             factor(a_step(other) / a_step(first)),
         );
     }
-    let failures = standings.failures.iter();
-    let lost = failures.filter(|failure| is_other(failure.is_auto(), failure.implicit));
-    let step = lost.filter_map(|failure| failure.mean_step_s).fold(0.0, f64::max);
-    if step > 0.0 {
-        format!(
-            "; no {kind} method that locates events comes within {CUT} times its work (mean steps of at most {step:.1e} s \
-             against {:.1e} s)",
-            first.mean_step_s
-        )
-    } else {
-        String::new()
+    let kinds = [false, true].into_iter().filter(|implicit| is_other(false, *implicit));
+    let lost: Vec<&Failure> = kinds.flat_map(|implicit| standings.lost(implicit)).collect();
+    if lost.is_empty() {
+        return String::new();
     }
+    let none = format!("; no {kind} method that locates events");
+    if lost.iter().any(|failure| failure.kind != FailureKind::Cut) {
+        let why = |own: &&Failure| format!("{} ({})", own.method, own.kind.name());
+        let all: Vec<String> = lost.iter().map(why).collect();
+        return format!("{none} reaches it: {}", all.join(", "));
+    }
+    let step = lost.iter().filter_map(|failure| failure.mean_step_s).fold(0.0, f64::max);
+    format!(
+        "{none} comes within {CUT} times its work (mean steps of at most {step:.1e} s against {:.1e} s)",
+        first.mean_step_s
+    )
 }
 
 fn name(entry: &Entry) -> String {
@@ -266,6 +272,16 @@ mod tests {
             mean_step_s: Some(1e-3),
         });
         assert_eq!(reason(&all, 2), alone);
+        let rk4 = Failure { method: "rk4".to_owned(), ..all.failures[0].clone() };
+        let with = |kind, events| {
+            let failures = vec![Failure { kind, events, ..rk4.clone() }];
+            reason(&Standings { failures, ..all.clone() }, 2)
+        };
+        let cut = with(FailureKind::Cut, Events::Located);
+        assert!(cut.contains("no explicit method that locates events comes within 10 "), "{cut}");
+        let limit = with(FailureKind::Limit, Events::Located);
+        assert!(limit.contains("no explicit method that locates events reaches it: rk4 (limit)"));
+        assert_eq!(with(FailureKind::Cut, Events::Blind), alone);
 
         all.entries.sort_by_key(|entry| !entry.is_auto());
         let first = reason(&all, 2);
@@ -297,6 +313,20 @@ mod tests {
     }
 
     #[test]
+    fn what_needs_more_than_the_limits_is_not_told_as_slower_than_others() {
+        let methods = ["rk45", "radau5"].map(str::to_owned);
+        let candidates = Candidate::all(&methods, &[Events::Located]);
+        let rules = Rules { candidates, max_work: 10.0, ..Rules::default() };
+        let (span, stop) = ((T_END, sample_times(None, T_END)), AtomicBool::new(false));
+        let limits = Limits::none(&stop);
+        let answer = recommend(subject(), span, 1e-6, &rules, limits, Vec::new(), &|_| ());
+        let failures = &answer.standings.failures;
+        assert!(failures.iter().all(|own| own.kind == FailureKind::Limit), "{failures:?}");
+        assert_eq!(failures.len(), 2);
+        assert!(failures[0].message.contains("contest.max_work = 1e1"), "{failures:?}");
+    }
+
+    #[test]
     fn events_that_hang_on_the_tolerance_are_named_grazing() {
         let stop = AtomicBool::new(false);
         let (times, limits) = (sample_times(None, T_END), Limits::none(&stop));
@@ -311,14 +341,17 @@ mod tests {
 
         let mut none_is_right = standings;
         none_is_right.entries.retain(|entry| entry.events == Events::Blind);
-        none_is_right.failures.push(Failure {
+        let wrong = |events| Failure {
             method: "rk45".to_owned(),
-            events: Events::Located,
+            events,
             implicit: false,
             kind: FailureKind::EventsWrong,
             message: String::new(),
             mean_step_s: None,
-        });
+        };
+        none_is_right.failures.push(wrong(Events::Blind));
+        assert!(grazing(&benchmark, &none_is_right).is_none());
+        none_is_right.failures.push(wrong(Events::Located));
         let warning = grazing(&benchmark, &none_is_right).unwrap();
         assert!(warning.code == Code::Grazing && warning.message.contains("no located run"));
     }

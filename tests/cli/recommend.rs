@@ -90,7 +90,15 @@ fn where_no_method_reaches_the_accuracy_the_method_is_null_and_the_exit_code_1()
     let answer: Value = serde_json::from_str(&ran.stdout).unwrap();
     assert_eq!(answer["method"], Value::Null);
     assert_eq!(answer["runners_up"], json!([]));
-    assert!(ran.stderr.contains("no method reaches"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("none for e = 1e-10: no method reaches it"), "{}", ran.stderr);
+    let sets = ["run.t_end=0.1", "study.max_rhs=10"];
+    let ran = scratch.run(&with_sets(&["recommend", "--quiet"], &sets));
+    assert_eq!(ran.code, Some(1), "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("none for e = 1e-6: no reference: it needs more"),
+        "{}",
+        ran.stderr
+    );
 }
 
 #[test]

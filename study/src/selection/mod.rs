@@ -229,9 +229,11 @@ impl Entry {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FailureKind {
-    /// It needs more than [`CUT`] times the least work, [`FINAL`] times that of its kind or, blind, of those that
-    /// locate events, or the limit.
+    /// It needs more than [`CUT`] times the least work, or [`FINAL`] times that of its kind or, blind, of those that
+    /// locate events.
     Cut,
+    /// It needs more than the limit of work or of time, whatever the others need.
+    Limit,
     /// Its error stays above the accuracy, however tight the setting.
     OutOfReach,
     /// Its error is small enough, its sequence of events wrong.
@@ -252,6 +254,7 @@ impl FailureKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Cut => "cut",
+            Self::Limit => "limit",
             Self::OutOfReach => "out_of_reach",
             Self::EventsWrong => "events_wrong",
             Self::NoConvergence => "no_convergence",
@@ -277,6 +280,14 @@ pub struct Failure {
     pub message: String,
     /// Mean accepted step of its last run [s], if it took one.
     pub mean_step_s: Option<f64>,
+}
+
+impl Standings {
+    /// The failures of methods that locate events and are [explicit or implicit](Failure::implicit) throughout.
+    pub fn lost(&self, implicit: bool) -> impl Iterator<Item = &Failure> {
+        let is_fixed = move |own: &&Failure| !own.is_auto() && own.implicit == implicit;
+        self.failures.iter().filter(|own| own.events == Events::Located).filter(is_fixed)
+    }
 }
 
 impl Failure {
@@ -376,7 +387,8 @@ impl Contest<'_> {
                 let mut open = false;
                 let own = searches.iter_mut().filter(|search| search.candidate.events == events);
                 for search in own.filter(|search| !search.is_over()) {
-                    let most = self.max_work.min(least.limit(search.candidate));
+                    let of_others = least.limit(search.candidate);
+                    let most = self.max_work.min(of_others);
                     let limit = budget.min(most);
                     match search.advance(limit, least.of_note()) {
                         Step::Over => {
@@ -385,7 +397,8 @@ impl Contest<'_> {
                         }
                         // A later, lower limit would cut it all the more.
                         Step::Cut if limit >= most => {
-                            search.give_up(least.of_all());
+                            let by_others = of_others <= self.max_work;
+                            search.give_up(by_others.then(|| least.of_all()));
                             progress(search.candidate.method.name);
                         }
                         Step::Cut => open = true,

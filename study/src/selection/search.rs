@@ -77,18 +77,26 @@ impl<'a> Search<'a> {
         self.verdict.is_some()
     }
 
-    /// Ends it as cut, when `least` is the least work of the others.
-    pub(super) fn give_up(&mut self, least: f64) {
+    /// Ends it as cut: at a limit that follows from `least`, the least work of the others, or where there is none at the
+    /// limit of work.
+    pub(super) fn give_up(&mut self, least: Option<f64>) {
         let needs = self.needs(self.last);
         let is_late = |trial: &Trial| trial.end == TrialEnd::OutOfTime;
-        let message = if self.trials.get(&self.last).is_some_and(is_late) {
-            format!("needs more than study.max_seconds = {} s", self.contest.benchmark.max_seconds)
-        } else if needs.is_finite() && least.is_finite() {
-            format!("would need some {:.0} times the work of the best", needs / least)
+        let (max_seconds, max_work) = (self.contest.benchmark.max_seconds, self.contest.max_work);
+        let failure = if self.trials.get(&self.last).is_some_and(is_late) {
+            (FailureKind::Limit, format!("needs more than study.max_seconds = {max_seconds} s"))
+        } else if let Some(least) = least {
+            let times = needs / least;
+            let message = if times.is_finite() {
+                format!("would need some {times:.0} times the work of the best")
+            } else {
+                "needs more than its limit for its first step".to_owned()
+            };
+            (FailureKind::Cut, message)
         } else {
-            "needs more than the limit of work".to_owned()
+            (FailureKind::Limit, format!("needs more than contest.max_work = {max_work:e}"))
         };
-        self.verdict = Some(Err((FailureKind::Cut, message)));
+        self.verdict = Some(Err(failure));
     }
 
     /// Goes on until it is over or `limit` of work cuts it; up to `of_note` it may be among the fastest.
