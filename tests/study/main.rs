@@ -50,6 +50,20 @@ fn the_reference_is_confirmed_by_its_second_method() {
 }
 
 #[test]
+fn joints_of_different_clearances_are_measured_by_their_own() {
+    let measure = |sets: &[&str]| {
+        let sets = [&["study.methods=[\"rk45\"]", "run.t_end=0.05"], sets].concat();
+        study(&sets).reference.measure()
+    };
+    let same = measure(&[]);
+    assert!(same.starts_with("larger of |Δ pin|/1e-4 m and |Δ θ|/"), "{same}");
+    let different = measure(&["joint2.joint.clearance=5e-4"]);
+    let expected = "largest of |Δ pin of joint 1|/1e-4 m, |Δ θ|/";
+    assert!(different.starts_with(expected), "{different}");
+    assert!(different.ends_with(" and |Δ pin of joint 2|/5e-4 m"), "{different}");
+}
+
+#[test]
 fn where_series_cost_too_much_the_reference_is_implicit_and_says_so() {
     // K = 1e10 N/m, ζ = 3; the right-hand sides are worth 8000 series.
     let sets = [

@@ -246,21 +246,30 @@ impl Reference {
     }
 }
 
-/// The scales of the groups of all parts, each name once.
-fn scales(subject: &Subject, largest: &Largest) -> Vec<ScaleSummary> {
-    let mut all: Vec<ScaleSummary> = Vec::new();
-    for group in subject.parts.iter().flat_map(|part| &part.groups) {
-        if all.iter().any(|known| known.group == group.name) {
-            continue;
-        }
+/// The scales of the groups of all parts: of each name once, or where they differ each once, with the first part that has
+/// it.
+fn scales<'a>(subject: &'a Subject, largest: &Largest) -> Vec<ScaleSummary> {
+    let mut all: Vec<(&Part, ScaleSummary)> = Vec::new();
+    let groups = |part: &'a Part| part.groups.iter().map(move |group| (part, group));
+    for (part, group) in subject.parts.iter().flat_map(groups) {
         let (is_largest, scale) = match group.scale {
             GroupScale::Fixed(scale) => (false, scale),
             GroupScale::Largest => (true, largest.of(&group.name)),
         };
-        let (group, unit) = (group.name.to_string(), group.unit.to_string());
-        all.push(ScaleSummary { group, unit, scale, is_largest });
+        if !all.iter().any(|(_, known)| known.group == group.name && known.scale == scale) {
+            let (group, unit) = (group.name.to_string(), group.unit.to_string());
+            all.push((part, ScaleSummary { group, unit, scale, is_largest }));
+        }
     }
-    all
+    let names: Vec<String> = all.iter().map(|(_, own)| own.group.clone()).collect();
+    let named = |(part, mut own): (&Part, ScaleSummary)| {
+        let n_scales = names.iter().filter(|name| **name == own.group).count();
+        if n_scales > 1 && !part.name.is_empty() {
+            own.group += &format!(" of {}", part.name);
+        }
+        own
+    };
+    all.into_iter().map(named).collect()
 }
 
 /// What is said of the parts: once, where it is the same.

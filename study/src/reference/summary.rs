@@ -14,7 +14,7 @@ const NO_SAMPLE: &str =
 /// The scale of a group of states.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScaleSummary {
-    /// Name of the group.
+    /// Name of the group; with its part where parts have it by different scales.
     pub group: String,
     /// Unit of its states.
     pub unit: String,
