@@ -423,8 +423,8 @@ pub trait Problem: System<Mode: Send + Sync> + Send + Sync {
     }
 }
 
-/// The role that stands for the whole of a problem where one has to: that of the first site which sticks, else of the
-/// first in contact, else of the first.
+/// The site that stands for the whole of a problem where one has to: the first which sticks, else the first in contact,
+/// else the first.
 pub fn leading_site<P: Problem>(problem: &P, mode: &P::Mode) -> usize {
     let first =
         |is: fn(Role) -> bool| (0..problem.n_sites()).find(|site| is(problem.role(mode, *site)));

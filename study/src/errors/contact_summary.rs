@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::contacts::Contact;
+use crate::json_number;
 
 /// The contacts of a site, or of several, in a few numbers; what there is none of is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -10,18 +11,25 @@ pub struct ContactSummary {
     /// How many.
     pub n: usize,
     /// Largest F_N [N].
+    #[serde(with = "json_number::maybe")]
     pub peak_force_n: Option<f64>,
     /// When it was [s].
+    #[serde(with = "json_number::maybe")]
     pub peak_force_at_s: Option<f64>,
     /// Deepest penetration δ [m].
+    #[serde(with = "json_number::maybe")]
     pub deepest_m: Option<f64>,
     /// Largest δ̇ at which one began, after a flight [m/s].
+    #[serde(with = "json_number::maybe")]
     pub largest_impact_speed_m_s: Option<f64>,
     /// Smallest of these [m/s].
+    #[serde(with = "json_number::maybe")]
     pub smallest_impact_speed_m_s: Option<f64>,
     /// `∫ F_N dt` of all [N s].
+    #[serde(with = "json_number::one")]
     pub impulse_n_s: f64,
     /// Longest [s].
+    #[serde(with = "json_number::maybe")]
     pub longest_s: Option<f64>,
 }
 
@@ -73,5 +81,13 @@ mod tests {
         };
         assert_eq!(ContactSummary::of(contacts.iter()), expected);
         assert_eq!(ContactSummary::of([].iter()), ContactSummary::default());
+    }
+
+    #[test]
+    fn a_force_without_bound_is_told_in_json() {
+        let own = ContactSummary { peak_force_n: Some(f64::INFINITY), ..ContactSummary::default() };
+        let json = serde_json::to_value(own).unwrap();
+        assert_eq!((&json["peak_force_n"], &json["impulse_n_s"]), (&"inf".into(), &0.0.into()));
+        assert!(json["deepest_m"].is_null());
     }
 }

@@ -5,7 +5,7 @@ use crate::part::Timing;
 use crate::run::Setting;
 
 /// Those that take longer than this many times the shortest time, and more than this many times the least
-/// work, are not run again: a time alone may be long because the machine was busy just then.
+/// work, are run twice at most: a time alone may be long because the machine was busy just then.
 const CLOSE: f64 = 2.0;
 /// Those that take longer than this are run twice at most: noise is a smaller part of them [s].
 const LONG_S: f64 = 0.2;
