@@ -3,6 +3,7 @@
 use deltazero_plots::{
     Axis, Cells, Figure, Heatmap, Legend, LineChart, Marker, Panel, Series, Size, Upright,
 };
+use deltazero_study::quantile::quantile;
 use deltazero_study::selection::{CUT, FINAL};
 
 use super::Drawing;
@@ -132,8 +133,7 @@ fn margin(cells: &[Cell]) -> Drawing {
     let figure =
         of_maps("How far ahead the fastest is", cells, |which| map(cells, which, colors, text));
     let mut margins: Vec<f64> = cells.iter().filter_map(|cell| cell.margin()).collect();
-    margins.sort_by(f64::total_cmp);
-    let median = margins.get(margins.len() / 2).copied().unwrap_or(f64::NAN);
+    let median = quantile(&mut margins, 0.5).unwrap_or(f64::NAN);
     let close = margins.iter().filter(|margin| **margin < 1.1).count();
     let open = cells.iter().filter(|cell| !cell.within_noise().is_empty()).count();
     let caption = format!(

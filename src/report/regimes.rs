@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use deltazero_study::map::{CellStatus, Contested, Map, MapCell};
+use deltazero_study::quantile::quantile;
 use deltazero_study::selection::{CUT, EVENTS_FROM, Entry, FINAL, Failure, FailureKind, Standings};
 use deltazero_study::setting::Events;
 
@@ -230,8 +231,8 @@ fn location(cells: &[&Cell]) -> String {
             .count()
     };
     let mut text = String::new();
-    if let (Some((least, at)), Some((most, best)), Some((median, _))) =
-        (ratios.first(), ratios.last(), ratios.get(ratios.len() / 2))
+    if let (Some((least, at)), Some((most, best)), Some(median)) =
+        (ratios.first(), ratios.last(), median(&ratios))
     {
         let pays = ratios.iter().filter(|(ratio, _)| *ratio > 1.0).count();
         let _ = write!(
@@ -270,6 +271,11 @@ fn location(cells: &[&Cell]) -> String {
     text
 }
 
+/// The median of the ratios of cells.
+fn median(ratios: &[(f64, &&Cell)]) -> Option<f64> {
+    quantile(&mut ratios.iter().map(|(ratio, _)| *ratio).collect::<Vec<_>>(), 0.5)
+}
+
 /// `1 cell`, `7 cells`.
 fn n_cells(n: usize) -> String {
     format!("{n} cell{}", if n == 1 { "" } else { "s" })
@@ -281,8 +287,7 @@ fn auto(cells: &[&Cell]) -> String {
         cells.iter().filter_map(|cell| Some((cell.auto_over_winner()?, cell))).collect();
     ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
     let decided = cells.iter().filter(|cell| cell.winner().is_some()).count();
-    let (Some((median, _)), Some((most, at))) = (ratios.get(ratios.len() / 2), ratios.last())
-    else {
+    let (Some(median), Some((most, at))) = (median(&ratios), ratios.last()) else {
         return "`auto` reaches it nowhere.".to_owned();
     };
     let near = ratios.iter().filter(|(ratio, _)| *ratio <= NEAR).count();

@@ -2,7 +2,7 @@
 
 mod joints;
 
-use deltazero_solvers::{Error, Grid, Next, Outcome, Stats, Switch, Trajectory};
+use deltazero_solvers::{Error, Grid, Next, Stats, Switch, Trajectory};
 use deltazero_study::run::{Braked, Limit, Limits, ModeChange, PartRun, Price, Setting, Took};
 
 use crate::config::Config;
@@ -75,11 +75,6 @@ impl Run {
     /// Time that the integration of all parts took.
     pub fn took(&self) -> Took {
         self.parts.iter().map(|part| part.took).sum()
-    }
-
-    /// Whether a limit broke it off.
-    pub fn is_broken_off(&self) -> bool {
-        self.parts.iter().any(|part| part.outcome == Ok(Outcome::Interrupted))
     }
 
     /// The first failure, if any.

@@ -28,10 +28,11 @@ const MEASURED: f64 = 3.0;
 /// Cost of a fixed step of h seconds, times h; that of a tolerance is `p² rtol^(−1/p)` at order p. On Table 1 both are
 /// right within a factor of two for located runs.
 const FIXED: f64 = 0.075;
-/// A run that took this many times as long as another of no larger error, and longer than [`SHORT_S`], is not timed again.
-const BEATEN: f64 = 3.0;
+/// A run that took more than this many times as long as another of no larger error, and longer than [`SHORT_S`], is not
+/// timed again.
+pub const BEATEN: f64 = 3.0;
 /// Runs up to here are always timed again: it costs little, and one disturbance makes much of them [s].
-const SHORT_S: f64 = 5e-3;
+pub const SHORT_S: f64 = 5e-3;
 /// What a turn after the first takes, in turns: 0.08 of Table 1, up to 0.45 of other mechanisms.
 const REPEATED: f64 = 0.2;
 

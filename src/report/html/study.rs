@@ -4,7 +4,7 @@ use deltazero_solvers::Method;
 use deltazero_study::Plan;
 use deltazero_study::columns::{Column, Value, shown};
 use deltazero_study::reference::{HORIZON_ERROR, ReferenceSummary};
-use deltazero_study::work_precision::{Row, Status, WorkPrecision};
+use deltazero_study::work_precision::{BEATEN, Row, SHORT_S, Status, WorkPrecision};
 
 use super::{Heading, Page, Part, Section, Table};
 use crate::figures::Picture;
@@ -138,9 +138,10 @@ fn method(table: &WorkPrecision, plan: &Plan) -> Vec<Part> {
         Part::Text(format!(
             "The error e is the worst sample's {}. Events pair in order with those of the reference; missed and \
              spurious are those without a partner. The time of a run is that of its thread on the processor, the shortest of {} repeats in turns \
-             round all runs, with {} runs at the same time; a run of more than 5 ms that took three times as long as another \
-             of no larger error is not repeated.",
-            table.reference.measure(), plan.repeats, plan.threads
+             round all runs, with {} runs at the same time. A run that warns of itself is timed once, and so is one of more than \
+             {} ms that took more than {BEATEN} times as long as another of no larger error, unless that has events wrong and \
+             it has not.",
+            table.reference.measure(), plan.repeats, plan.threads, 1e3 * SHORT_S
         )),
         Part::Table(Table {
             caption: "The methods compared".into(),

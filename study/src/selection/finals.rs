@@ -2,6 +2,7 @@
 
 use super::{Contest, Entry, least};
 use crate::part::Timing;
+use crate::quantile::quantile;
 use crate::run::Setting;
 
 /// Those that take longer than this many times the shortest time, and more than this many times the least
@@ -44,8 +45,7 @@ pub(super) fn time(
         }
     }
     for (entry, own) in entries.iter_mut().zip(&mut turns) {
-        own.sort_by(f64::total_cmp);
-        let median = own.get(own.len() / 2).copied();
+        let median = quantile(own, 0.5);
         entry.noise = median.map(|median| (median / entry.time_s()).max(1.0));
     }
     entries.sort_by(|a, b| {
