@@ -136,7 +136,7 @@ pub fn tight_runs(subject: &Subject, spans: &[Span], stop: &AtomicBool) -> Tight
 pub struct Estimate {
     /// How far the motion is predictable.
     pub horizon: Horizon,
-    /// Its error `e` up to there; none where the tight runs of a part were broken off before.
+    /// Its error `e` up to there; none where the tight runs of a part were broken off before, or parted at once.
     pub e: Option<f64>,
     /// Whether it has their events for as long as these are certain; none where the tight runs of a part were broken off
     /// before the horizon, and of a run that locates no events.
@@ -207,7 +207,8 @@ impl<'a> Pairs<'a> {
             let mut bound = Bound { setting, most: f64::INFINITY, stop };
             let (run, trace) =
                 pair.part.run(setting, Start::Exact, span.reached, &pair.grid, &mut bound);
-            e = worse(e, pair.error(&trace, until, &largest));
+            let Some(own) = pair.error(&trace, until, &largest) else { return unknown };
+            e = worse(e, own);
             has_events &= tight.warning(subject, i, &trace.changes, run.t).is_none();
         }
         let is_located = setting.events == Events::Located;
@@ -233,15 +234,16 @@ impl Pair<'_> {
         parted_at(&self.own.1, &self.nudged.1, &self.part.error_scale(largest))
     }
 
-    /// The error `e` of another run at samples before `until` [s]; infinite where it has less of them.
-    fn error(&self, run: &Trace, until: f64, largest: &Largest) -> f64 {
+    /// The error `e` of another run at samples before `until` [s]; infinite where it has less of them, none where there is
+    /// no sample.
+    fn error(&self, run: &Trace, until: f64, largest: &Largest) -> Option<f64> {
         let (tight, scale) = (&self.own.1, self.part.error_scale(largest));
         let n = tight.times.iter().take_while(|t| **t < until).count();
         if run.states.len() < n {
-            return f64::INFINITY;
+            return Some(f64::INFINITY);
         }
         let pairs = run.states.iter().zip(&tight.states).take(n);
-        pairs.map(|(own, tight)| scale.error(own, tight)).fold(0.0, worse)
+        pairs.map(|(own, tight)| scale.error(own, tight)).reduce(worse)
     }
 
     /// As [`lost_at`](Self::lost_at), lengths measured by its own alone.
@@ -395,6 +397,16 @@ mod tests {
         assert_eq!((early.e, early.has_events), (None, None));
         let late = judged(0.08);
         assert!(late.e.is_some() && late.has_events == Some(true), "{late:?}");
+    }
+
+    #[test]
+    fn where_tight_runs_part_at_once_no_error_is_told() {
+        let (subject, setting, spans) = two_balls();
+        let mut pairs = Pairs::new(&subject, &spans, 1, &RUNNING);
+        if let Some(lost) = &mut pairs.0[0] {
+            lost.nudged.1.states.iter_mut().for_each(|y| y[0] += 1e-4);
+        }
+        assert_eq!(pairs.judged(&subject, &setting, &spans, &RUNNING).e, None);
     }
 
     #[test]
