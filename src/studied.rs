@@ -1,9 +1,9 @@
 //! A study of any subject, with all its files.
 
 use std::fmt::Write as _;
+use std::io;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
-use std::{fs, io};
 
 use deltazero_study::map::Map;
 use deltazero_study::motion::Motion;
@@ -21,6 +21,7 @@ use crate::report::simulation::motion_csv;
 use crate::report::{self, About};
 use crate::study::machine::Machine;
 use crate::study::record::Provenance;
+use crate::whole;
 
 /// A study that is done.
 #[derive(Clone, Debug)]
@@ -47,8 +48,7 @@ impl Studied {
         let table = work_precision(subject, &plan, &[], &stop, &|_| {})?;
         let steps = StepTables::new(subject, &plan, &table, plan.limits(&stop));
         let motion = Motion::new(subject, plan.t_end, plan.limits(&stop));
-        let mut drawings = figures::of_study(&table, &steps);
-        drawings.extend(motion.iter().flat_map(figures::of_motion));
+        let drawings = figures::of_study(&table, &steps, motion.as_ref(), &[], None);
         Ok(Self { about, plan, table, drawings, steps, motion })
     }
 
@@ -58,7 +58,7 @@ impl Studied {
     }
 
     /// Writes `study.csv`, `study.md`, `report.html`, `motion.csv`, the tables of steps and `figures/` into `dir`, which is made
-    /// where there is none.
+    /// where there is none; each file [whole] or not at all.
     ///
     /// # Errors
     /// Those of the file system, and where a figure cannot be drawn.
@@ -72,15 +72,14 @@ impl Studied {
         let Self { about, plan, table, drawings, steps, motion } = self;
         let files = report::study_files(about, plan, table, &provenance, drawings)
             .map_err(|(name, error)| io::Error::other(format!("cannot draw {name}: {error}")))?;
-        fs::create_dir_all(dir.join("figures"))?;
         for file in files {
-            fs::write(dir.join(file.name), file.content)?;
+            write(dir, &file.name, &file.content)?;
         }
         if let Some(motion) = motion {
-            fs::write(dir.join("motion.csv"), motion_csv(motion))?;
+            write(dir, "motion.csv", motion_csv(motion).as_bytes())?;
         }
         let mut tables = report::steps::files(steps, None);
-        tables.try_for_each(|(name, text)| fs::write(dir.join(name), text))
+        tables.try_for_each(|(name, text)| write(dir, name, text.as_bytes()))
     }
 }
 
@@ -123,10 +122,14 @@ pub fn map_table(map: &Map) -> String {
 pub fn write_map(map: &Map, dir: impl AsRef<Path>) -> io::Result<()> {
     let (dir, drawing) = (dir.as_ref(), figures::map::winners(map));
     let picture = drawing.picture().map_err(io::Error::other)?;
-    fs::create_dir_all(dir.join("figures"))?;
-    fs::write(dir.join("figures/winners.svg"), &picture.svg)?;
-    fs::write(dir.join("figures/winners.png"), &picture.png)?;
-    fs::write(dir.join("map.md"), map_markdown(map, &[picture]))
+    write(dir, "figures/winners.svg", picture.svg.as_bytes())?;
+    write(dir, "figures/winners.png", &picture.png)?;
+    write(dir, "map.md", map_markdown(map, &[picture]).as_bytes())
+}
+
+/// Writes a file of `dir`, whole or not at all.
+fn write(dir: &Path, name: &str, content: &[u8]) -> io::Result<()> {
+    whole::write(&dir.join(name), content).map_err(io::Error::other)
 }
 
 /// `map.md`: pictures of a map, and its table.

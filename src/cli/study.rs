@@ -191,7 +191,7 @@ pub(super) fn write_report(
     let joints = Joints::from(config);
     let clearances: Vec<f64> = joints.blocks().iter().map(|block| block.clearance).collect();
     let mut drawings =
-        figures::of_mechanism(&clearances, table, &steps, stability.as_ref(), motion.as_ref());
+        figures::of_study(table, &steps, motion.as_ref(), &clearances, stability.as_ref());
     drawings.extend(figures::chosen_axes(table, &config.study.x, &config.study.y));
     let about = About::of(config);
     let files = report::study_files(&about, &plan, table, &study.provenance(), &drawings)

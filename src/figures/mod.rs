@@ -103,9 +103,16 @@ pub fn pictures(drawings: &[Drawing]) -> Result<Vec<Picture>, (&'static str, Err
     in_parallel(drawings, cores(), draw).into_iter().collect()
 }
 
-/// The figures of a study whatever its subject.
-pub fn of_study(table: &WorkPrecision, steps: &StepTables) -> Vec<Drawing> {
-    vec![
+/// The figures of a study: of its motion, of the pins in joints of these clearances, and of the limit of stability where
+/// there is one.
+pub fn of_study(
+    table: &WorkPrecision,
+    steps: &StepTables,
+    motion: Option<&Motion>,
+    clearances: &[f64],
+    stability: Option<&Stability>,
+) -> Vec<Drawing> {
+    let mut drawings = vec![
         work_precision::against_time(table),
         work_precision::against_rhs(table),
         step_size::whole(&steps.histories),
@@ -113,36 +120,14 @@ pub fn of_study(table: &WorkPrecision, steps: &StepTables) -> Vec<Drawing> {
         step_histogram::drawing(&steps.histories, &steps.histogram),
         stays::drawing(&steps.stays),
         restarts::drawing(&steps.restarts, &steps.restart_costs),
-        rk4_order::drawing(table),
-        proportionality::drawing(table, &steps.proportionality),
-    ]
-}
-
-/// The figures of a study of a mechanism whose joints, if it has any, have these clearances.
-pub fn of_mechanism(
-    clearances: &[f64],
-    table: &WorkPrecision,
-    steps: &StepTables,
-    stability: Option<&Stability>,
-    motion: Option<&Motion>,
-) -> Vec<Drawing> {
-    let mut drawings = of_study(table, steps);
-    let order_of_rk4 = drawings.len() - 2;
-    let behind = drawings.split_off(order_of_rk4);
-    if let Some(motion) = motion {
-        drawings.extend(of_motion(motion));
-        drawings.extend(orbit::drawing(motion, clearances));
-    }
-    let mut behind = behind.into_iter();
-    drawings.extend(behind.next());
+    ];
+    drawings.extend(motion.and_then(contact::drawing));
+    drawings.extend(motion.and_then(against_ideal::drawing));
+    drawings.extend(motion.and_then(|motion| orbit::drawing(motion, clearances)));
+    drawings.push(rk4_order::drawing(table));
     drawings.extend(stability.map(stability::drawing));
-    drawings.extend(behind);
+    drawings.push(proportionality::drawing(table, &steps.proportionality));
     drawings
-}
-
-/// The figures of a motion, of whatever subject.
-pub fn of_motion(motion: &Motion) -> impl Iterator<Item = Drawing> {
-    contact::drawing(motion).into_iter().chain(against_ideal::drawing(motion))
 }
 
 /// The number of a method, which is that of its colour and marker in every figure and map: its place in the list

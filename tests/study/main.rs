@@ -279,7 +279,7 @@ fn rk4_finds_events_that_are_none_beyond_the_limit_of_stability() {
 #[test]
 fn every_figure_of_a_study_without_a_finished_run_can_be_drawn() {
     let table = study(&["study.max_rhs=600000", "study.steps=[1e-7]", "study.methods=[\"rk4\"]"]);
-    for drawing in figures::of_mechanism(&[1e-4; 2], &table, &StepTables::default(), None, None) {
+    for drawing in figures::of_study(&table, &StepTables::default(), None, &[1e-4; 2], None) {
         drawing.figure.svg().unwrap();
         drawing.figure.png().unwrap();
     }
