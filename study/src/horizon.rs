@@ -242,8 +242,8 @@ impl Pair<'_> {
         if run.states.len() < n {
             return Some(f64::INFINITY);
         }
-        let pairs = run.states.iter().zip(&tight.states).take(n);
-        pairs.map(|(own, tight)| scale.error(own, tight)).reduce(worse)
+        let before = tight.pairs(run, scale.event_window).filter(|(t, ..)| *t < until);
+        before.map(|(_, tight, own)| scale.error(own, tight)).reduce(worse)
     }
 
     /// As [`lost_at`](Self::lost_at), lengths measured by its own alone.

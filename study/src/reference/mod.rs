@@ -15,7 +15,7 @@ use crate::errors::{ErrorScale, EventMatch, Largest, match_events, worse};
 use crate::part::{Part, Subject, counted};
 use crate::problem::GroupScale;
 use crate::run::{Limits, ModeChange};
-use crate::trace::Trace;
+use crate::trace::{Trace, is_between_jumps};
 
 pub use solve::{HORIZON_ERROR, RECIPE, parted_at, settings};
 pub(crate) use solve::{Maker, Path, path};
@@ -104,6 +104,8 @@ pub struct PartReference {
     pub amplitude: Vec<f64>,
     /// States between the samples.
     pub nodes: Vec<Node>,
+    /// Times of the events at which a state jumps [s].
+    pub jumps: Vec<f64>,
     /// Whether its first event is the start's own.
     pub starts_on_surface: bool,
     /// All events of its run, also those that runs are not compared by, and those after a [cut](Reference::cut).
@@ -313,6 +315,7 @@ impl PartReference {
             scale,
             amplitude,
             nodes: path.nodes,
+            jumps: path.trace.jumps,
             starts_on_surface: part.starts_on_surface,
         }
     }
@@ -368,8 +371,8 @@ impl PartReference {
         &self.nodes[..self.nodes.partition_point(|node| self.is_within(node.t))]
     }
 
-    /// Largest `e` of a run's samples, on the same times, within the horizon; infinite for a run that ends
-    /// before them, not a number where no sample lies within.
+    /// Largest `e` of a run's samples, on the same times, within the horizon; none counts that lies [between a jump of
+    /// one run and that of the other](is_between_jumps). Infinite for a run that ends before them, not a number where no sample lies within.
     pub fn error(&self, run: &Trace) -> f64 {
         let errors = self.pairs_within(run).map(|(y, own)| self.scale.error(own, y));
         self.largest(run, errors)
@@ -399,7 +402,10 @@ impl PartReference {
         run: &'a Trace,
     ) -> impl Iterator<Item = (&'a [f64], &'a [f64])> + 'a {
         let pairs = self.times.iter().zip(self.samples.iter().zip(&run.states));
-        let within = pairs.filter(|(t, _)| self.is_within(**t));
+        let window = self.scale.event_window;
+        let within = pairs.filter(move |(t, _)| {
+            self.is_within(**t) && !is_between_jumps(&self.jumps, &run.jumps, window, **t)
+        });
         within.map(|(_, (y, own))| (y.as_slice(), own.as_slice()))
     }
 

@@ -73,8 +73,7 @@ pub fn parted_at(own: &Trace, other: &Trace, scale: &ErrorScale) -> Option<f64> 
 /// The first sample time at which two runs differ by more than `most` in `e` [s].
 fn differ_at(own: &Trace, other: &Trace, scale: &ErrorScale, most: f64) -> Option<f64> {
     let is_lost = |a: &[f64], b: &[f64]| scale.error(b, a).total_cmp(&most).is_gt();
-    let mut pairs = own.times.iter().zip(own.states.iter().zip(&other.states));
-    pairs.find(|(_, (a, b))| is_lost(a, b)).map(|(t, _)| *t)
+    own.pairs(other, scale.event_window).find(|(_, a, b)| is_lost(a, b)).map(|(t, ..)| t)
 }
 
 /// One run of a part, and what a reference keeps of it.
@@ -128,9 +127,8 @@ impl Solved {
         lost_at: f64,
     ) -> (Option<f64>, Option<f64>) {
         let (own, check) = (&self.path.trace, &self.check.trace);
-        let pairs = own.times.iter().zip(own.states.iter().zip(&check.states));
-        let errors = pairs.filter(|(t, _)| **t < lost_at);
-        let largest = errors.map(|(_, (a, b))| scale.error(b, a)).reduce(worse);
+        let errors = own.pairs(check, scale.event_window).filter(|(t, ..)| *t < lost_at);
+        let largest = errors.map(|(_, a, b)| scale.error(b, a)).reduce(worse);
         let mut latest = Some(0.0_f64);
         for (own, check) in self.path.events.iter().zip(&self.check.events) {
             let within = |events: &[ModeChange]| -> Vec<ModeChange> {
