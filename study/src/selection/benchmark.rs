@@ -155,8 +155,11 @@ impl Benchmark {
         self.subject.took(setting, self.t_end, &Grid::Times(self.times.clone()), limits)
     }
 
-    /// The reason why methods cannot be compared on it, where it is predictable for too short a time.
+    /// The reason why methods cannot be compared on it, where it is predictable for too short a time or ends at its start.
     pub fn ill_posed(&self) -> Option<String> {
+        if self.reference.parts.iter().all(|part| part.t_end == 0.0) {
+            return Some("the run ends at its start".to_owned());
+        }
         let least = ILL_POSED_BELOW * self.subject.unit_of_time();
         let rounded = (1e6 * least).round() / 1e6;
         let is_short = self.horizon.is_some_and(|horizon| horizon < least);

@@ -58,7 +58,8 @@ fn tolerance_row(
     mut points: Vec<(f64, f64)>,
     good: f64,
 ) -> ToleranceRow {
-    points.retain(|(_, e)| *e >= good);
+    // An error of zero is exact, and has no logarithm.
+    points.retain(|(_, e)| *e >= good && *e > 0.0);
     points.sort_by(|a, b| b.0.total_cmp(&a.0));
     let floor = floor(&points);
     let helps = |rtol: f64| floor.is_none_or(|floor| rtol >= floor.rtol);
@@ -116,5 +117,11 @@ mod tests {
         let flat = [(1e-3, 1e-2), (1e-4, 1e-3), (1e-5, 1.5e-3), (1e-6, 9e-4)];
         assert_eq!(floor(&flat), Some(Floor { rtol: 1e-4, e: 9e-4 }));
         assert_eq!(floor(&[]), None);
+    }
+
+    #[test]
+    fn runs_without_an_error_have_no_slope() {
+        let row = tolerance_row("any", Events::Located, vec![(1e-3, 0.0), (1e-6, 0.0)], 0.0);
+        assert_eq!((row.n_fitted, row.slope, row.scatter_decades), (0, None, None));
     }
 }
