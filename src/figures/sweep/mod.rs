@@ -129,21 +129,28 @@ impl Data<'_> {
 
     /// Whether any run has a place in the figure.
     fn has_points(&self) -> bool {
+        self.n_points() > 0
+    }
+
+    /// Number of runs that have one.
+    fn n_points(&self) -> usize {
         let y = self.y.as_ref().map(Field::places);
         let is_there =
-            |(i, x): (usize, &f64)| x.is_finite() && y.as_ref().is_none_or(|y| y[i].is_finite());
-        self.x.places().iter().enumerate().any(is_there)
+            |(i, x): &(usize, &f64)| x.is_finite() && y.as_ref().is_none_or(|y| y[*i].is_finite());
+        self.x.places().iter().enumerate().filter(is_there).count()
     }
 
     /// The end of a caption: how many runs it is of.
     fn of_runs(&self) -> String {
-        of_runs(self.n as u64, self.failed)
+        let n = self.n_points();
+        of_runs(n as u64, (self.n - n) as u64, self.failed)
     }
 }
 
-fn of_runs(n: u64, failed: u64) -> String {
-    match failed {
-        0 => format!("Of {n} runs."),
-        _ => format!("Of {n} runs; {failed} more did not come to their end and are left out."),
-    }
+/// Runs that are shown, and those that are not: without a value, and without an end.
+fn of_runs(n: u64, without_value: u64, failed: u64) -> String {
+    let left_out = [(without_value, "have no value here"), (failed, "did not come to their end")];
+    let more = left_out.into_iter().filter(|(n, _)| *n > 0);
+    let more: String = more.map(|(n, why)| format!("; {n} more {why} and are left out")).collect();
+    format!("Of {n} runs{more}.")
 }
