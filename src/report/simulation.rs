@@ -19,18 +19,21 @@ pub fn trajectory_csv(out: &mut dyn Write, sites: &[&SiteMotion]) -> io::Result<
     header.extend(["t_s".to_owned(), "mode".to_owned()]);
     header.extend(first.columns.iter().map(header_field));
     writeln!(out, "{}", header.join(","))?;
-    // A diverging state may be finite where its forces are not.
-    let finite = |x: &f64| exact(x.is_finite().then_some(*x));
     let mut sites = sites.to_vec();
     sites.sort_by_key(|site| site.labels.iter().rev().map(|(_, value)| *value).collect::<Vec<_>>());
     for site in sites {
         let labels = labels(site);
         for (t, mode, values) in site.samples() {
             let values: Vec<String> = values.iter().map(finite).collect();
-            writeln!(out, "{labels}{t:e},{mode},{}", values.join(","))?;
+            writeln!(out, "{labels}{t:e},{},{}", field(mode), values.join(","))?;
         }
     }
     Ok(())
+}
+
+/// A number; nothing where it is none. A diverging state may be finite where its forces are not.
+fn finite(x: &f64) -> String {
+    exact(x.is_finite().then_some(*x))
 }
 
 /// `events.csv`: the mode changes, sorted by time, then by what tells the sites apart.
@@ -46,7 +49,7 @@ pub fn events_csv(sites: &[&SiteMotion]) -> String {
     header.extend(["t_s", "mode_before", "mode_after"].map(str::to_owned));
     let mut csv = header.join(",") + "\n";
     for (_, labels, NamedChange { t, before, after, .. }) in rows {
-        let _ = writeln!(csv, "{labels}{t:e},{before},{after}");
+        let _ = writeln!(csv, "{labels}{t:e},{},{}", field(&before), field(&after));
     }
     csv
 }
@@ -70,7 +73,7 @@ pub fn motion_csv(motion: &Motion) -> String {
         for (i, (t, mode, values)) in site.samples().enumerate() {
             let touch = site.touches.get(i).map(|(_, touch)| *touch);
             let (depth, force) = (touch.map(|touch| touch.depth), touch.map(|touch| touch.force));
-            let mut values: Vec<String> = values.iter().map(|x| format!("{x:e}")).collect();
+            let mut values: Vec<String> = values.iter().map(finite).collect();
             let more = [depth, force].into_iter().zip(adds).filter(|(_, adds)| *adds);
             values.extend(more.map(|(x, _)| exact(x)));
             let _ = writeln!(csv, "{part},{labels}{t:e},{mode},{}", values.join(","));

@@ -9,7 +9,7 @@ use crate::problem::{Problem, Quantity, Touch, change, leading_site};
 use crate::run::{Brake, Braked, ModeChange, OwnRun, PartRun, Setting, integrate};
 use crate::stiffness::Stiffness;
 use crate::trace::OwnTrajectory;
-use crate::warning::Warning;
+use crate::warning::{Code, Warning};
 
 /// What a run of one part is asked for.
 pub struct Asked<'a> {
@@ -135,6 +135,7 @@ pub(crate) fn simulate<P: Problem>(
         warning
     }));
     let sites = motions(problem, &kept, problem.n_sites());
+    warnings.extend(not_a_number(&sites));
     let on_surface = usize::from(problem.starts_on_surface());
     Simulation {
         n_events: sites.iter().map(|site| site.changes.len().saturating_sub(on_surface)).sum(),
@@ -149,6 +150,22 @@ pub(crate) fn simulate<P: Problem>(
         warnings,
         run: run.plain(),
     }
+}
+
+/// The warnings of columns that are no number at a sample.
+fn not_a_number(sites: &[SiteMotion]) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    for site in sites {
+        for (i, column) in site.columns.iter().enumerate() {
+            let mut bad = site.samples().filter(|(.., values)| !values[i].is_finite());
+            let Some((t, ..)) = bad.next() else { continue };
+            let (name, n) = (&column.name, bad.count());
+            let more = if n == 0 { String::new() } else { format!(", nor at {n} more samples") };
+            let message = format!("{name} is no number at {t} s{more}; its cells are empty");
+            warnings.push(Warning { code: Code::NotANumber, message });
+        }
+    }
+    warnings
 }
 
 fn at_floor<P: Problem>(problem: &P, event: &Switch<P::Mode>) -> bool {
@@ -237,4 +254,29 @@ pub(crate) fn motion_with_touches<P: Problem>(
         site.touches = run.samples.iter().map(touch).collect::<Option<_>>().unwrap_or_default();
     }
     sites.pop()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_that_is_no_number_is_told_with_its_first_time() {
+        let site = |q: [f64; 3]| SiteMotion {
+            name: String::new(),
+            labels: Vec::new(),
+            columns: ["x", "q"].map(|name| Quantity::new(name, "", 1.0)).to_vec(),
+            times: vec![0.1, 0.2, 0.3],
+            mode_of: vec![0; 3],
+            modes: vec!["m".to_owned()],
+            values: q.into_iter().flat_map(|q| [1.0, q]).collect(),
+            touches: Vec::new(),
+            changes: Vec::new(),
+        };
+        assert_eq!(not_a_number(&[site([0.0, 1.0, 2.0])]), []);
+        let told = |q| not_a_number(&[site(q)]).remove(0).message;
+        let [once, twice] = [[0.0, f64::NAN, 2.0], [0.0, f64::INFINITY, f64::NAN]].map(told);
+        assert_eq!(once, "q is no number at 0.2 s; its cells are empty");
+        assert_eq!(twice, "q is no number at 0.2 s, nor at 1 more samples; its cells are empty");
+    }
 }

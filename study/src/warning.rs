@@ -24,6 +24,8 @@ pub enum Code {
     Dissipation,
     /// A contact deeper than its law holds for.
     Penetration,
+    /// A quantity computed from the states that is no number somewhere.
+    NotANumber,
     /// An explicit method on a contact that damps so strongly that stability bounds its steps.
     Stiff,
 }
@@ -46,6 +48,7 @@ impl Code {
             Self::Energy => "energy",
             Self::Dissipation => "dissipation",
             Self::Penetration => "penetration",
+            Self::NotANumber => "not_a_number",
             Self::Stiff => "stiff",
         }
     }
