@@ -285,7 +285,7 @@ impl<F: Family> System for TextModel<F> {
         }
     }
 
-    /// What the event itself says of its rest, or else the first event of the present mode that says something.
+    /// What the event that fell says of its rest. That of another event is of another place.
     fn accumulation(
         &self,
         mode: Mode,
@@ -294,9 +294,7 @@ impl<F: Family> System for TextModel<F> {
         y: &mut F::State<f64>,
     ) -> Option<Mode> {
         let before = &self.0.modes[usize::from(mode.before)].transitions;
-        let own = before.get(guard).and_then(|transition| transition.rest.as_ref());
-        let mut others = self.0.mode(&mode).transitions.iter();
-        let rest = own.or_else(|| others.find_map(|transition| transition.rest.as_ref()))?;
+        let rest = before.get(guard)?.rest.as_ref()?;
         match self.0.set(rest, mode, t, y.as_mut()) {
             Next::Mode(mode) => Some(mode),
             Next::Stop => None,

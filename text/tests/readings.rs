@@ -1,0 +1,38 @@
+//! What a file means where it could be read in another way.
+#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
+
+use deltazero_solvers::{Next, System};
+use deltazero_study::Problem;
+use deltazero_text::{ModelFile, TextModel};
+
+fn model(text: &str) -> TextModel {
+    let file = ModelFile::parse("model.toml", text).unwrap_or_else(|report| panic!("{report}"));
+    file.models(&[]).unwrap().remove(0)
+}
+
+/// A ball between a floor, which names no rest, and a ceiling, which does.
+const BETWEEN: &str = r#"
+    [states]
+    y = 1
+    v = 0
+    [modes.flight]
+    rates = { y = "v", v = "-9.81" }
+    events = [
+      { when = "y < 0", set = { y = 0, v = "-0.5*v" } },
+      { when = "y > 2", set = { y = 2, v = "-0.5*v" }, rest = { to = "hangs", set = { y = 2, v = 0 } } },
+    ]
+    [modes.hangs]
+    rates = { y = 0, v = 0 }
+"#;
+
+#[test]
+fn a_rest_is_that_of_the_event_that_fell() {
+    let model = model(BETWEEN);
+    let flight = model.initial_mode(0.0, &Problem::start(&model));
+    for (guard, height) in [(0, None), (1, Some(2.0))] {
+        let mut y = Problem::start(&model);
+        let Next::Mode(after) = model.transition(flight, guard, 1.0, &mut y) else { panic!() };
+        let rest = model.accumulation(after, guard, 1.0, &mut y);
+        assert_eq!(rest.map(|_| y[0]), height);
+    }
+}
