@@ -72,6 +72,7 @@ pub(crate) fn compile(
         sparsity,
         unit_of_time: t_end.map_or(1.0, |t_end| t_end.min(1.0)),
         is_autonomous,
+        friction_gives: file.friction_gives,
         starts,
         scales,
         discrete,

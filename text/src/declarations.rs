@@ -50,6 +50,8 @@ pub(crate) struct Declarations {
     pub(crate) energy: Option<[Option<Expression>; 2]>,
     /// Of the drive, of damping, of friction.
     pub(crate) power: [Option<Expression>; 3],
+    /// Whether friction may give energy.
+    pub(crate) friction_gives: bool,
     pub(crate) parts: Vec<PartDeclaration>,
 }
 
@@ -156,6 +158,7 @@ pub(crate) fn declarations(text: &str, table: &DeTable<'_>) -> Checked<Declarati
     let words = |key| -> Checked<String> {
         Ok(file.read(key, Entry::text)?.map_or(String::new(), |text| text.value))
     };
+    let (power, friction_gives) = file.read("power", power)?.unwrap_or_default();
     let all = Declarations {
         name: words("name")?,
         about: words("about")?,
@@ -176,7 +179,8 @@ pub(crate) fn declarations(text: &str, table: &DeTable<'_>) -> Checked<Declarati
                 energy.read("elastic", Entry::expression)?,
             ])
         })?,
-        power: file.read("power", power)?.unwrap_or_default(),
+        power,
+        friction_gives,
         parts: each(file.table("parts")?, part)?,
     };
     if let Some(missing) = ["states", "modes"].into_iter().find(|key| file.get(key).is_none()) {
@@ -394,10 +398,12 @@ fn contact(entry: Entry<'_>) -> Checked<[Expression; 2]> {
     Ok([need("depth")?, need("force")?])
 }
 
-fn power(entry: Entry<'_>) -> Checked<[Option<Expression>; 3]> {
-    let entries = entry.entries()?.only(&["drive", "damping", "friction"])?;
+/// The powers, and whether friction may give energy.
+fn power(entry: Entry<'_>) -> Checked<([Option<Expression>; 3], bool)> {
+    let entries = entry.entries()?.only(&["drive", "damping", "friction", "friction_gives"])?;
     let read = |key| entries.read(key, Entry::expression);
-    Ok([read("drive")?, read("damping")?, read("friction")?])
+    let powers = [read("drive")?, read("damping")?, read("friction")?];
+    Ok((powers, entries.read("friction_gives", Entry::flag)?.unwrap_or(false)))
 }
 
 fn part(entry: Entry<'_>) -> Checked<PartDeclaration> {

@@ -140,13 +140,13 @@ impl<F: Family> Problem for TextModel<F> {
         EndName { key: "stopped", words: "stopped" }
     }
 
-    /// Energy balances where it is given.
+    /// Energy balances where it is given; damping takes it, and so does friction unless the file says otherwise.
     fn laws(&self) -> Laws {
         let is_given = self.0.modes.iter().any(|mode| !mode.told.energy.first_outputs.is_empty());
         Laws {
             balances: is_given,
             damping_takes: is_given,
-            friction_takes: is_given,
+            friction_takes: is_given && !self.0.friction_gives,
             deepest: None,
         }
     }

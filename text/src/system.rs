@@ -39,6 +39,8 @@ pub(crate) struct Model {
     pub(crate) unit_of_time: f64,
     /// Whether no rate is of the time itself.
     pub(crate) is_autonomous: bool,
+    /// Whether friction may give energy.
+    pub(crate) friction_gives: bool,
     /// Starts of the discrete values.
     pub(crate) discrete: Vec<f64>,
     pub(crate) n_guards: usize,

@@ -16,7 +16,7 @@ mod runs;
 mod switching;
 
 use deltazero_text::models::MODELS;
-use runs::file;
+use runs::{balanced, file, parts};
 
 #[test]
 fn every_file_is_a_model_that_says_what_it_is_and_where_it_is_from() {
@@ -45,5 +45,17 @@ fn no_model_needs_a_warning() {
     for name in MODELS.iter().map(|model| model.name) {
         let warnings: Vec<String> = file(name).warnings().iter().map(ToString::to_string).collect();
         assert!(warnings.is_empty(), "{name}: {}", warnings.join("\n"));
+    }
+}
+
+#[test]
+fn no_run_is_wrong_by_its_own_account() {
+    let rtol = 1e-10;
+    for name in MODELS.iter().map(|model| model.name) {
+        for part in parts(name, &[]) {
+            let record = balanced(&part, "vern98", rtol, file(name).t_end().unwrap()).0;
+            let warnings = record.check.warnings(Some(rtol));
+            assert!(warnings.is_empty(), "{name} {}: {warnings:?}", part.part());
+        }
     }
 }

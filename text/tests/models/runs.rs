@@ -137,11 +137,22 @@ pub(crate) fn latest(found: &[f64], exact: &[f64]) -> f64 {
 
 /// The energy balance of a run by the method of this name at this relative tolerance.
 pub(crate) fn balance(model: &TextModel, method: &str, rtol: f64, t_end: f64) -> Balance {
+    let (record, run) = balanced(model, method, rtol, t_end);
+    record.at(&run.mode, run.t, &run.y).unwrap()
+}
+
+/// The same run, with what was recorded of its energy.
+pub(crate) fn balanced<'a>(
+    model: &'a TextModel,
+    method: &str,
+    rtol: f64,
+    t_end: f64,
+) -> (EnergyBalance<'a, TextModel>, OwnRun<TextModel>) {
     let start = model.start();
     let mut record = EnergyBalance::new(model, Events::Located, &start);
     let run = integrate(model, &setting(method, rtol), start, t_end, &mut record);
     assert!(run.outcome.is_ok(), "{:?}", run.outcome);
-    record.at(&run.mode, run.t, &run.y).unwrap()
+    (record, run)
 }
 
 /// The bound of a method at a relative tolerance of 1e-10: of those of high order, of `rk45` and `radau5`, of `bdf`.
