@@ -68,12 +68,12 @@ fn derivative(
             graph.divide(over, under)
         }
         Node::Smaller(a, b) => {
-            let gap = graph.subtract(a, b);
-            chosen(graph, gap, rate(a), rate(b))
+            let is_second = is_above(graph, a, b);
+            chosen(graph, is_second, rate(a), rate(b))
         }
         Node::Larger(a, b) => {
-            let gap = graph.subtract(b, a);
-            chosen(graph, gap, rate(a), rate(b))
+            let is_second = is_above(graph, b, a);
+            chosen(graph, is_second, rate(a), rate(b))
         }
         // p aᵖ/a would divide by zero at the surface of a contact.
         Node::Power(a, p) => {
@@ -89,13 +89,19 @@ fn derivative(
     }
 }
 
-/// `a` where the gap is below zero, `b` where it is above: `(a + b)/2 + sign(gap) (b − a)/2`.
-fn chosen(graph: &mut Graph, gap: Id, a: Id, b: Id) -> Id {
-    let (half, sign) = (graph.constant(0.5), graph.elementary(Elementary::Sign, gap));
-    let [sum, difference] = [graph.add(a, b), graph.subtract(b, a)];
-    let [middle, side] = [sum, difference].map(|x| graph.multiply(x, half));
-    let side = graph.multiply(sign, side);
-    graph.add(middle, side)
+/// 1 where `a > b`, else 0.
+fn is_above(graph: &mut Graph, a: Id, b: Id) -> Id {
+    let (gap, zero) = (graph.subtract(a, b), graph.constant(0.0));
+    let sign = graph.elementary(Elementary::Sign, gap);
+    graph.larger(sign, zero)
+}
+
+/// `b` where `is_second` is 1, `a` where it is 0.
+fn chosen(graph: &mut Graph, is_second: Id, a: Id, b: Id) -> Id {
+    let one = graph.constant(1.0);
+    let is_first = graph.subtract(one, is_second);
+    let [a, b] = [graph.multiply(is_first, a), graph.multiply(is_second, b)];
+    graph.add(a, b)
 }
 
 /// `f′(a)`, where `f(a)` is `value`.
@@ -123,7 +129,11 @@ fn slope(graph: &mut Graph, function: Elementary, a: Id, value: Id) -> Id {
             let square = graph.multiply(value, value);
             graph.subtract(one, square)
         }
-        Elementary::Abs => graph.elementary(Elementary::Sign, a),
+        Elementary::Abs => {
+            let [zero, less] = [0.0, -1.0].map(|x| graph.constant(x));
+            let is_below = is_above(graph, zero, a);
+            chosen(graph, is_below, one, less)
+        }
         Elementary::Sign => graph.constant(0.0),
     }
 }

@@ -36,3 +36,22 @@ fn a_rest_is_that_of_the_event_that_fell() {
         assert_eq!(rest.map(|_| y[0]), height);
     }
 }
+
+#[test]
+fn the_rate_of_a_depth_is_that_of_the_branch_that_its_value_takes() {
+    for (depth, rate) in [
+        ("max(-y, 0)", 5.0),
+        ("max(0, -y)", 0.0),
+        ("-min(y, 0)", 5.0),
+        ("-min(0, y)", 0.0),
+        ("abs(y)", -5.0),
+    ] {
+        let model = model(&format!(
+            "[states]\ny = 0\nv = -5\n[modes.a]\nrole = \"contact\"\nrates = {{ y = \"v\", v = 0 }}\n\
+             [contact]\ndepth = \"{depth}\"\nforce = 0\n"
+        ));
+        let y = Problem::start(&model);
+        let mode = model.initial_mode(0.0, &y);
+        assert_eq!(model.touch(&mode, 0.0, &y, 0).unwrap().rate, rate, "{depth}");
+    }
+}
