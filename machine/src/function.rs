@@ -136,6 +136,12 @@ impl<'a> Function<'a> {
         Number(self.builder.ins().select(is_less, then.0, otherwise.0))
     }
 
+    /// `then` where `a` is a number, else `otherwise`.
+    pub fn if_number(&mut self, a: Number, then: Number, otherwise: Number) -> Number {
+        let is_number = self.builder.ins().fcmp(FloatCC::Ordered, a.0, a.0);
+        Number(self.builder.ins().select(is_number, then.0, otherwise.0))
+    }
+
     /// `f(a)`
     pub fn call(&mut self, f: extern "C" fn(f64) -> f64, a: Number) -> Number {
         self.call_at(f as usize, &[a])

@@ -56,6 +56,7 @@ fn operations_have_the_bits_of_rust() {
     compare("−a", |f, a, _| f.negative(a), |a, _| -a);
     compare("√a", |f, a, _| f.sqrt(a), |a, _| a.sqrt());
     compare("a < b", |f, a, b| f.if_less([a, b], b, a), |a, b| if a < b { b } else { a });
+    compare("a = a", |f, a, b| f.if_number(a, b, a), |a, b| if a.is_nan() { a } else { b });
     // Fused, (1 + 2⁻³⁰)(−1 + 2⁻³⁰) + (1 + 2⁻³⁰) would be 2⁻⁶⁰ off.
     compare(
         "a b + a",

@@ -58,14 +58,14 @@ pub(crate) fn sign<S: Real>(x: S) -> S {
     })
 }
 
-/// The smaller one; the first where they are equal.
+/// The smaller one; the first where they are equal, NaN where one of them is.
 pub(crate) fn smaller<S: Real>(a: S, b: S) -> S {
-    if b.value() < a.value() { b } else { a }
+    if b.value() < a.value() || b.value().is_nan() { b } else { a }
 }
 
-/// The larger one; the first where they are equal.
+/// The larger one; the first where they are equal, NaN where one of them is.
 pub(crate) fn larger<S: Real>(a: S, b: S) -> S {
-    if b.value() > a.value() { b } else { a }
+    if b.value() > a.value() || b.value().is_nan() { b } else { a }
 }
 
 /// `xᵖ`. Where p is above one and not whole, it is continued past zero as an odd function, −(−x)ᵖ, because a law of contact

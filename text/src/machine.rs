@@ -203,11 +203,13 @@ impl<'f, 'a> Writer<'f, 'a> {
             }
             Instruction::Smaller { to, a, b } => {
                 let (a, b) = (self.at(a), self.at(b));
-                (to, self.function.if_less([b, a], b, a))
+                let smaller = self.function.if_less([b, a], b, a);
+                (to, self.function.if_number(b, smaller, b))
             }
             Instruction::Larger { to, a, b } => {
                 let (a, b) = (self.at(a), self.at(b));
-                (to, self.function.if_less([a, b], b, a))
+                let larger = self.function.if_less([a, b], b, a);
+                (to, self.function.if_number(b, larger, b))
             }
             Instruction::Power { to, a, p } => {
                 let p = self.function.constant(p);

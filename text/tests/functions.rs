@@ -154,3 +154,12 @@ fn whole_powers_of_negative_numbers_have_their_sign() {
         assert!((rate / exact - 1.0).abs() < 1e-13, "{p}: {rate:e} for {exact:e}");
     }
 }
+
+#[test]
+fn what_is_no_number_is_neither_smaller_nor_larger() {
+    let formulas = ["max(x0, 1)", "max(1, x0)", "min(x0, 1)", "min(1, x0)"];
+    let (model, y) = (model(&formulas), vector(4, |_| f64::NAN));
+    let mut rates = vector(4, |_| 0.0);
+    model.rhs(model.initial_mode(0.0, &y), 0.0, &y, &mut rates);
+    assert!(rates.iter().all(|rate| rate.is_nan()), "{rates:?}");
+}
