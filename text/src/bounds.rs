@@ -51,9 +51,11 @@ pub(crate) fn guard_bounds<F: Family>(
     let mut rates = Buffer::<Dual64, FEW>::new(n);
     let inputs = Inputs { t: Dual64::new(t, 1.0), y: along.as_ref(), held: &mode.held };
     mode_of.guards.run(&inputs, rates.numbers());
+    // The angle of the origin has neither bound nor rate.
+    let known = |x: f64| if x.is_nan() { 0.0 } else { x };
     let finite = |rate: f64| if rate.is_finite() { rate } else { 0.0 };
     for ((bound, guard), rate) in bounds.iter_mut().zip(own.numbers()).zip(rates.numbers()) {
-        *bound = guard.bound + UNIT * (t * finite(rate.eps)).abs() + f64::MIN_POSITIVE;
+        *bound = known(guard.bound) + UNIT * (t * finite(rate.eps)).abs() + f64::MIN_POSITIVE;
     }
 }
 
@@ -154,7 +156,8 @@ impl Div<f64> for Bounded {
 }
 
 impl Real for Bounded {
-    const NEWTON_STEPS: usize = 0;
+    // An angle that is found from values alone has no bound; one iteration gives it that of its arguments.
+    const NEWTON_STEPS: usize = 1;
 
     fn cst(x: f64) -> Self {
         Self { value: x, bound: 0.0 }
@@ -192,6 +195,7 @@ impl Real for Bounded {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::functions::arc_tangent;
 
     /// An operation of two numbers, with bounds and as it is.
     type Operation = (&'static str, fn(Bounded, Bounded) -> Bounded, fn(f64, f64) -> f64, Rounding);
@@ -201,6 +205,8 @@ mod tests {
         None,
         Once,
         OfFunction,
+        /// Of a formula with functions.
+        OfFormula,
     }
 
     macro_rules! operations {
@@ -214,7 +220,7 @@ mod tests {
         };
     }
 
-    fn all() -> [Operation; 16] {
+    fn all() -> [Operation; 19] {
         operations!(a, b:
             a + b => Once,
             a - b => Once,
@@ -232,6 +238,9 @@ mod tests {
             Real::exp(b) => OfFunction,
             Real::ln(a) => OfFunction,
             Real::powf(a, 1.7) => OfFunction,
+            arc_tangent(a, b) => OfFormula,
+            arc_tangent(b, Real::cst(1.0)) => OfFormula,
+            arc_tangent(a, Real::sqrt(-(a * a) + 1.0)) => OfFormula,
         )
     }
 
@@ -262,6 +271,12 @@ mod tests {
                 Rounding::None => 0.0,
                 Rounding::Once => UNIT,
                 Rounding::OfFunction => OF_FUNCTION,
+                Rounding::OfFormula => {
+                    // Measured: 0.64, 1.6 and 2.7.
+                    let times = own.bound / (OF_FUNCTION * own.value.abs());
+                    assert!((0.5..10.0).contains(&times), "{name}: {times}");
+                    continue;
+                }
             };
             assert_eq!(own.bound, rounding * own.value.abs(), "{name}");
         }
