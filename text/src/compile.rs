@@ -50,6 +50,7 @@ pub(crate) fn compile(
         rates.push(of_mode);
     }
     check_definitions(file, tried)?;
+    told::warn_of_contact(file, &mut warnings);
     // Before the derivatives, which are not to count against what a file may expand to.
     let observables = observables(&mut expander)?;
     let sparsity = Sparsity::new(&expander.graph, &rates);

@@ -55,3 +55,36 @@ fn the_rate_of_a_depth_is_that_of_the_branch_that_its_value_takes() {
         assert_eq!(model.touch(&mode, 0.0, &y, 0).unwrap().rate, rate, "{depth}");
     }
 }
+
+/// A mass on a spring; `own` is said of its one mode.
+fn spring(own: &str) -> String {
+    format!(
+        "[parameters]\nk = 4.0\n[states]\nx = 1\nv = 0\n[modes.swing]\n{own}rates = {{ x = \"v\", v = \"-k*x\" }}\n\
+         [energy]\nkinetic = \"v^2/2\"\nelastic = \"k*x^2/2\"\n"
+    )
+}
+
+#[test]
+fn elastic_energy_stands_as_it_is_where_nothing_touches() {
+    let elastic = |text: &str| {
+        let model = model(text);
+        let y = Problem::start(&model);
+        model.energies(&model.initial_mode(0.0, &y), 0.0, &y).unwrap().elastic
+    };
+    assert_eq!(elastic(&spring("")), 2.0);
+    let own = "definitions = { k2 = \"k\" }\n";
+    let touch = format!("[modes.touch]\nrole = \"contact\"\nrates = {{ x = 0, v = 0 }}\n{own}");
+    assert_eq!(elastic(&(spring("") + &touch)), 0.0);
+    assert_eq!(elastic(&(spring(own).replace("k*x^2", "k2*x^2") + &touch)), 2.0);
+}
+
+#[test]
+fn a_contact_that_no_mode_has_is_warned_of() {
+    let warnings = |own: &str| {
+        let text = spring(own) + "[contact]\ndepth = \"-x\"\nforce = \"-k*x\"\n";
+        let file = ModelFile::parse("model.toml", &text).unwrap();
+        file.warnings().iter().map(|warning| text[warning.span()].to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(warnings(""), ["-k*x"]);
+    assert!(warnings("role = \"contact\"\n").is_empty());
+}

@@ -7,7 +7,7 @@ use crate::expand::{Expander, Outside};
 use crate::expression::Expression;
 use crate::graph::Id;
 use crate::names::Meaning;
-use crate::report::Checked;
+use crate::report::{Checked, Complaint};
 use crate::system::Told;
 use crate::tape::Tape;
 
@@ -43,6 +43,19 @@ fn optional(expander: &mut Expander<'_>, formula: Option<&Expression>) -> Checke
     }
 }
 
+/// Whether some mode is one of contact.
+fn has_contact(file: &Declarations) -> bool {
+    file.modes.iter().any(|mode| mode.role != ModeRole::Free)
+}
+
+/// Warns of a contact that no mode has: its force is zero in all of them.
+pub(super) fn warn_of_contact(file: &Declarations, warnings: &mut Vec<Complaint>) {
+    if let (Some([_, force]), false) = (&file.contact, has_contact(file)) {
+        let message = "no mode is one of contact, so this force is zero in all of them";
+        warnings.push(Complaint::new(force.span, message).help("give a mode `role = \"contact\"`"));
+    }
+}
+
 /// Depth, its rate along the flow, and the force, which counts in contact alone.
 fn touch(expander: &mut Expander<'_>, mode: usize, rates: &[Id]) -> Checked<Vec<Id>> {
     let file = expander.file;
@@ -57,19 +70,19 @@ fn touch(expander: &mut Expander<'_>, mode: usize, rates: &[Id]) -> Checked<Vec<
     Ok(vec![depth, rate, force])
 }
 
-/// Kinetic and elastic energy. The elastic one counts in contact, and where the mode's own definitions make it.
+/// Kinetic and elastic energy. The elastic one counts in contact, where the mode's own definitions make it, and in a model
+/// without contact.
 fn energy(expander: &mut Expander<'_>, mode: usize) -> Checked<Vec<Id>> {
     let file = expander.file;
     let Some([kinetic, elastic]) = &file.energy else { return Ok(Vec::new()) };
     let kinetic = optional(expander, kinetic.as_ref())?;
     expander.used_own = false;
     let elastic = optional(expander, elastic.as_ref());
-    let is_free = file.modes[mode].role == ModeRole::Free;
-    let has_contact = file.modes.iter().any(|mode| mode.role != ModeRole::Free);
+    let counts = file.modes[mode].role != ModeRole::Free || !has_contact(file);
     let elastic = match elastic {
         // A formula that is wrong shows in contact.
-        Err(complaint) if !(is_free && has_contact) => return Err(complaint),
-        Ok(elastic) if !is_free || expander.used_own => elastic,
+        Err(complaint) if counts => return Err(complaint),
+        Ok(elastic) if counts || expander.used_own => elastic,
         _ => expander.graph.constant(0.0),
     };
     Ok(vec![kinetic, elastic])
