@@ -10,6 +10,7 @@ use deltazero_study::problem::Quantity;
 use crate::declarations::{Declarations, Definition, Equation, PartDeclaration};
 use crate::document::At;
 use crate::expand::Expander;
+use crate::expression::Expression;
 use crate::jacobian::{Jacobian, MOST_NODES};
 use crate::layout::Layout;
 use crate::names::{Meaning, Names};
@@ -135,15 +136,10 @@ fn starts(expander: &mut Expander<'_>, part: Option<&PartDeclaration>) -> Checke
     let mut starts = vec![0.0; expander.layout.n];
     for (i, state) in file.states.iter().enumerate() {
         let Some(start) = &state.start else { continue };
-        let range = expander.layout.range(i);
-        let is_vector = expander.layout.length[i].is_some();
-        for (k, at) in range.enumerate() {
-            let what = "a start";
-            starts[at] = if is_vector {
-                expander.with_index("i", k as i64 + 1, |expander| expander.number(start, what))?
-            } else {
-                expander.number(start, what)?
-            };
+        for (at, index) in elements(expander, i) {
+            starts[at] = within(expander, index, start, |expander, start| {
+                expander.number(start, "a start")
+            })?;
         }
     }
     if let Some(part) = part {
@@ -151,8 +147,9 @@ fn starts(expander: &mut Expander<'_>, part: Option<&PartDeclaration>) -> Checke
             let Assignment { target: Target::State(i), equation, index } = assignment else {
                 continue;
             };
-            starts[i] =
-                within(expander, index, |expander| expander.number(&equation.value, "a start"))?;
+            starts[i] = within(expander, index, &equation.value, |expander, start| {
+                expander.number(start, "a start")
+            })?;
         }
     }
     Ok(starts)
@@ -165,9 +162,10 @@ fn scales(expander: &mut Expander<'_>, starts: &[f64]) -> Checked<Vec<f64>> {
         starts.iter().map(|start| if *start == 0.0 { 1.0 } else { start.abs() }).collect();
     for (i, state) in file.states.iter().enumerate() {
         let Some(scale) = &state.scale else { continue };
-        for (k, at) in expander.layout.range(i).enumerate() {
-            let of = |expander: &mut Expander<'_>| expander.number(scale, "a scale");
-            let size = expander.with_index("i", k as i64 + 1, of)?;
+        for (at, index) in elements(expander, i) {
+            let size = within(expander, index, scale, |expander, scale| {
+                expander.number(scale, "a scale")
+            })?;
             if size <= 0.0 {
                 let message = format!("a scale is above zero, and this is {size}");
                 return Err(Complaint::new(scale.span, message));
@@ -206,16 +204,30 @@ pub(crate) struct Assignment<'a> {
     pub(crate) index: Option<i64>,
 }
 
-/// Runs `expand` with the index `i` of a vector's equation.
+/// The index of a vector that its formulas are of.
+const INDEX: &str = "i";
+
+/// Expands a formula, with its index where it is that of a vector.
 pub(crate) fn within<'a, T>(
     expander: &mut Expander<'a>,
     index: Option<i64>,
-    expand: impl FnOnce(&mut Expander<'a>) -> Checked<T>,
+    formula: &Expression,
+    expand: impl FnOnce(&mut Expander<'a>, &Expression) -> Checked<T>,
 ) -> Checked<T> {
-    match index {
-        None => expand(expander),
-        Some(i) => expander.with_index("i", i, expand),
+    let Some(i) = index else { return expand(expander, formula) };
+    let mut is_named = false;
+    formula.for_each_name(&mut |name| is_named |= name == INDEX);
+    if is_named {
+        expander.check_index(INDEX, formula.span)?;
     }
+    expander.with_index(INDEX, i, |expander| expand(expander, formula))
+}
+
+/// The places of a declared state, each with its index where the state is a vector.
+fn elements(expander: &Expander<'_>, state: usize) -> Vec<(usize, Option<i64>)> {
+    let is_vector = expander.layout.length[state].is_some();
+    let range = expander.layout.range(state).enumerate();
+    range.map(|(k, at)| (at, is_vector.then_some(k as i64 + 1))).collect()
 }
 
 /// The equations, number by number. Of several lists the first stands before the others; in each, an equation of one
@@ -272,13 +284,10 @@ fn targets(
     let At { value: name, span } = &equation.target;
     let meaning = expander.names.meaning(name, *span, None)?;
     match (meaning, &equation.index) {
-        (Meaning::State(state), None) => match expander.layout.length[state] {
-            None => Ok(vec![(Target::State(expander.layout.first[state]), None, true)]),
-            Some(_) => {
-                let range = expander.layout.range(state).enumerate();
-                Ok(range.map(|(k, at)| (Target::State(at), Some(k as i64 + 1), false)).collect())
-            }
-        },
+        (Meaning::State(state), None) => {
+            let elements = elements(expander, state).into_iter();
+            Ok(elements.map(|(at, i)| (Target::State(at), i, i.is_none())).collect())
+        }
         (Meaning::State(state), Some(index)) => {
             let at = (expander.whole(index)?, index.span);
             let i = expander.index_of_state(state, Some(at), *span)?;

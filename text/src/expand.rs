@@ -169,7 +169,7 @@ impl<'a> Expander<'a> {
     }
 
     fn sum(&mut self, indices: &Indices, term: &Expression) -> Checked<Id> {
-        self.check_index(indices)?;
+        self.check_index(&indices.name, indices.span)?;
         let mut sum = self.graph.constant(0.0);
         for i in self.range(indices)? {
             let term = self.with_index(&indices.name, i, |expander| expander.node(term))?;
@@ -178,18 +178,18 @@ impl<'a> Expander<'a> {
         Ok(sum)
     }
 
-    fn check_index(&self, indices: &Indices) -> Checked<()> {
-        self.names.check_index(indices)?;
-        if self.indices.iter().any(|(name, _)| *name == indices.name) {
-            let message = format!("`{}` is an index already", indices.name);
-            return Err(Complaint::new(indices.span, message));
+    /// Checks that an index has a name of its own.
+    pub(crate) fn check_index(&self, name: &str, span: Span) -> Checked<()> {
+        self.names.check_index(name, span, self.mode)?;
+        if self.indices.iter().any(|(known, _)| known == name) {
+            return Err(Complaint::new(span, format!("`{name}` is an index already")));
         }
         Ok(())
     }
 
     /// The values of an index.
     pub(crate) fn range(&mut self, indices: &Indices) -> Checked<std::ops::RangeInclusive<i64>> {
-        self.names.check_index(indices)?;
+        self.names.check_index(&indices.name, indices.span, self.mode)?;
         let (first, last) = (self.whole(&indices.first)?, self.whole(&indices.last)?);
         if last - first >= MOST_INDICES {
             let message = format!("an index has {MOST_INDICES} values at most");

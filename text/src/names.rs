@@ -4,7 +4,6 @@ use std::collections::HashMap;
 
 use crate::declarations::{Declarations, ModeDeclaration};
 use crate::document::At;
-use crate::expression::Indices;
 use crate::report::{Checked, Complaint, Span};
 
 /// What a name stands for.
@@ -123,10 +122,14 @@ impl Names {
         })
     }
 
+    fn known(&self, name: &str, mode: Option<usize>) -> Option<&(Meaning, Span)> {
+        let own = mode.and_then(|mode| self.of_mode[mode].get(name));
+        own.or_else(|| self.common.get(name))
+    }
+
     /// What a name means in a mode, or in no mode.
     pub(crate) fn meaning(&self, name: &str, span: Span, mode: Option<usize>) -> Checked<Meaning> {
-        let own = mode.and_then(|mode| self.of_mode[mode].get(name));
-        if let Some((meaning, _)) = own.or_else(|| self.common.get(name)) {
+        if let Some((meaning, _)) = self.known(name, mode) {
             return Ok(*meaning);
         }
         let complaint = Complaint::new(span, format!("nothing here is called `{name}`"));
@@ -144,11 +147,11 @@ impl Names {
         Err(complaint.nearest(name, self.common.keys().chain(own).map(String::as_str)))
     }
 
-    /// Checks that an index has a name of its own.
-    pub(crate) fn check_index(&self, indices: &Indices) -> Checked<()> {
-        check_name(&indices.name, indices.span)?;
-        match self.common.get(&indices.name) {
-            Some((_, before)) => Err(twice(&indices.name, indices.span, *before)),
+    /// Checks that an index has a name that means nothing else in a mode, or in no mode.
+    pub(crate) fn check_index(&self, name: &str, span: Span, mode: Option<usize>) -> Checked<()> {
+        check_name(name, span)?;
+        match self.known(name, mode) {
+            Some((_, before)) => Err(twice(name, span, *before)),
             None => Ok(()),
         }
     }

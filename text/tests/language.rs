@@ -313,6 +313,28 @@ const WRONG_FILES: &[(&str, &str)] = &[
         "[parameters]\nk = { value = 1, above = 1 }\n[states]\nx = 1\n[modes.a]\nrates = { x = 1 }\n",
         "`k` must be above 1",
     ),
+    // The formula of a vector has the index `i`.
+    (
+        "[states]\ni = 100\nx = { length = 3 }\n[modes.a]\nrates = { i = 0, x = \"i\" }\n",
+        "`i` has two meanings",
+    ),
+    (
+        "[parameters]\ni = 5\n[states]\nx = { length = 3, start = \"i\" }\n[modes.a]\nrates = { x = 0 }\n",
+        "`i` has two meanings",
+    ),
+    (
+        "[states]\nx = { length = 3 }\n[modes.a]\ndefinitions = { i = 2 }\nrates = { x = \"i\" }\n",
+        "`i` has two meanings",
+    ),
+    (
+        "[states]\nx = { start = 0, scale = \"i\" }\n[modes.a]\nrates = { x = 1 }\n",
+        "nothing here is called `i`",
+    ),
+    (
+        "[states]\nx = 0\nz = { length = 3 }\n[modes.a]\nrates = { x = 1, z = 0 }\n\
+         events = [{ for = \"i in 2..2\", when = \"x > i\", set = { x = 0, z = \"i\" } }]\n",
+        "`i` is an index already",
+    ),
     (
         "[states]\nsin = 1\n[modes.a]\nrates = { sin = 1 }\n",
         "`sin` has a meaning of its own in a formula",

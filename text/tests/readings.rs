@@ -88,3 +88,12 @@ fn a_contact_that_no_mode_has_is_warned_of() {
     assert_eq!(warnings(""), ["-k*x"]);
     assert!(warnings("role = \"contact\"\n").is_empty());
 }
+
+#[test]
+fn one_number_has_no_index() {
+    let model = model(
+        "[parameters]\ni = 5\n[states]\nx = { start = \"i\", scale = \"2*i\" }\n[modes.a]\nrates = { x = \"-i\" }\n",
+    );
+    assert_eq!(Problem::start(&model)[..], [5.0]);
+    assert_eq!(model.states()[0].scale, 10.0);
+}

@@ -101,7 +101,7 @@ fn rates(expander: &mut Expander<'_>, mode: usize) -> Checked<Vec<Id>> {
     for assignment in assignments(expander, &[&declared.rates, &file.rates], "a rate")? {
         if let Target::State(i) = assignment.target {
             let formula = &assignment.equation.value;
-            rates[i] = Some(within(expander, assignment.index, |expander| expander.node(formula))?);
+            rates[i] = Some(within(expander, assignment.index, formula, Expander::node)?);
         }
     }
     if let Some(missing) = rates.iter().position(Option::is_none) {
@@ -135,7 +135,7 @@ fn setting(expander: &mut Expander<'_>, follows: &Follows) -> Checked<Setting> {
         assignments(expander, &[&follows.set], "what an event sets")?
     {
         targets.push(target);
-        values.push(within(expander, index, |expander| expander.node(&equation.value))?);
+        values.push(within(expander, index, &equation.value, Expander::node)?);
     }
     let goal = match &follows.to {
         Some(mode) => Goal::Enter(expander.names.mode(mode)?),
