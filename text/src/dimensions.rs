@@ -17,8 +17,11 @@ const DEEPEST: usize = 300;
 /// A unit, or none that is known.
 type Known = Option<Unit>;
 
-/// Checks the units of a file.
+/// Checks the units of a file, if it gives any.
 pub(crate) fn check_units(file: &Declarations, names: &Names) -> Checked<()> {
+    if !units(file).any(|unit| parsed(Some(unit)).is_some()) {
+        return Ok(());
+    }
     let mut check = Check { file, names, mode: None, known: HashMap::new(), depth: 0 };
     for (i, state) in file.states.iter().enumerate() {
         let own = check.of_state(i);
@@ -41,6 +44,15 @@ struct Check<'a> {
     /// Units of definitions and kept values in this mode.
     known: HashMap<Meaning, Known>,
     depth: usize,
+}
+
+/// All units that a file gives.
+fn units(file: &Declarations) -> impl Iterator<Item = &At<String>> {
+    let of_modes = file.modes.iter().flat_map(|mode| &mode.definitions);
+    let definitions = file.definitions.iter().chain(of_modes);
+    let parameters = file.parameters.iter().map(|parameter| &parameter.unit);
+    let states = file.states.iter().map(|state| &state.unit);
+    parameters.chain(states).chain(definitions.map(|definition| &definition.unit)).flatten()
 }
 
 fn parsed(unit: Option<&At<String>>) -> Known {

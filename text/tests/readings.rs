@@ -97,3 +97,17 @@ fn one_number_has_no_index() {
     assert_eq!(Problem::start(&model)[..], [5.0]);
     assert_eq!(model.states()[0].scale, 10.0);
 }
+
+#[test]
+fn energies_of_a_model_without_units_are_not_checked() {
+    let energies = |state: &str| {
+        let text = format!(
+            "[states]\nx = {state}\n[modes.a]\nrates = {{ x = 1 }}\n\
+             [energy]\nkinetic = \"1 - cos(x)\"\nelastic = \"exp(x)\"\n[power]\ndrive = \"sin(x)\"\n"
+        );
+        ModelFile::parse("model.toml", &text).map_err(|report| report.message().to_owned())
+    };
+    assert!(energies("1").is_ok());
+    let message = energies("{ start = 1, unit = \"rad\" }").unwrap_err();
+    assert!(message.starts_with("an energy is in m^2 kg s^-2"), "{message}");
+}
