@@ -26,7 +26,7 @@ pub(crate) fn check_units(file: &Declarations, names: &Names) -> Checked<()> {
     for (i, state) in file.states.iter().enumerate() {
         let own = check.of_state(i);
         for formula in state.start.iter().chain(&state.scale) {
-            check.expect(formula, own, &format!("`{}` is in", state.name.value))?;
+            check.expect(formula, own, &format!("`{}`", state.name.value))?;
         }
     }
     for (i, mode) in file.modes.iter().enumerate() {
@@ -44,6 +44,16 @@ struct Check<'a> {
     /// Units of definitions and kept values in this mode.
     known: HashMap<Meaning, Known>,
     depth: usize,
+}
+
+/// Warns of units that are not read: nothing is checked with them.
+pub(crate) fn unread_units(file: &Declarations) -> impl Iterator<Item = Complaint> {
+    let unread = units(file).filter(|unit| parsed(Some(unit)).is_none());
+    unread.map(|At { value, span }| {
+        let message = format!("the unit `{value}` is not read, and nothing is checked with it");
+        Complaint::new(*span, message)
+            .help("a product has spaces, one `/` stands before a symbol or parentheses: `N s/m`, `J/(kg K)`")
+    })
 }
 
 /// All units that a file gives.
@@ -75,7 +85,7 @@ impl<'a> Check<'a> {
         for equation in mode.rates.iter().chain(&file.rates) {
             let unit = self.of_target(equation).map(|unit| unit.over(Unit::SECOND));
             let name = &equation.target.value;
-            self.expect(&equation.value, unit, &format!("the rate of `{name}` is in"))?;
+            self.expect(&equation.value, unit, &format!("the rate of `{name}`"))?;
         }
         for event in &mode.events {
             let left = self.unit(&event.when.left)?;
@@ -86,20 +96,20 @@ impl<'a> Check<'a> {
             event.rest.iter().try_for_each(|rest| self.follows(rest))?;
         }
         for formula in file.energy.iter().flatten().flatten() {
-            self.expect(formula, Some(Unit::JOULE), "an energy is in")?;
+            self.expect(formula, Some(Unit::JOULE), "an energy")?;
         }
         let watt = Unit::JOULE.over(Unit::SECOND);
         file.power
             .iter()
             .flatten()
-            .try_for_each(|formula| self.expect(formula, Some(watt), "a power is in"))
+            .try_for_each(|formula| self.expect(formula, Some(watt), "a power"))
     }
 
     fn follows(&mut self, follows: &'a Follows) -> Checked<()> {
         follows.set.iter().try_for_each(|equation| {
             let unit = self.of_target(equation);
             let name = &equation.target.value;
-            self.expect(&equation.value, unit, &format!("`{name}` is in"))
+            self.expect(&equation.value, unit, &format!("`{name}`"))
         })
     }
 
@@ -118,7 +128,7 @@ impl<'a> Check<'a> {
     fn expect(&mut self, formula: &'a Expression, unit: Known, what: &str) -> Checked<()> {
         match (self.unit(formula)?, unit) {
             (Some(found), Some(unit)) if !found.is(unit) => {
-                let message = format!("{what} {unit}, and this is in {found}");
+                let message = format!("{what} {unit}, and this {found}");
                 Err(Complaint::new(formula.span, message))
             }
             _ => Ok(()),
@@ -176,7 +186,7 @@ impl<'a> Check<'a> {
         let name = &definition.name.value;
         match found {
             Some(found) if !found.is(given) => {
-                let message = format!("`{name}` is in {given}, and this is in {found}");
+                let message = format!("`{name}` {given}, and this {found}");
                 Err(Complaint::new(definition.value.span, message))
             }
             _ => Ok(Some(given)),
@@ -215,7 +225,7 @@ impl<'a> Check<'a> {
     }
 
     fn power(&mut self, base: &'a Expression, exponent: &'a Expression) -> Checked<Known> {
-        self.expect(exponent, Some(Unit::ONE), "an exponent is")?;
+        self.expect(exponent, Some(Unit::ONE), "an exponent")?;
         let unit = self.unit(base)?;
         let number = match &exponent.kind {
             Kind::Number(p) => Some(*p),
@@ -243,7 +253,7 @@ impl<'a> Check<'a> {
                 Ok(Some(Unit::ONE))
             }
             _ => {
-                let what = format!("the argument of `{name}` is");
+                let what = format!("the argument of `{name}`");
                 arguments
                     .iter()
                     .try_for_each(|argument| self.expect(argument, Some(Unit::ONE), &what))?;
@@ -258,8 +268,8 @@ fn same([(a, a_span), (b, b_span)]: [(Known, Span); 2], what: &str) -> Checked<K
     match (a, b) {
         (Some(a), Some(b)) if !a.is(b) => {
             let message = format!("{what}, and their units differ");
-            let complaint = Complaint::new(b_span, message).label(format!("this is in {b}"));
-            Err(complaint.and(a_span, format!("this is in {a}")))
+            let complaint = Complaint::new(b_span, message).label(format!("this {b}"));
+            Err(complaint.and(a_span, format!("this {a}")))
         }
         (a, b) => Ok(a.or(b)),
     }

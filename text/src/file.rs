@@ -6,7 +6,7 @@ use deltazero_study::{Part, Subject};
 
 use crate::compile::{Compiled, compile};
 use crate::declarations::{Declarations, PartDeclaration, declarations};
-use crate::dimensions::check_units;
+use crate::dimensions::{check_units, unread_units};
 use crate::names::Names;
 use crate::report::{Checked, Complaint, Report, Source, Span};
 use crate::shape::parameters_of_shape;
@@ -93,7 +93,8 @@ impl ModelFile {
             Self { source: source.clone(), file, names, parameters, warnings: Vec::new() };
         let of_parts = checked.compiled(&[], checked.file.t_end)?;
         check_units(&checked.file, &checked.names)?;
-        checked.warnings = of_parts.into_iter().flat_map(|part| part.warnings).collect();
+        let of_parts = of_parts.into_iter().flat_map(|part| part.warnings);
+        checked.warnings = of_parts.chain(unread_units(&checked.file)).collect();
         checked.warnings.sort_by_key(|warning| warning.place());
         checked.warnings.dedup_by_key(|warning| warning.place());
         Ok(checked)

@@ -12,42 +12,45 @@ pub(crate) struct Unit {
     powers: [f64; 7],
 }
 
-/// Unit of a symbol: factor, then powers of m, kg, s, A, K.
-type Symbol = (&'static str, f64, [i8; 5]);
+/// Unit of a symbol: factor, then powers of base units.
+type Symbol = (&'static str, f64, [i8; 7]);
 
 /// Symbols that take prefixes.
 const SYMBOLS: &[Symbol] = &[
-    ("m", 1.0, [1, 0, 0, 0, 0]),
-    ("g", 1e-3, [0, 1, 0, 0, 0]),
-    ("s", 1.0, [0, 0, 1, 0, 0]),
-    ("A", 1.0, [0, 0, 0, 1, 0]),
-    ("K", 1.0, [0, 0, 0, 0, 1]),
-    ("rad", 1.0, [0; 5]),
-    ("Hz", 1.0, [0, 0, -1, 0, 0]),
-    ("N", 1.0, [1, 1, -2, 0, 0]),
-    ("Pa", 1.0, [-1, 1, -2, 0, 0]),
-    ("J", 1.0, [2, 1, -2, 0, 0]),
-    ("W", 1.0, [2, 1, -3, 0, 0]),
-    ("C", 1.0, [0, 0, 1, 1, 0]),
-    ("V", 1.0, [2, 1, -3, -1, 0]),
-    ("Ω", 1.0, [2, 1, -3, -2, 0]),
-    ("Ohm", 1.0, [2, 1, -3, -2, 0]),
-    ("F", 1.0, [-2, -1, 4, 2, 0]),
-    ("H", 1.0, [2, 1, -2, -2, 0]),
-    ("T", 1.0, [0, 1, -2, -1, 0]),
-    ("Wb", 1.0, [2, 1, -2, -1, 0]),
+    ("m", 1.0, [1, 0, 0, 0, 0, 0, 0]),
+    ("g", 1e-3, [0, 1, 0, 0, 0, 0, 0]),
+    ("s", 1.0, [0, 0, 1, 0, 0, 0, 0]),
+    ("A", 1.0, [0, 0, 0, 1, 0, 0, 0]),
+    ("K", 1.0, [0, 0, 0, 0, 1, 0, 0]),
+    ("mol", 1.0, [0, 0, 0, 0, 0, 1, 0]),
+    ("cd", 1.0, [0, 0, 0, 0, 0, 0, 1]),
+    ("rad", 1.0, [0; 7]),
+    ("Hz", 1.0, [0, 0, -1, 0, 0, 0, 0]),
+    ("N", 1.0, [1, 1, -2, 0, 0, 0, 0]),
+    ("Pa", 1.0, [-1, 1, -2, 0, 0, 0, 0]),
+    ("J", 1.0, [2, 1, -2, 0, 0, 0, 0]),
+    ("W", 1.0, [2, 1, -3, 0, 0, 0, 0]),
+    ("C", 1.0, [0, 0, 1, 1, 0, 0, 0]),
+    ("V", 1.0, [2, 1, -3, -1, 0, 0, 0]),
+    ("Ω", 1.0, [2, 1, -3, -2, 0, 0, 0]),
+    ("Ohm", 1.0, [2, 1, -3, -2, 0, 0, 0]),
+    ("ohm", 1.0, [2, 1, -3, -2, 0, 0, 0]),
+    ("F", 1.0, [-2, -1, 4, 2, 0, 0, 0]),
+    ("H", 1.0, [2, 1, -2, -2, 0, 0, 0]),
+    ("T", 1.0, [0, 1, -2, -1, 0, 0, 0]),
+    ("Wb", 1.0, [2, 1, -2, -1, 0, 0, 0]),
 ];
 
 /// Symbols that take no prefix.
 const OTHERS: &[Symbol] = &[
-    ("1", 1.0, [0; 5]),
-    ("-", 1.0, [0; 5]),
-    ("%", 1e-2, [0; 5]),
-    ("deg", std::f64::consts::PI / 180.0, [0; 5]),
-    ("°", std::f64::consts::PI / 180.0, [0; 5]),
-    ("min", 60.0, [0, 0, 1, 0, 0]),
-    ("h", 3600.0, [0, 0, 1, 0, 0]),
-    ("°C", 1.0, [0, 0, 0, 0, 1]),
+    ("1", 1.0, [0; 7]),
+    ("-", 1.0, [0; 7]),
+    ("%", 1e-2, [0; 7]),
+    ("deg", std::f64::consts::PI / 180.0, [0; 7]),
+    ("°", std::f64::consts::PI / 180.0, [0; 7]),
+    ("min", 60.0, [0, 0, 1, 0, 0, 0, 0]),
+    ("h", 3600.0, [0, 0, 1, 0, 0, 0, 0]),
+    ("°C", 1.0, [0, 0, 0, 0, 1, 0, 0]),
 ];
 
 const PREFIXES: &[(&str, f64)] = &[
@@ -80,7 +83,7 @@ impl Unit {
         Self { factor: 1.0, powers: [2.0, 1.0, -2.0, 0.0, 0.0, 0.0, 0.0] };
 
     /// Reads a unit such as `N s/m`, `kg*m^2` or `m/s²`. After `/` stand one symbol or a product in parentheses, as
-    /// it is written by hand: `N/m s` is not read. `None` for what is not read; it is not checked then.
+    /// it is written by hand: `N/m s` is not read. `None` for what is not read; it is warned of and not checked.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let text = text.replace('²', "^2").replace('³', "^3").replace(['·', '*'], " ");
         let text = text.trim();
@@ -132,8 +135,7 @@ fn product(text: &str) -> Option<Unit> {
 fn of_symbol(symbol: &str) -> Option<Unit> {
     let find = |table: &[Symbol], word: &str| {
         let (_, factor, powers) = table.iter().find(|(known, ..)| *known == word)?;
-        let powers = std::array::from_fn(|i| powers.get(i).map_or(0.0, |power| f64::from(*power)));
-        Some(Unit { factor: *factor, powers })
+        Some(Unit { factor: *factor, powers: powers.map(f64::from) })
     };
     find(OTHERS, symbol).or_else(|| find(SYMBOLS, symbol)).or_else(|| {
         PREFIXES.iter().find_map(|(prefix, factor)| {
@@ -143,6 +145,7 @@ fn of_symbol(symbol: &str) -> Option<Unit> {
     })
 }
 
+/// As the end of a sentence: `is in m s^-2`.
 impl fmt::Display for Unit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut words = Vec::new();
@@ -156,7 +159,10 @@ impl fmt::Display for Unit {
                 power => words.push(format!("{symbol}^{power}")),
             }
         }
-        if words.is_empty() { f.write_str("a pure number") } else { f.write_str(&words.join(" ")) }
+        match &words[..] {
+            [] => f.write_str("has no unit"),
+            words => write!(f, "is in {}", words.join(" ")),
+        }
     }
 }
 
@@ -182,9 +188,10 @@ mod tests {
         ] {
             assert!(is(a, b), "{a} and {b}");
         }
+        assert!(is("mmol cd", "mol mcd") && !is("mol", "1"));
         assert!(!is("mm", "m") && !is("N", "J"));
         assert_eq!(Unit::parse("N/m s"), None);
         assert_eq!(Unit::parse("furlong"), None);
-        assert_eq!(Unit::parse("N mm").unwrap().to_string(), "0.001 m^2 kg s^-2");
+        assert_eq!(Unit::parse("N mm").unwrap().to_string(), "is in 0.001 m^2 kg s^-2");
     }
 }

@@ -251,11 +251,12 @@ const WRONG_UNITS: &[(&str, &str)] = &[
     ("v = \"F\"", "the rate of `v` is in m s^-2, and this is in m kg s^-2"),
     ("v = \"F/m + x\"", "these are added or subtracted, and their units differ"),
     ("v = \"F/m\"\nx = \"x\"", "the rate of `x` is in m s^-1, and this is in m"),
-    ("v = \"sin(x)*F/m\"", "the argument of `sin` is a pure number, and this is in m"),
-    ("v = \"F/m*2^x\"", "an exponent is a pure number, and this is in m"),
+    ("v = \"sin(x)*F/m\"", "the argument of `sin` has no unit, and this is in m"),
+    ("v = \"F/m*2^x\"", "an exponent has no unit, and this is in m"),
     ("v = \"F/m + min(x, v)/t\"", "these stand in one function, and their units differ"),
     ("v = \"F/m + x^2/t\"", "these are added or subtracted, and their units differ"),
     ("v = \"F/m + x^-2\"", "these are added or subtracted, and their units differ"),
+    ("v = \"sin(1)\"", "the rate of `v` is in m s^-2, and this has no unit"),
     ("v = \"w/t\"", "the rate of `v` is in m s^-2, and this is in 0.001 m s^-2"),
 ];
 
@@ -438,4 +439,14 @@ fn many_kinks_are_told_at_once() {
     let text = "[states]\nx = 1\n[definitions]\nS = \"sum(i in 1..20000, sin(i*t))\"\n[modes.only]\n\
                 rates = { x = \"sum(i in 1..5000, abs(S + i))\" }\n";
     assert!(!file(text).warnings().is_empty());
+}
+
+#[test]
+fn units_that_are_not_read_are_warned_of() {
+    for unit in ["m/s/s", "Nm", "xyz", "kg/m s"] {
+        let text = BALL.replace("x = 1", &format!("x = {{ start = 1, unit = \"{unit}\" }}"));
+        let warnings = file(&text).warnings();
+        assert_eq!(&text[warnings[0].span()], format!("\"{unit}\""));
+        assert!(warnings[0].message().starts_with(&format!("the unit `{unit}` is not read")));
+    }
 }
