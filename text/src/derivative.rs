@@ -112,6 +112,13 @@ fn slope(graph: &mut Graph, function: Elementary, a: Id, value: Id) -> Id {
             let half = graph.constant(0.5);
             graph.divide(half, value)
         }
+        // Zero at zero, where the slope of the squares is zero, and not 0·∞.
+        Elementary::Norm => {
+            let [half, least] = [0.5, f64::MIN_POSITIVE].map(|x| graph.constant(x));
+            let sign = graph.elementary(Elementary::Sign, value);
+            let [over, under] = [graph.multiply(half, sign), graph.larger(value, least)];
+            graph.divide(over, under)
+        }
         Elementary::Sin => graph.elementary(Elementary::Cos, a),
         Elementary::Cos => {
             let sin = graph.elementary(Elementary::Sin, a);

@@ -10,6 +10,8 @@ use deltazero_solvers::real::{Function, Functions};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Elementary {
     Sqrt,
+    /// The root of a sum of squares.
+    Norm,
     Sin,
     Cos,
     Exp,
@@ -27,6 +29,7 @@ impl Elementary {
     pub(crate) fn of<S: Real>(self, x: S) -> S {
         match self {
             Self::Sqrt => x.sqrt(),
+            Self::Norm => norm(x),
             Self::Sin => x.sin_cos().0,
             Self::Cos => x.sin_cos().1,
             Self::Exp => x.exp(),
@@ -39,6 +42,13 @@ impl Elementary {
             Self::Sign => sign(x),
         }
     }
+}
+
+/// √x of a sum of squares. Where it is zero its slope is taken for zero; a dual number would divide zero by zero. A Taylor
+/// series has no such value, because its higher orders would be wrong.
+fn norm<S: Real>(x: S) -> S {
+    let is_slope = S::NEWTON_STEPS == 1;
+    if is_slope && x.value() == 0.0 { S::cst(0.0) } else { x.sqrt() }
 }
 
 /// |x|; the branch at zero is that of positive numbers.

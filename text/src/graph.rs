@@ -177,9 +177,9 @@ impl Graph {
             (Some(a), Some(b)) if b.fract() != 0.0 || b.abs() > LARGEST_PRODUCT => {
                 self.constant(if b.fract() == 0.0 { libm::pow(a, b) } else { power(a, b) })
             }
-            (_, Some(0.5)) => self.elementary(Elementary::Sqrt, a),
+            (_, Some(0.5)) => self.root(a),
             (_, Some(-0.5)) => {
-                let root = self.elementary(Elementary::Sqrt, a);
+                let root = self.root(a);
                 self.reciprocal(root)
             }
             (_, Some(p)) if p.fract() == 0.0 && p.abs() <= LARGEST_PRODUCT => {
@@ -193,6 +193,12 @@ impl Graph {
                 self.elementary(Elementary::Exp, exponent)
             }
         }
+    }
+
+    /// `√a`, which is a norm where a is made of squares.
+    pub(crate) fn root(&mut self, a: Id) -> Id {
+        let is_norm = matches!(self.sign(a), Sign::Square | Sign::Squares);
+        self.elementary(if is_norm { Elementary::Norm } else { Elementary::Sqrt }, a)
     }
 
     fn reciprocal(&mut self, a: Id) -> Id {
@@ -296,27 +302,42 @@ impl Graph {
     }
 }
 
-/// How far [`Graph::is_positive`] looks.
+/// What is seen of a formula's sign.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Sign {
+    Unknown,
+    /// A square: what moves takes it through zero.
+    Square,
+    /// A sum of squares, which are zero together at single points.
+    Squares,
+    Above,
+}
+
+/// How far [`Graph::sign`] looks.
 const LOOK: usize = 8;
 
 impl Graph {
-    /// Whether the node is seen to be above zero, or a sum of squares.
-    pub(crate) fn is_positive(&self, id: Id) -> bool {
-        self.is_positive_within(id, LOOK)
+    pub(crate) fn sign(&self, id: Id) -> Sign {
+        self.sign_within(id, LOOK)
     }
 
-    fn is_positive_within(&self, id: Id, left: usize) -> bool {
-        if left == 0 {
-            return false;
-        }
-        let both =
-            |a, b| self.is_positive_within(a, left - 1) && self.is_positive_within(b, left - 1);
+    fn sign_within(&self, id: Id, left: usize) -> Sign {
+        let Some(left) = left.checked_sub(1) else { return Sign::Unknown };
+        let both = |a, b| [a, b].map(|id| self.sign_within(id, left));
         match self.node(id) {
-            Node::Constant(bits) => f64::from_bits(bits) >= 0.0,
-            Node::Multiply(a, b) => a == b || both(a, b),
-            Node::Add(a, b) | Node::Divide(a, b) => both(a, b),
-            Node::Elementary(Elementary::Exp | Elementary::Cosh, _) => true,
-            _ => false,
+            Node::Constant(bits) if f64::from_bits(bits) > 0.0 => Sign::Above,
+            Node::Multiply(a, b) if a == b => self.sign_within(a, left).max(Sign::Square),
+            Node::Multiply(a, b) | Node::Divide(a, b) => {
+                let [a, b] = both(a, b);
+                a.min(b)
+            }
+            Node::Add(a, b) => match both(a, b) {
+                [Sign::Unknown, _] | [_, Sign::Unknown] => Sign::Unknown,
+                [Sign::Above, _] | [_, Sign::Above] => Sign::Above,
+                _ => Sign::Squares,
+            },
+            Node::Elementary(Elementary::Exp | Elementary::Cosh, _) => Sign::Above,
+            _ => Sign::Unknown,
         }
     }
 }

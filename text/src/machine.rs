@@ -221,7 +221,7 @@ impl<'f, 'a> Writer<'f, 'a> {
 
     fn elementary(&mut self, function: Elementary, a: Number) -> Number {
         match function {
-            Elementary::Sqrt => self.function.sqrt(a),
+            Elementary::Sqrt | Elementary::Norm => self.function.sqrt(a),
             Elementary::Abs => {
                 let (zero, negative) = (self.function.constant(0.0), self.function.negative(a));
                 self.function.if_less([a, zero], negative, a)
@@ -288,7 +288,7 @@ mod tests {
     use crate::models::MODELS;
 
     /// Formulas of every operation, each alone.
-    const EVERY: [&str; 26] = [
+    const EVERY: [&str; 27] = [
         "x + y",
         "x - y",
         "x*y",
@@ -315,6 +315,7 @@ mod tests {
         "min(x, y)",
         "max(x, y)",
         "x^1.5",
+        "hypot(x, y)",
     ];
     const SPECIAL: [f64; 6] = [0.0, -0.0, 1.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
 

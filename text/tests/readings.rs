@@ -111,3 +111,22 @@ fn energies_of_a_model_without_units_are_not_checked() {
     let message = energies("{ start = 1, unit = \"rad\" }").unwrap_err();
     assert!(message.starts_with("an energy is in m^2 kg s^-2"), "{message}");
 }
+
+/// A body that falls from rest through air.
+const DRAG: &str = "[states]\nvx = 0\nvy = 0\n[modes.fall.rates]\n\
+    vx = \"1 - 0.5*vx*hypot(vx, vy)\"\nvy = \"-9.81 - 0.5*vy*sqrt(vx^2 + vy^2) + KINK\"\n";
+
+#[test]
+fn a_speed_at_rest_has_the_slope_zero() {
+    // By formulas, and by dual numbers.
+    for kink in ["0", "abs(vx)"] {
+        let text = DRAG.replace("KINK", kink);
+        let model = model(&text);
+        let y = Problem::start(&model);
+        let mode = model.initial_mode(0.0, &y);
+        let expected = if kink == "0" { 0.0 } else { 1.0 };
+        model.jacobian(mode, 0.0, &y, |i, j, entry| {
+            assert_eq!(entry, if (i, j) == (1, 0) { expected } else { 0.0 }, "{kink}: {i}, {j}");
+        });
+    }
+}

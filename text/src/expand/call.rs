@@ -3,7 +3,7 @@
 use super::Expander;
 use crate::expression::Expression;
 use crate::functions::Elementary;
-use crate::graph::Id;
+use crate::graph::{Id, Sign};
 use crate::names::FUNCTIONS;
 use crate::report::{Checked, Complaint, Span};
 
@@ -29,7 +29,7 @@ impl Expander<'_> {
             }
             None => self.of_one(name, a),
         };
-        let is_smooth = name == "sqrt" && self.graph.is_positive(a);
+        let is_smooth = name == "sqrt" && self.graph.sign(a) != Sign::Unknown;
         if matches!(*known, "sqrt" | "log" | "ln" | "log10" | "abs" | "sign" | "min" | "max")
             && !is_smooth
         {
@@ -48,7 +48,7 @@ impl Expander<'_> {
             _ => {
                 let squares = [graph.multiply(a, a), graph.multiply(b, b)];
                 let sum = graph.add(squares[0], squares[1]);
-                graph.elementary(Elementary::Sqrt, sum)
+                graph.root(sum)
             }
         }
     }
@@ -56,7 +56,7 @@ impl Expander<'_> {
     fn of_one(&mut self, name: &str, a: Id) -> Id {
         let graph = &mut self.graph;
         let function = match name {
-            "sqrt" => Elementary::Sqrt,
+            "sqrt" => return graph.root(a),
             "sin" => Elementary::Sin,
             "cos" => Elementary::Cos,
             "exp" => Elementary::Exp,
