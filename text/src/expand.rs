@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use crate::declarations::{Declarations, Definition};
 use crate::expression::{Comparison, Expression, Indices, Kind, Operator, Relation};
-use crate::graph::{Graph, Id, Node};
+use crate::graph::{Graph, Id, Node, Sign};
 use crate::layout::Layout;
 use crate::names::{Meaning, Names};
 use crate::report::{Checked, Complaint, Span};
@@ -148,7 +148,13 @@ impl<'a> Expander<'a> {
             }
             Kind::Power(base, exponent) => {
                 let (base, exponent) = (self.node(base)?, self.node(exponent)?);
-                Ok(self.graph.power(base, exponent))
+                let node = self.graph.power(base, exponent);
+                let is_root = |p: f64| p < 1.0 && p.fract() != 0.0;
+                let base_may_be_zero = self.graph.sign(base) < Sign::Squares;
+                if self.graph.value(exponent).is_some_and(is_root) && base_may_be_zero {
+                    self.kinks.entry(node).or_insert((formula.span, "^"));
+                }
+                Ok(node)
             }
             Kind::Call(name, arguments) => self.call(name, arguments, formula.span),
             Kind::Sum(sum) => self.sum(&sum.0, &sum.1),

@@ -375,6 +375,20 @@ fn kinks_of_what_moves_are_warned_of() {
 }
 
 #[test]
+fn roots_of_what_passes_zero_are_warned_of() {
+    let n_warnings = |rate: &str| {
+        let text = BALL.replace("-9.81", &format!("\"{rate}\""));
+        file(&text).warnings().len()
+    };
+    for kinked in ["sqrt(x^2)", "(4*x^2)^0.5", "hypot(x, 0)", "x^0.3", "x^-1.5", "(x^2)^0.75"] {
+        assert_eq!(n_warnings(kinked), 1, "{kinked}");
+    }
+    for smooth in ["hypot(x, v)", "(x^2 + v^2)^0.5", "(1 + x^2)^-0.5", "x^1.5", "x^-1", "2^0.5*x"] {
+        assert_eq!(n_warnings(smooth), 0, "{smooth}");
+    }
+}
+
+#[test]
 fn the_end_of_the_runs_is_given_at_the_top_or_among_the_settings() {
     assert_eq!(file(ROW).t_end(), Some(0.5));
     let long = format!("{BALL}[run]\nt_end = 2\n[solver]\nmethod = \"any\"\n");

@@ -3,7 +3,7 @@
 use super::Expander;
 use crate::expression::Expression;
 use crate::functions::Elementary;
-use crate::graph::{Id, Sign};
+use crate::graph::{Id, Node, Sign};
 use crate::names::FUNCTIONS;
 use crate::report::{Checked, Complaint, Span};
 
@@ -29,10 +29,14 @@ impl Expander<'_> {
             }
             None => self.of_one(name, a),
         };
-        let is_smooth = name == "sqrt" && self.graph.sign(a) != Sign::Unknown;
-        if matches!(*known, "sqrt" | "log" | "ln" | "log10" | "abs" | "sign" | "min" | "max")
-            && !is_smooth
-        {
+        let has_kink = match self.graph.node(node) {
+            // `sqrt` and `hypot`
+            Node::Elementary(Elementary::Sqrt | Elementary::Norm, a) => {
+                self.graph.sign(a) < Sign::Squares
+            }
+            _ => matches!(*known, "log" | "ln" | "log10" | "abs" | "sign" | "min" | "max"),
+        };
+        if has_kink {
             self.kinks.entry(node).or_insert((span, known));
         }
         Ok(node)
