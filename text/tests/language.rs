@@ -438,6 +438,22 @@ fn a_rest_leads_to_a_mode() {
 }
 
 #[test]
+fn a_rest_in_another_mode_has_no_kept_value() {
+    let with = |to: &str| {
+        let event = format!(
+            "keep = {{ c = \"v\" }}\nevents = [{{ when = \"x < 0\"{to}, set = {{ x = 0, v = \"-v\" }}, \
+             rest = {{ to = \"floor\", set = {{ v = \"2*c\" }} }} }}]\n[modes.floor]\nrates = {{ x = 0, v = 0 }}\n"
+        );
+        BALL.to_owned() + &event
+    };
+    let message = refusal(&with(", to = \"floor\""));
+    assert!(message.contains("what a mode keeps is gone in the rest"), "{message}");
+    for to in ["", ", to = \"flight\""] {
+        file(&with(to));
+    }
+}
+
+#[test]
 fn values_of_a_file_with_parts_may_be_given_back_to_it() {
     let text = "[parameters]\nm = 1.0\nk = 2.0\n[states]\nx = 1\n[modes.only]\nrates = { x = \"-k*x/m\" }\n\
                 [parts.one]\nm = 3.0\n[parts.two]\nm = 4.0\n";

@@ -116,8 +116,11 @@ fn rates(expander: &mut Expander<'_>, mode: usize) -> Checked<Vec<Id>> {
 /// The guard of an event, and what follows.
 fn one_event(expander: &mut Expander<'_>, event: &EventDeclaration) -> Checked<(Id, Transition)> {
     let guard = guard(expander, &event.when)?;
-    let next = setting(expander, &event.follows)?;
-    let rest = event.rest.as_ref().map(|rest| setting(expander, rest)).transpose()?;
+    let next = setting(expander, &event.follows, true)?;
+    // A rest follows in the mode after the event, which holds values of its own.
+    let here = expander.mode().unwrap_or_default();
+    let stays = next.leads_to(here) == here;
+    let rest = event.rest.as_ref().map(|rest| setting(expander, rest, stays)).transpose()?;
     Ok((guard, Transition { name: event.name.clone(), next, rest }))
 }
 
@@ -128,14 +131,21 @@ fn guard(expander: &mut Expander<'_>, when: &Comparison) -> Checked<Id> {
     Ok(if is_upward { expander.graph.subtract(b, a) } else { expander.graph.subtract(a, b) })
 }
 
-/// What an event sets, and where it leads.
-fn setting(expander: &mut Expander<'_>, follows: &Follows) -> Checked<Setting> {
+/// What an event sets, and where it leads; `is_held` where what the mode keeps is still held.
+fn setting(expander: &mut Expander<'_>, follows: &Follows, is_held: bool) -> Checked<Setting> {
     let (mut targets, mut values) = (Vec::new(), Vec::new());
     for Assignment { target, equation, index } in
         assignments(expander, &[&follows.set], "what an event sets")?
     {
+        let (formula, n_discrete) = (&equation.value, expander.layout.n_discrete);
+        let value = within(expander, index, formula, Expander::node)?;
+        if !is_held && expander.graph.is_of_kept(value, n_discrete) {
+            let message = "what a mode keeps is gone in the rest of an event that leads to another";
+            return Err(Complaint::new(formula.span, message)
+                .help("write what it is of states, parameters and discrete values"));
+        }
         targets.push(target);
-        values.push(within(expander, index, &equation.value, Expander::node)?);
+        values.push(value);
     }
     let goal = match &follows.to {
         Some(mode) => Goal::Enter(expander.names.mode(mode)?),
