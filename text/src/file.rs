@@ -4,6 +4,7 @@ use toml::de::DeTable;
 
 use deltazero_study::{Part, Subject};
 
+use crate::columns::check_columns;
 use crate::compile::{Compiled, compile};
 use crate::declarations::{Declarations, PartDeclaration, declarations};
 use crate::dimensions::{check_units, unread_units};
@@ -88,6 +89,7 @@ impl ModelFile {
         let table = DeTable::parse(text).map_err(not_toml)?;
         let file = declarations(text, table.get_ref())?;
         let names = Names::new(&file)?;
+        check_columns(&file)?;
         let parameters = parameters(&file)?;
         let mut checked =
             Self { source: source.clone(), file, names, parameters, warnings: Vec::new() };

@@ -49,7 +49,7 @@
 //! | step | modules |
 //! |---|---|
 //! | read | `document` (TOML with places), `token` and `expression` (formulas), `declarations` (the file as it stands) |
-//! | check | `names` (what they mean), `units` and `dimensions`; complaints are `report`s |
+//! | check | `names` (what they mean), `columns` of tables, `units` and `dimensions`; complaints are `report`s |
 //! | expand | `layout` (where states are, `shape`: what that follows from), `expand` (indices, sums, definitions) into one `graph`; `derivative`, `sparsity`, `jacobian` |
 //! | compile | `compile`, mode by mode, to a `tape` of operations |
 //! | run | `evaluate` a tape with any number, or by `machine` code with `f64`; `functions`, `bounds` of rounding |
@@ -59,6 +59,7 @@
 //! not whole it is continued past zero as an odd function, as a law of contact `K δⁿ` must be; a product with zero is zero.
 
 mod bounds;
+mod columns;
 mod compile;
 mod declarations;
 mod derivative;

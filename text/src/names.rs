@@ -76,6 +76,7 @@ impl Names {
         add(&mut names.common, definitions, Meaning::Common)?;
         add(&mut names.common, file.discrete.iter().map(|value| &value.name), Meaning::Discrete)?;
         for (i, mode) in file.modes.iter().enumerate() {
+            check_mode(&mode.name)?;
             names.modes.insert(mode.name.value.clone(), i);
             let own = names.own(mode)?;
             names.of_mode.push(own);
@@ -186,6 +187,18 @@ fn check_name(name: &str, span: Span) -> Checked<()> {
     }
     let complaint = Complaint::new(span, format!("`{name}` is no name for a formula"));
     Err(complaint.help("a name has letters, digits and `_`, and begins with no digit"))
+}
+
+/// Checks that the name of a mode can stand in a table.
+fn check_mode(name: &At<String>) -> Checked<()> {
+    let breaks_line = |c: char| c.is_control() || matches!(c, '\u{2028}' | '\u{2029}');
+    let breaks = |c: char| breaks_line(c) || matches!(c, ',' | '"');
+    if !name.value.contains(breaks) && !name.value.is_empty() {
+        return Ok(());
+    }
+    let message = format!("{:?} is no name for a mode", name.value);
+    let help = "it stands in tables: printable characters without comma and quote";
+    Err(Complaint::new(name.span, message).help(help))
 }
 
 fn twice(name: &str, span: Span, before: Span) -> Complaint {

@@ -472,6 +472,36 @@ fn many_kinks_are_told_at_once() {
 }
 
 #[test]
+fn names_that_break_tables_are_refused() {
+    for name in ["a,b", "a\\\"b", "a\\nb", "a\\u2028b", ""] {
+        let message = refusal(&BALL.replace("flight", &format!("\"{name}\"")));
+        assert!(message.contains("is no name for a mode"), "{name}: {message}");
+    }
+    for name in ["slip+", "at rest", "Flug übers Eis"] {
+        file(&BALL.replace("flight", &format!("\"{name}\"")));
+    }
+}
+
+#[test]
+fn each_column_has_a_name_of_its_own() {
+    let with = |definition: &str| {
+        BALL.replace("x = 1", "x = { start = 1, unit = \"m\" }") + "[definitions]\n" + definition
+    };
+    for (definition, message) in [
+        (
+            "x_m = { value = \"2*x\", observe = true }",
+            "`x_m` has the same column in tables as another",
+        ),
+        ("t_s = { value = \"t\", observe = true }", "tables have a column `t_s` of their own"),
+        ("run = { value = 1, observe = true }", "tables have a column `run` of their own"),
+    ] {
+        let message_of_file = ModelFile::parse("model.toml", &with(definition)).unwrap_err();
+        assert_eq!(message_of_file.message(), message);
+    }
+    file(&with("x_m = \"2*x\"\nrun = { value = 1, observe = true, unit = \"s\" }\n"));
+}
+
+#[test]
 fn units_that_are_not_read_are_warned_of() {
     for unit in ["m/s/s", "Nm", "xyz", "kg/m s"] {
         let text = BALL.replace("x = 1", &format!("x = {{ start = 1, unit = \"{unit}\" }}"));

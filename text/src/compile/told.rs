@@ -1,6 +1,7 @@
 //! What is told of a mode beside its motion: contact, energies, powers, observables.
 
 use super::instances;
+use crate::columns::observable;
 use crate::declarations::{Declarations, Definition, ModeRole};
 use crate::derivative::along_flow;
 use crate::expand::{Expander, Outside};
@@ -86,19 +87,6 @@ fn energy(expander: &mut Expander<'_>, mode: usize) -> Checked<Vec<Id>> {
         _ => expander.graph.constant(0.0),
     };
     Ok(vec![kinetic, elastic])
-}
-
-/// Every definition that is an observable: those of all modes, then those that stand in modes alone.
-fn observable(file: &Declarations) -> Vec<&Definition> {
-    let of_modes = file.modes.iter().flat_map(|mode| &mode.definitions);
-    let mut all: Vec<&Definition> = Vec::new();
-    for definition in file.definitions.iter().chain(of_modes) {
-        let is_new = all.iter().all(|known| known.name.value != definition.name.value);
-        if definition.is_observable && is_new {
-            all.push(definition);
-        }
-    }
-    all
 }
 
 /// The observables in a mode; zero is one that does not exist there.
