@@ -108,7 +108,6 @@ pub(crate) struct Equation {
 /// An event of a mode, or one for each index.
 #[derive(Clone, Debug)]
 pub(crate) struct EventDeclaration {
-    pub(crate) name: Option<String>,
     pub(crate) indices: Option<Indices>,
     pub(crate) when: Comparison,
     pub(crate) follows: Follows,
@@ -375,8 +374,9 @@ fn event((entries, span): (Entries<'_>, Span)) -> Checked<EventDeclaration> {
                 .help("give it `to`: the mode that these events tend to")),
         }
     };
+    // For readers of the file.
+    entries.read("name", Entry::text)?;
     Ok(EventDeclaration {
-        name: entries.read("name", Entry::text)?.map(|name| name.value),
         indices: entries.read("for", Entry::indices)?,
         when,
         follows,

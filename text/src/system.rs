@@ -81,7 +81,6 @@ pub(crate) struct Told {
 /// What follows an event.
 #[derive(Debug)]
 pub(crate) struct Transition {
-    pub(crate) name: Option<String>,
     pub(crate) next: Setting,
     /// What follows where such events accumulate.
     pub(crate) rest: Option<Setting>,
@@ -324,10 +323,5 @@ impl<F: Family> TextModel<F> {
     /// The name of a mode of this model.
     pub fn name_of(&self, mode: Mode) -> &str {
         &self.0.mode(&mode).name
-    }
-
-    /// The name of an event, by the mode that it ends and the number of its guard.
-    pub fn event_name(&self, mode: Mode, guard: usize) -> Option<&str> {
-        self.0.mode(&mode).transitions.get(guard)?.name.as_deref()
     }
 }

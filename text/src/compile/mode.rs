@@ -121,7 +121,7 @@ fn one_event(expander: &mut Expander<'_>, event: &EventDeclaration) -> Checked<(
     let here = expander.mode().unwrap_or_default();
     let stays = next.leads_to(here) == here;
     let rest = event.rest.as_ref().map(|rest| setting(expander, rest, stays)).transpose()?;
-    Ok((guard, Transition { name: event.name.clone(), next, rest }))
+    Ok((guard, Transition { next, rest }))
 }
 
 /// `b − a` of `a > b`: positive as long as the event has not come.
