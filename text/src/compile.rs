@@ -143,7 +143,7 @@ fn starts(expander: &mut Expander<'_>, part: Option<&PartDeclaration>) -> Checke
         }
     }
     if let Some(part) = part {
-        for assignment in assignments(expander, &[&part.start], "a start")? {
+        for assignment in assignments(expander, &[&part.start], Purpose::Start)? {
             let Assignment { target: Target::State(i), equation, index } = assignment else {
                 continue;
             };
@@ -188,6 +188,24 @@ fn check_definitions(file: &Declarations, mut tried: Vec<Vec<Option<Checked<()>>
         }
     }
     Ok(())
+}
+
+/// What equations are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    Start,
+    Rate,
+    Event,
+}
+
+impl Purpose {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Start => "a start",
+            Self::Rate => "a rate",
+            Self::Event => "what an event sets",
+        }
+    }
 }
 
 /// What an equation gives a value to.
@@ -235,14 +253,14 @@ fn elements(expander: &Expander<'_>, state: usize) -> Vec<(usize, Option<i64>)> 
 pub(crate) fn assignments<'a>(
     expander: &mut Expander<'_>,
     lists: &[&'a [Equation]],
-    what: &str,
+    purpose: Purpose,
 ) -> Checked<Vec<Assignment<'a>>> {
     let mut all: Vec<Assignment<'a>> = Vec::new();
     let mut place = std::collections::HashMap::new();
     for (rank, list) in lists.iter().enumerate() {
         for is_single in [true, false] {
             for equation in list.iter() {
-                for (target, index, single) in targets(expander, equation, what)? {
+                for (target, index, single) in targets(expander, equation, purpose)? {
                     if single != is_single {
                         continue;
                     }
@@ -279,7 +297,7 @@ fn key_of(target: Target) -> (bool, usize) {
 fn targets(
     expander: &mut Expander<'_>,
     equation: &Equation,
-    what: &str,
+    purpose: Purpose,
 ) -> Checked<Vec<(Target, Option<i64>, bool)>> {
     let At { value: name, span } = &equation.target;
     let meaning = expander.names.meaning(name, *span, None)?;
@@ -293,10 +311,13 @@ fn targets(
             let i = expander.index_of_state(state, Some(at), *span)?;
             Ok(vec![(Target::State(i), None, true)])
         }
-        (Meaning::Discrete(i), None) if what == "what an event sets" => {
+        (Meaning::Discrete(i), None) if purpose == Purpose::Event => {
             Ok(vec![(Target::Held(i), None, true)])
         }
-        _ => Err(Complaint::new(*span, format!("{what} is of a state, and `{name}` is none"))),
+        _ => {
+            let message = format!("{} is of a state, and `{name}` is none", purpose.words());
+            Err(Complaint::new(*span, message))
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! One mode: its rates, guards, transitions and what is told of it.
 
 use super::told::told;
-use super::{Assignment, Target, assignments, instances, within};
+use super::{Assignment, Purpose, Target, assignments, instances, within};
 use crate::declarations::{Definition, EventDeclaration, Follows, ModeRole};
 use crate::expand::Expander;
 use crate::expression::{Comparison, Relation};
@@ -98,7 +98,7 @@ fn rates(expander: &mut Expander<'_>, mode: usize) -> Checked<Vec<Id>> {
     let file = expander.file;
     let declared = &file.modes[mode];
     let mut rates = vec![None; expander.layout.n];
-    for assignment in assignments(expander, &[&declared.rates, &file.rates], "a rate")? {
+    for assignment in assignments(expander, &[&declared.rates, &file.rates], Purpose::Rate)? {
         if let Target::State(i) = assignment.target {
             let formula = &assignment.equation.value;
             rates[i] = Some(within(expander, assignment.index, formula, Expander::node)?);
@@ -135,7 +135,7 @@ fn guard(expander: &mut Expander<'_>, when: &Comparison) -> Checked<Id> {
 fn setting(expander: &mut Expander<'_>, follows: &Follows, is_held: bool) -> Checked<Setting> {
     let (mut targets, mut values) = (Vec::new(), Vec::new());
     for Assignment { target, equation, index } in
-        assignments(expander, &[&follows.set], "what an event sets")?
+        assignments(expander, &[&follows.set], Purpose::Event)?
     {
         let (formula, n_discrete) = (&equation.value, expander.layout.n_discrete);
         let value = within(expander, index, formula, Expander::node)?;
