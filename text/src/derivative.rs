@@ -9,7 +9,7 @@ use crate::graph::{Graph, Id, Node};
 pub(crate) fn along_flow(graph: &mut Graph, of: Id, rates: &[Id]) -> Id {
     let nodes = graph.used_by([of].iter());
     let one = graph.constant(1.0);
-    derivatives(graph, nodes, one, rates).get(&of).copied().unwrap_or(of)
+    derivatives(graph, nodes, one, rates)[&of]
 }
 
 /// The derivatives of these nodes, all nodes that they are made of among them, in a direction: that of the time and of each
@@ -37,7 +37,7 @@ fn derivative(
     (of_time, of_states): (Id, &[Id]),
     known: &HashMap<Id, Id>,
 ) -> Id {
-    let rate = |a: Id| known.get(&a).copied().unwrap_or(a);
+    let rate = |a: Id| known[&a];
     match graph.node(id) {
         Node::Constant(_) | Node::Held(_) => graph.constant(0.0),
         Node::Time => of_time,

@@ -258,7 +258,7 @@ impl<'a> Writer<'a> {
 
     /// The register of an operand.
     fn at(&self, id: Id) -> Register {
-        self.registers.get(&id).copied().unwrap_or_default()
+        self.registers[&id]
     }
 
     fn instructions(&mut self, range: std::ops::Range<usize>) -> Vec<Instruction> {
@@ -279,8 +279,12 @@ impl<'a> Writer<'a> {
     fn instruction(&mut self, id: Id, position: usize) -> Instruction {
         let node = self.graph.node(id);
         let read: Vec<Id> = node.operands().collect();
-        let [a, b] = [0, 1].map(|i| read.get(i).map_or(0, |id| self.at(*id)));
         let [c, d] = [0, 1].map(|i| read.get(i).and_then(|id| self.graph.value(*id)));
+        // A constant that stands in the operation, and an operand that there is not, have no register.
+        let in_place = takes_constants(node);
+        let has_register = |id: &&Id| !(in_place && self.graph.value(**id).is_some());
+        let [a, b] = [0, 1]
+            .map(|i| read.get(i).filter(has_register).map_or(Register::MAX, |id| self.at(*id)));
         for (i, operand) in read.iter().enumerate() {
             let is_last = self.last_use.get(operand).is_some_and(|last| *last <= position);
             if is_last && !read[..i].contains(operand) && self.registers.contains_key(operand) {
@@ -319,9 +323,8 @@ impl<'a> Writer<'a> {
             (Node::Smaller(..), ..) => Instruction::Smaller { to, a, b },
             (Node::Larger(..), ..) => Instruction::Larger { to, a, b },
             (Node::Power(_, p), ..) => Instruction::Power { to, a, p: f64::from_bits(p) },
-            // Inputs have no operation.
             (Node::Time | Node::State(_) | Node::Held(_), ..) => {
-                Instruction::Negative { to, a: to }
+                unreachable!("an input has no operation")
             }
         }
     }
