@@ -7,6 +7,7 @@ pub(crate) use mode::role;
 
 use deltazero_study::problem::Quantity;
 
+use crate::columns::observable;
 use crate::declarations::{Declarations, Definition, Equation, PartDeclaration};
 use crate::document::At;
 use crate::expand::Expander;
@@ -41,19 +42,20 @@ pub(crate) fn compile(
         .iter()
         .map(|value| expander.number(&value.value, "the start of a discrete value"));
     let discrete = discrete.collect::<Checked<Vec<_>>>()?;
+    let observable = observable(file);
     let (mut modes, mut warnings) = (Vec::new(), Vec::new());
     let (mut tried, mut rates) = (Vec::new(), Vec::new());
     for i in 0..file.modes.len() {
         expander.enter(i);
         tried.push(mode::try_definitions(&mut expander, i));
-        let (mode, of_mode) = mode::mode(&mut expander, i, &mut warnings)?;
+        let (mode, of_mode) = mode::mode(&mut expander, i, &observable, &mut warnings)?;
         modes.push(mode);
         rates.push(of_mode);
     }
     check_definitions(file, tried)?;
     told::warn_of_contact(file, &mut warnings);
     // Before the derivatives, which are not to count against what a file may expand to.
-    let observables = observables(&mut expander)?;
+    let observables = observables(&mut expander, &observable)?;
     let sparsity = Sparsity::new(&expander.graph, &rates);
     let is_autonomous = !rates.iter().any(|rates| expander.graph.is_of_time(rates));
     let mut left = MOST_NODES;
@@ -105,8 +107,8 @@ fn groups(expander: &Expander<'_>) -> Vec<Option<String>> {
 }
 
 /// The observables as a study knows them.
-fn observables(expander: &mut Expander<'_>) -> Checked<Vec<Quantity>> {
-    let all = told::observables(expander)?.into_iter();
+fn observables(expander: &mut Expander<'_>, observable: &[&Definition]) -> Checked<Vec<Quantity>> {
+    let all = told::observables(expander, observable)?.into_iter();
     Ok(all.map(|(name, unit)| Quantity::new(name, unit, 1.0)).collect())
 }
 

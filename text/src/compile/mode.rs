@@ -42,6 +42,7 @@ fn try_definition(expander: &mut Expander<'_>, definition: &Definition) -> Check
 pub(super) fn mode(
     expander: &mut Expander<'_>,
     number: usize,
+    observable: &[&Definition],
     warnings: &mut Vec<Complaint>,
 ) -> Checked<(CompiledMode, Vec<Id>)> {
     let declared = &expander.file.modes[number];
@@ -79,7 +80,7 @@ pub(super) fn mode(
         }
     });
     let keep = keep.collect::<Checked<Vec<_>>>()?;
-    let told = told(expander, number, &rates)?;
+    let told = told(expander, number, &rates, observable)?;
     let mode = CompiledMode {
         name: declared.name.value.clone(),
         role: declared.role,

@@ -1,7 +1,6 @@
 //! What is told of a mode beside its motion: contact, energies, powers, observables.
 
 use super::instances;
-use crate::columns::observable;
 use crate::declarations::{Declarations, Definition, ModeRole};
 use crate::derivative::along_flow;
 use crate::expand::{Expander, Outside};
@@ -13,21 +12,31 @@ use crate::system::Told;
 use crate::tape::Tape;
 
 /// Compiles what is told of a mode with these rates.
-pub(super) fn told(expander: &mut Expander<'_>, mode: usize, rates: &[Id]) -> Checked<Told> {
+pub(super) fn told(
+    expander: &mut Expander<'_>,
+    mode: usize,
+    rates: &[Id],
+    observable: &[&Definition],
+) -> Checked<Told> {
     expander.outside = Outside::Zero;
-    let told = told_within(expander, mode, rates);
+    let told = told_within(expander, mode, rates, observable);
     expander.outside = Outside::Refused;
     told
 }
 
-fn told_within(expander: &mut Expander<'_>, mode: usize, rates: &[Id]) -> Checked<Told> {
+fn told_within(
+    expander: &mut Expander<'_>,
+    mode: usize,
+    rates: &[Id],
+    observable: &[&Definition],
+) -> Checked<Told> {
     let touch = touch(expander, mode, rates)?;
     let energy = energy(expander, mode)?;
     let mut power = Vec::new();
     for own in &expander.file.power {
         power.push(optional(expander, own.as_ref())?);
     }
-    let observables = observed(expander, mode)?;
+    let observables = observed(expander, mode, observable)?;
     let graph = &expander.graph;
     Ok(Told {
         touch: Tape::of(graph, &touch),
@@ -90,9 +99,13 @@ fn energy(expander: &mut Expander<'_>, mode: usize) -> Checked<Vec<Id>> {
 }
 
 /// The observables in a mode; zero is one that does not exist there.
-fn observed(expander: &mut Expander<'_>, mode: usize) -> Checked<Vec<Id>> {
-    let (file, mut all) = (expander.file, Vec::new());
-    for definition in observable(file) {
+fn observed(
+    expander: &mut Expander<'_>,
+    mode: usize,
+    observable: &[&Definition],
+) -> Checked<Vec<Id>> {
+    let mut all = Vec::new();
+    for definition in observable {
         let name = &definition.name;
         let meaning = expander.names.meaning(&name.value, name.span, Some(mode));
         let is_here = matches!(meaning, Ok(Meaning::Common(_) | Meaning::OfMode(_)));
@@ -113,9 +126,12 @@ fn observed(expander: &mut Expander<'_>, mode: usize) -> Checked<Vec<Id>> {
 const OF: &str = "an observable is told in all modes; `of = [\"a mode\"]` says where it exists";
 
 /// Names and units of the observables.
-pub(super) fn observables(expander: &mut Expander<'_>) -> Checked<Vec<(String, String)>> {
-    let (file, mut all) = (expander.file, Vec::new());
-    for definition in observable(file) {
+pub(super) fn observables(
+    expander: &mut Expander<'_>,
+    observable: &[&Definition],
+) -> Checked<Vec<(String, String)>> {
+    let mut all = Vec::new();
+    for definition in observable {
         let Definition { name, unit, .. } = definition;
         let unit = unit.as_ref().map_or(String::new(), |unit| unit.value.clone());
         for index in instances(expander, definition)? {
