@@ -19,7 +19,7 @@ pub const COMMON: &[Key] = &[
         kind: NOT_NEGATIVE,
         default: Toml("1e-4"),
         unit: "m",
-        doc: "Clearance c: bush radius minus pin radius; 0 is the ideal joint, its pin fixed",
+        doc: "Clearance c: bush radius minus pin radius; of a pin in a bush 0 is the ideal joint, its pin fixed",
         source: "Table 1, r_1 − r_2 and r_3 − r_4",
     },
     Key {

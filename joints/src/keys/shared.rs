@@ -84,7 +84,7 @@ pub struct JointConfig {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Joint {
-    /// Clearance c: bush radius minus pin radius \[m\]; 0 is the ideal joint, its pin fixed.
+    /// Clearance c: bush radius minus pin radius \[m\]; of a pin in a bush 0 is the ideal joint, its pin fixed.
     pub clearance: f64,
     /// Pin radius, the arm of friction \[m\].
     pub pin_radius: f64,

@@ -141,6 +141,18 @@ impl ContactLaw {
             Self::Power | Self::DubowskyFreudenstein | Self::Johnson | Self::Esdu78035 | Self::Liu
         )
     }
+
+    /// Whether its stiffness follows from the radii and the material of two cylinders.
+    pub fn is_of_cylinders(self) -> bool {
+        matches!(
+            self,
+            Self::DubowskyFreudenstein
+                | Self::Johnson
+                | Self::Esdu78035
+                | Self::Liu
+                | Self::LankaraniNikraveshCylinder
+        )
+    }
 }
 
 words! {

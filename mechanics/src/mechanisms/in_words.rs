@@ -46,11 +46,8 @@ fn elastic(contact: &Contact) -> String {
         )
     };
     match contact.law {
-        ContactLaw::DubowskyFreudenstein
-        | ContactLaw::Johnson
-        | ContactLaw::Esdu78035
-        | ContactLaw::Liu => cylinders(&format!(", length L = {} m", contact.length)),
         ContactLaw::LankaraniNikraveshCylinder => cylinders(""),
+        law if law.is_of_cylinders() => cylinders(&format!(", length L = {} m", contact.length)),
         _ => {
             format!("stiffness K = {:e} N/mⁿ, exponent n = {}", contact.stiffness, contact.exponent)
         }

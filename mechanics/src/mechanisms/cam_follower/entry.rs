@@ -5,9 +5,9 @@ use deltazero_study::warning::Warning;
 use serde::Deserialize;
 
 use super::CamFollower;
-use crate::keys::{Key, NOT_NEGATIVE, POSITIVE, Shared};
+use crate::keys::{Curvature, Joint, JointConfig, Key, NOT_NEGATIVE, POSITIVE, Shared};
 use crate::mechanisms::in_words::{fact, normal_contact, normal_warnings};
-use crate::mechanisms::{Entry, Mechanism, read_table};
+use crate::mechanisms::{Entry, Mechanism, Misfit, read_table};
 use crate::model::contact::NormalLaw;
 
 /// Where its numbers are from.
@@ -85,6 +85,16 @@ impl Parameters {
     }
 }
 
+/// The contact in words, with the radii of the cylinders that its law may be of.
+fn contact(JointConfig { joint, contact, .. }: &JointConfig) -> String {
+    let law = normal_contact(contact);
+    if !contact.law.is_of_cylinders() {
+        return law;
+    }
+    let Joint { clearance, pin_radius } = joint;
+    format!("{law}, radii r = {pin_radius:e} m and r + c, c = {clearance:e} m")
+}
+
 impl Mechanism for Parameters {
     fn subject(&self, shared: &Shared) -> Subject {
         Subject::of(self.follower(shared))
@@ -92,6 +102,19 @@ impl Mechanism for Parameters {
 
     fn n_tolerances(&self) -> usize {
         3
+    }
+
+    /// Cylinders inside each other must leave a gap: without one they touch all over, and their law has no number.
+    fn check(&self, shared: &Shared) -> Result<(), Misfit> {
+        let JointConfig { joint, contact, .. } = &shared.joints[0];
+        let is_inside = contact.law.is_of_cylinders() && contact.curvature == Curvature::Internal;
+        if is_inside && joint.clearance == 0.0 {
+            let reason = "cylinders inside each other need a gap; use a clearance above zero, or contact.curvature = \
+                          \"external\"";
+            let (key, found) = ("joint.clearance", joint.clearance.to_string());
+            return Err(Misfit { key, found, against: "contact.law", reason });
+        }
+        Ok(())
     }
 
     fn title(&self, _shared: &Shared) -> String {
@@ -120,7 +143,7 @@ impl Mechanism for Parameters {
                 ),
             ),
             fact("Time", format!("0 to {} s", shared.run.t_end)),
-            fact("Contact", normal_contact(&shared.joints[0].contact)),
+            fact("Contact", contact(&shared.joints[0])),
         ]
     }
 

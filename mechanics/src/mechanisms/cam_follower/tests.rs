@@ -216,3 +216,28 @@ fn guard_bounds_are_above_zero_at_rest_in_every_mode() {
         }
     }
 }
+
+#[test]
+fn cylinders_inside_each_other_need_a_gap_and_tell_their_radii() {
+    for law in ContactLaw::ALL {
+        let load = |more: &[&str]| {
+            let sets = ["mechanism=cam-follower".to_owned(), format!("contact.law={law}")];
+            let more = more.iter().map(|set| (*set).to_owned());
+            Config::load(None, &sets.into_iter().chain(more).collect::<Vec<_>>())
+        };
+        let inside = load(&["joint.clearance=0"]);
+        if !law.is_of_cylinders() {
+            assert!(inside.is_ok(), "{law}: {inside:?}");
+            continue;
+        }
+        let refused = inside.unwrap_err().to_string();
+        let expected = format!(
+            "--set joint.clearance=0: joint.clearance = 0 does not go with contact.law = {law}: cylinders"
+        );
+        assert!(refused.starts_with(&expected), "{refused}");
+        let beside = load(&["joint.clearance=0", "contact.curvature=external"]).unwrap();
+        let facts = beside.mechanism.facts(&beside);
+        let (_, contact) = facts.iter().find(|(name, _)| name == "Contact").unwrap();
+        assert!(contact.ends_with("radii r = 4.9e-3 m and r + c, c = 0e0 m"), "{contact}");
+    }
+}
