@@ -13,7 +13,7 @@ use super::friction::Extra;
 use super::linkage::Linkage as _;
 use super::sliding::Shape;
 
-/// Guard: θ below 90°, where the struts line up.
+/// Guard: θ short of the 90° to which the drive turns, where the struts line up.
 pub const GUARD_END: usize = 0;
 /// Guard: on this side of the contact surface. Without adhesion a contact ends where it no longer presses: a law
 /// with damping at F_N = 0, one with hysteresis at δ = 0 or at [`GUARD_RANGE`].
@@ -194,10 +194,16 @@ impl Block {
         self.normal.adhesion && matches!((self.sliding, held), (Shape::Constant, Held::Struts(_)))
     }
 
-    /// `π/2 − θ` [rad] where the block ends at 90°.
+    /// `π/2 − sgn(M) θ` [rad] where the block ends at 90°. Under −M the motion is that under M with X and θ negated.
     #[inline(always)]
     fn below_90<S: Real>(&self, y: &State<S>) -> S {
-        if self.stop_at_90 { -(y[2] - FRAC_PI_2) } else { S::cst(1.0) }
+        if self.stop_at_90 { -(y[2] * self.turns() - FRAC_PI_2) } else { S::cst(1.0) }
+    }
+
+    /// The sign of the drive torque, by which θ turns; 1 without one.
+    #[inline(always)]
+    pub(super) fn turns(&self) -> f64 {
+        if self.torque < 0.0 { -1.0 } else { 1.0 }
     }
 
     /// How near the end of a run is: the smaller of [`below_90`](Self::below_90) and, in a contact whose law ends at a
@@ -396,7 +402,7 @@ fn neighbour(touch: Touch, guard: usize) -> Touch {
     Touch { piece, ..touch }
 }
 
-/// Rounding error of `π/2 − θ` near 90° [rad].
+/// Rounding error of `π/2 − sgn(M) θ` near 90° [rad].
 pub(super) const END_BOUND: f64 = 4.0 * f64::EPSILON * FRAC_PI_2;
 
 /// Rounding error of `ρ − c` for ρ near c [m].

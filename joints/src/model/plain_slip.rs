@@ -30,7 +30,7 @@ pub(super) struct PlainSlip<C = f64> {
     pin_radius: C,
     /// `σ`.
     sigma: C,
-    /// `(1, 0)` where the block ends at θ = 90°, else `(0, 1)`: the factor of that guard and what is added to it.
+    /// `(sgn M, π/2)` where the block ends at 90°, else `(0, 1)`: what that guard takes θ by, and from what.
     ends: [C; 2],
 }
 
@@ -42,7 +42,7 @@ impl PlainSlip {
     #[inline(always)]
     pub(super) fn new(block: &Block, inertia: &BlockInertia, stiffness: f64, mode: Mode) -> Self {
         let sigma = if matches!(mode, Mode::SlipPlus(_)) { 1.0 } else { -1.0 };
-        let ends = f64::from(u8::from(block.stop_at_90));
+        let ends = if block.stop_at_90 { [block.turns(), FRAC_PI_2] } else { [0.0, 1.0] };
         Self {
             inertia: *inertia,
             clearance: block.clearance,
@@ -52,14 +52,14 @@ impl PlainSlip {
             torque: block.torque,
             pin_radius: block.pin_radius,
             sigma,
-            ends: [ends, 1.0 - ends],
+            ends,
         }
     }
 
     /// Its parameters, in the order of its fields.
     pub(super) fn parameters(&self) -> [f64; Self::N] {
         let BlockInertia { m_x, m_y, per_mass: [per_x, per_y], p, q, j_0, j_c } = self.inertia;
-        let [ends, goes_on] = self.ends;
+        let [turns, end] = self.ends;
         let Self { clearance, stiffness, damping, friction_arm, torque, pin_radius, sigma, .. } =
             *self;
         [
@@ -78,8 +78,8 @@ impl PlainSlip {
             torque,
             pin_radius,
             sigma,
-            ends,
-            goes_on,
+            turns,
+            end,
         ]
     }
 }
@@ -104,8 +104,8 @@ impl<C: Copy> PlainSlip<C> {
             torque,
             pin_radius,
             sigma,
-            ends,
-            goes_on,
+            turns,
+            end,
         ] = *parameters;
         Self {
             inertia: BlockInertia { m_x, m_y, per_mass: [per_x, per_y], p, q, j_0, j_c },
@@ -116,7 +116,7 @@ impl<C: Copy> PlainSlip<C> {
             torque,
             pin_radius,
             sigma,
-            ends: [ends, goes_on],
+            ends: [turns, end],
         }
     }
 
@@ -138,11 +138,11 @@ impl<C: Copy> PlainSlip<C> {
         (dydt[3], dydt[4], dydt[5]) = (a[0], a[1], a[2]);
     }
 
-    /// The guards: `π/2 − θ`, `δ` and `σ ρ v_T`.
+    /// The guards: `π/2 − sgn(M) θ`, `δ` and `σ ρ v_T`.
     #[inline(always)]
     pub(super) fn guards<S: Over<C>>(&self, y: &State<S>, at: &Length<S>) -> [S; N_GUARDS] {
         let mut g = [S::cst(1.0); N_GUARDS];
-        g[GUARD_END] = -(y[2] - FRAC_PI_2) * self.ends[0] + self.ends[1];
+        g[GUARD_END] = -(y[2] * self.ends[0] - self.ends[1]);
         g[GUARD_CONTACT] = at.rho.value - self.clearance;
         g[GUARD_UPPER] = rho_v_t(y, at.rho.value, self.pin_radius) * self.sigma;
         g

@@ -1,10 +1,14 @@
 //! Guards against what a mode means.
 
-use deltazero_solvers::System;
+use deltazero_solvers::{Grid, Method, Outcome, System, Trajectory};
+use deltazero_study::Problem as _;
+use deltazero_study::run::{Accuracy, Setting};
+use deltazero_study::setting::Events;
 
 use super::*;
 use crate::keys::test_defaults::table1;
 use crate::keys::{ContactLaw, FrictionLaw, ReadingName, Shared};
+use crate::model::Jointed as _;
 use crate::model::struts::struts;
 
 /// xorshift64: numbers from −1 to 1.
@@ -22,7 +26,8 @@ impl Random {
 /// Whether `y` is a state of `mode`, by what the mode means and not by its guards.
 fn is_inside(block: &Block, mode: Mode, y: &State<f64>) -> bool {
     let (pose, normal) = (block.pose(y), &block.normal);
-    if block.stop_at_90 && y[2] > FRAC_PI_2 {
+    // A drive turns as it pulls.
+    if block.stop_at_90 && block.torque.signum() * y[2] > FRAC_PI_2 {
         return false;
     }
     let Some(touch) = mode.touch() else { return pose.delta < 0.0 };
@@ -73,6 +78,7 @@ fn guards_are_positive_inside_their_mode_and_nowhere_else() {
                     (joint.contact.adhesion, joint.contact.length) = (adhesion, 1e-3);
                     joint.contact.young_modulus = 1e8;
                 }
+                config.drive.m4 = -config.drive.m4;
                 for block in &struts(&config) {
                     for _ in 0..200 {
                         check(block, &state(block, &mut random), &mut random);
@@ -109,4 +115,23 @@ fn check(block: &Block, y: &State<f64>, random: &mut Random) {
             block.normal
         );
     }
+}
+
+/// The equations keep their form under (X, θ, M) → (−X, −θ, −M).
+#[test]
+fn a_run_under_the_reversed_torque_is_the_mirrored_one_to_its_end() {
+    let run = |m1| {
+        let mut config = table1();
+        config.drive.m1 = m1;
+        let [block, _] = struts(&config);
+        let accuracy = Accuracy::Rtol(1e-6, None);
+        let method = Method::named("rk45").unwrap();
+        let setting = Setting { method, events: Events::Located, accuracy };
+        block.integrate(&setting, block.start(), 3.0, &mut Trajectory::on(Grid::Steps))
+    };
+    let (one, other) = (run(100.0), run(-100.0));
+    assert_eq!([&one.outcome, &other.outcome], [&Ok(Outcome::Stopped); 2]);
+    let [x, y, theta, v_x, v_y, omega] = other.y;
+    assert_eq!((one.t, one.y), (other.t, [-x, y, -theta, -v_x, v_y, -omega]));
+    assert_eq!(one.mode.sigma(), other.mode.sigma().map(|sigma| -sigma));
 }
