@@ -133,9 +133,9 @@ impl<'a> Source<'a> {
         let datum = match (value.get_ref(), inner) {
             (DeValue::Boolean(b), _) => Datum::Boolean(*b),
             (DeValue::Integer(digits), _) => {
-                // Beyond 64 bits it is a number like any other, or NaN, which every range refuses.
-                i64::from_str_radix(digits.as_str(), digits.radix())
-                    .map_or_else(|_| Datum::Number(parse(digits.as_str())), Datum::Integer)
+                let (text, radix) = (digits.as_str(), digits.radix());
+                i64::from_str_radix(text, radix)
+                    .map_or_else(|_| Datum::Number(beyond_64_bits(text, radix)), Datum::Integer)
             }
             (DeValue::Float(digits), _) => Datum::Number(parse(digits.as_str())),
             (DeValue::String(s), _) => Datum::Word(s.to_string()),
@@ -167,4 +167,12 @@ impl<'a> Source<'a> {
 /// A TOML number; one too large for f64 is infinite, one that is none is NaN.
 fn parse(digits: &str) -> f64 {
     digits.parse().unwrap_or(f64::NAN)
+}
+
+/// An integer as a number like any other; NaN, which every range refuses, beyond 128 bits where it is not decimal.
+fn beyond_64_bits(digits: &str, radix: u32) -> f64 {
+    match radix {
+        10 => parse(digits),
+        _ => u128::from_str_radix(digits, radix).map_or(f64::NAN, |integer| integer as f64),
+    }
 }

@@ -126,6 +126,15 @@ fn an_integer_is_a_number_and_a_whole_number_is_an_integer() {
     assert_eq!(load("strut.length = 3", &[]).unwrap().strut.length, 3.0);
     assert_eq!(load("contact.stiffness = 0x10", &[]).unwrap().joints[0].contact.stiffness, 16.0);
     assert_eq!(load("study.repeats = 5.0", &[]).unwrap().study.repeats, 5);
-    let huge = load("contact.stiffness = 100000000000000000000", &[]).unwrap();
-    assert_eq!(huge.joints[0].contact.stiffness, 1e20);
+    for (digits, value) in [
+        ("100000000000000000000", 1e20),
+        ("0x1_0000_0000_0000_0000", 2_f64.powi(64)),
+        ("0xffff_ffff_ffff_ffff_ff", 2_f64.powi(72)),
+        ("0o10_0000_0000_0000_0000_0000_0000", 2_f64.powi(75)),
+    ] {
+        let huge = load(&format!("contact.stiffness = {digits}"), &[]).unwrap();
+        assert_eq!(huge.joints[0].contact.stiffness, value, "{digits}");
+    }
+    let message = refusal(&format!("contact.stiffness = 0x{}", "1".repeat(33)));
+    assert!(message.contains("is out of range: "), "{message}");
 }
