@@ -209,7 +209,7 @@ impl CamFollower {
         Some(find_root(excess, bracket, f64::EPSILON * rigid))
     }
 
-    /// State x, ẋ at the time `s` after `(x, v)` in flight.
+    /// State x, ẋ at the time `s` after `(x, v)` in flight; not a number from the critical damping `2√(k m)` on.
     pub fn flight(&self, [x, v]: [f64; 2], s: f64) -> [f64; 2] {
         let rest = -self.preload / self.stiffness;
         let sigma = 0.5 * self.damping / self.mass;

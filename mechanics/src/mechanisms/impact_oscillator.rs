@@ -43,7 +43,8 @@ impl fmt::Debug for Mode {
 /// angular frequency [rad/s] of the force, `e` the restitution. The state is (u, u̇) and not (x, ẋ): impacts may
 /// accumulate at the stop, and then heights over the stop are smaller than the last digit of d.
 ///
-/// Between impacts the motion is that of a linear oscillator: with `ω_0² = k/m`, `σ = c/2m`, `ω_d² = ω_0² − σ²`,
+/// Between impacts the motion is that of a linear oscillator: below the critical damping `2√(k m)`, and with
+/// `ω_0² = k/m`, `σ = c/2m`, `ω_d² = ω_0² − σ²`,
 ///
 /// ```text
 /// x = B cos(ωt − β) + e^(−σs) (a cos ω_d s + b sin ω_d s),   s = t − t_0
@@ -57,7 +58,7 @@ impl fmt::Debug for Mode {
 /// S. W. Shaw, P. J. Holmes, "A periodically forced piecewise linear oscillator", J. Sound Vib. 90(1), 129–155 (1983),
 /// there the limit of a rigid stop; grazing: A. B. Nordmark, J. Sound Vib. 145(2), 279–297 (1991).
 ///
-/// Valid for m, k > 0, damping below the critical one, d ≥ 0, 0 ≤ e ≤ 1 and a start at u ≤ 0. Energies are
+/// Valid for m, k > 0, c ≥ 0, d ≥ 0, 0 ≤ e ≤ 1 and a start at u ≤ 0. Energies are
 /// `½ m u̇² + ½ k (u + d)²`; the work is that of the force.
 ///
 /// | key | default | unit | |
@@ -141,7 +142,7 @@ impl ImpactOscillator {
         self.gap * libm::hypot(along, across)
     }
 
-    /// State `s` after `y` at `t0` in free motion, past the stop too.
+    /// State `s` after `y` at `t0` in free motion, past the stop too; not a number from the critical damping on.
     pub fn free_motion(&self, t0: f64, y: [f64; 2], s: f64) -> [f64; 2] {
         let (sigma, omega_d) = self.decay();
         let [x_0, v_0] = self.steady(t0);
@@ -162,7 +163,8 @@ impl ImpactOscillator {
     /// ```
     ///
     /// `V` is the velocity of the steady motion at t_0. Derived here, as Shaw and Holmes do for their limit of a rigid
-    /// stop. That the motion stays below the stop between the impacts is not checked.
+    /// stop. That the motion stays below the stop between the impacts is not checked. Valid below the critical damping;
+    /// none from there on.
     pub fn periodic_orbits(&self, n: u32) -> Vec<PeriodicOrbit> {
         let (sigma, omega_d) = self.decay();
         let [along, across] = self.dynamic_stiffness();

@@ -4,6 +4,7 @@ use deltazero_study::energy_balance::Balance;
 
 use super::super::runs::{Run, balance, by_every_method, distance};
 use super::*;
+use crate::config::Config;
 
 /// Twenty periods of the force [s].
 const DEFAULT_END: f64 = 21.0;
@@ -193,4 +194,25 @@ fn the_energy_balances_with_what_the_impacts_take() {
     let own = balance(&undamped, "vern98", 1e-10, 20.0 * oscillator.period());
     assert!(own.residual.abs() < 1e-8 * own.dissipated, "{own:?}");
     assert!(own.dissipated > 0.0 && dissipated > 0.0);
+}
+
+#[test]
+fn an_overdamped_mass_without_a_force_creeps_to_rest_as_in_closed_form() {
+    let sets = ["mechanism=impact-oscillator", "impact_oscillator.damping=25"].map(str::to_owned);
+    assert!(Config::load(None, &sets).is_ok());
+    let creeping = ImpactOscillator {
+        damping: 25.0,
+        amplitude: 0.0,
+        start_position: -0.2,
+        ..ImpactOscillator::default()
+    };
+    // s² + 25 s + 100 = (s + 5)(s + 20).
+    let t = 0.3;
+    let (slow, fast) = (libm::exp(-5.0 * t), libm::exp(-20.0 * t));
+    let x = -0.1 * (20.0 * slow - 5.0 * fast) / 15.0;
+    let v = 10.0 * (slow - fast) / 15.0;
+    for (name, run) in by_every_method(&creeping, t) {
+        let off = distance(&creeping, &run.end.y, &[x - creeping.gap, v]);
+        assert!(off < 1e-8, "{name}: {off:e}");
+    }
 }
