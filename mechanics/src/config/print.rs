@@ -65,7 +65,7 @@ fn commented(head: &str, mechanism: &Entry, config: Option<&Config>) -> String {
             out += &format!("\n[{}]", table.unwrap_or_default());
         }
         let given = values.as_ref().map(|all| value_at(all, key));
-        out += &entry(key, mechanism, given);
+        out += &entry(key, mechanism.default_of(key.path), given);
     }
     out
 }
@@ -78,22 +78,21 @@ fn value_at<'a>(all: &'a Value, key: &Key) -> &'a Value {
     }
 }
 
-/// What it is; unit, range and source; the assignment. The default is the mechanism's `own`, where it has one; of
-/// a value that is `given` and is another one, the default and its source are told.
-fn entry(key: &Key, mechanism: &Entry, given: Option<&Value>) -> String {
-    let own = mechanism.default_of(key.path);
+/// What it is; unit, range and source; the assignment. The default is the mechanism's `own`, where it has one, from
+/// its own source; of a value that is `given` and is another one, the default and its source are told.
+fn entry(key: &Key, own: Option<(&str, &str)>, given: Option<&Value>) -> String {
     let limits = match key.kind.limits(key.unit) {
         limits if limits.is_empty() => "true or false".to_owned(),
         limits => limits,
     };
-    let source = if own.is_some() { mechanism.source } else { key.source };
+    let source = own.map_or(key.source, |(_, source)| source);
     let (doc, name) = (key.doc, key.name());
     let assigned = |source: &str, mark: &str, value: &str| {
         format!("\n# {doc}.\n# {limits}; {source}.\n{mark}{name} = {value}\n")
     };
-    let default = match key.default {
-        DefaultValue::Toml(value) => own.unwrap_or(value),
-        DefaultValue::Absent(example) => {
+    let default = match (own, key.default) {
+        (Some((value, _)), _) | (None, DefaultValue::Toml(value)) => value,
+        (None, DefaultValue::Absent(example)) => {
             return match given {
                 None | Some(Value::Null) => assigned(source, "# ", example),
                 Some(value) => assigned(&format!("given; {source}"), "", &value.to_string()),

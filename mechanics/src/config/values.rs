@@ -135,7 +135,7 @@ impl Values {
     fn for_mechanism(&mut self) -> Result<&'static Entry, ConfigError> {
         let name: String = self.part("mechanism")?;
         let entry = Entry::named(&name).ok_or_else(|| table("mechanism", &name))?;
-        for &(path, text) in entry.defaults {
+        for &(path, text, _) in entry.defaults {
             if self.place(path) == Place::Default {
                 self.apply(path, &toml_source::value(text, Place::Default)?)?;
             }

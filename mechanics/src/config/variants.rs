@@ -341,7 +341,9 @@ mod tests {
             let set = format!("mechanism={}", entry.name);
             for key in keys().filter(|key| key.path != "mechanism" && entry.has(key)) {
                 let text = match key.default {
-                    DefaultValue::Toml(text) => entry.default_of(key.path).unwrap_or(text),
+                    DefaultValue::Toml(text) => {
+                        entry.default_of(key.path).map_or(text, |(own, _)| own)
+                    }
                     DefaultValue::Absent(example) => example,
                 };
                 let given = super::super::toml_source::value(text, Place::Default).unwrap();

@@ -11,6 +11,9 @@ use crate::model::{self, AnyLinkage, Body, Joints, Part, block};
 /// Where lengths and masses are from; the same numbers are in the examples of the program Siconos.
 const SOURCE: &str = "four-bar with joint clearances of Akhadkar, Acary and Brogliato, Multibody Syst. Dyn. 38 (2016)";
 
+/// Where its other numbers are from.
+const OURS: &str = "our choice";
+
 /// Its line in the list.
 pub(super) const FOUR_BAR: Entry = Entry {
     name: "four-bar",
@@ -18,19 +21,18 @@ pub(super) const FOUR_BAR: Entry = Entry {
     keys: KEYS,
     uses: &["joint", "contact", "friction"],
     defaults: &[
-        ("joint.clearance", "1e-3"),
-        ("joint.pin_radius", "0.059"),
-        ("contact.law", "\"lankarani_nikravesh\""),
-        ("contact.stiffness", "1e9"),
-        ("contact.exponent", "1.5"),
-        ("contact.restitution", "0.8"),
-        ("friction.coefficient", "0.1"),
-        ("run.t_end", "1.0"),
-        ("run.sample", "5e-3"),
-        ("solver.step", "2e-5"),
-        ("study.steps", "[2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6]"),
+        ("joint.clearance", "1e-3", OURS),
+        ("joint.pin_radius", "0.059", OURS),
+        ("contact.law", "\"lankarani_nikravesh\"", OURS),
+        ("contact.stiffness", "1e9", OURS),
+        ("contact.exponent", "1.5", OURS),
+        ("contact.restitution", "0.8", OURS),
+        ("friction.coefficient", "0.1", OURS),
+        ("run.t_end", "1.0", OURS),
+        ("run.sample", "5e-3", OURS),
+        ("solver.step", "2e-5", OURS),
+        ("study.steps", "[2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6, 2e-6]", OURS),
     ],
-    source: "our choice",
     has_two_joints: false,
     read: |tables| read_table::<FourBar>(tables, "four_bar"),
 };
@@ -93,7 +95,7 @@ const KEYS: &[Key] = &[
         "1.5707963267948966",
         "rad",
         "Angle of the crank at the start, from the line of the pivots",
-        "our choice",
+        OURS,
     ),
 ];
 

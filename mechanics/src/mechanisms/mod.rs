@@ -59,15 +59,16 @@ pub struct Entry {
     pub keys: &'static [Key],
     /// The tables, or keys at the root, that it shares with others and uses.
     pub uses: &'static [&'static str],
-    /// Defaults of its own for keys that it shares: path, value as TOML.
-    pub defaults: &'static [(&'static str, &'static str)],
-    /// Where its numbers are from.
-    pub source: &'static str,
+    /// Defaults of its own for keys that it shares.
+    pub defaults: &'static [OwnDefault],
     /// Whether keys of the joint tables may differ for one joint.
     pub has_two_joints: bool,
     /// Reads what a configuration has in its own tables.
     pub read: fn(Value) -> serde_json::Result<Arc<dyn Mechanism>>,
 }
+
+/// A default of its own that a mechanism has for a key that it shares: path, value as TOML, and where that is from.
+pub type OwnDefault = (&'static str, &'static str, &'static str);
 
 /// Tables that every mechanism uses.
 const OF_ALL: [&str; 6] = ["mechanism", "run", "solver", "study", "contest", "regimes"];
@@ -87,9 +88,9 @@ impl Entry {
             || self.keys.iter().any(|own| own.path == key.path)
     }
 
-    /// Its own default of a key, as TOML, if it has one.
-    pub fn default_of(&self, path: &str) -> Option<&'static str> {
-        self.defaults.iter().find(|(own, _)| *own == path).map(|(_, text)| *text)
+    /// Its own default of a key, as TOML, if it has one, and where that is from.
+    pub fn default_of(&self, path: &str) -> Option<(&'static str, &'static str)> {
+        self.defaults.iter().find(|(own, ..)| *own == path).map(|&(_, text, source)| (text, source))
     }
 }
 

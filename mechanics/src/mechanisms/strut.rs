@@ -18,7 +18,6 @@ pub(super) const STRUT: Entry = Entry {
     keys: STRUTS,
     uses: &["joint", "contact", "friction"],
     defaults: &[],
-    source: "Table 1 of the paper",
     has_two_joints: true,
     read: |_| Ok(Arc::new(Struts)),
 };

@@ -21,7 +21,6 @@ static TEXT: Entry = Entry {
     keys: &[],
     uses: &[],
     defaults: &[],
-    source: "a share of run.t_end",
     has_two_joints: false,
     read: |_| Err(serde::de::Error::custom("a model from a file is given by --model FILE")),
 };

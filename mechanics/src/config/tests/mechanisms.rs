@@ -28,7 +28,7 @@ fn every_default_of_a_mechanism_is_of_a_key_that_it_has_and_printed() {
     for entry in MECHANISMS {
         let config = load("", &[&format!("mechanism={}", entry.name)]).unwrap();
         let text = config.commented_toml();
-        for (path, value) in entry.defaults {
+        for (path, value, _) in entry.defaults {
             let key = find(path).unwrap();
             assert!(entry.has(key), "{}: {path}", entry.name);
             assert!(text.contains(&format!("\n{} = {value}\n", key.name())), "{path}");
@@ -118,6 +118,8 @@ fn a_printed_configuration_says_what_was_given_and_what_is_the_default() {
         text.contains("given; 1.5 is slider-crank benchmark of Flores, Ambrósio, Claro and Lankarani.\nexponent = 2.0\n"),
         "{text}"
     );
+    assert!(text.contains("; our choice.\nstatic_coefficient = 0.045\n"), "{text}");
+    assert!(text.contains("; our choice.\nstep = 1e-6\n"), "{text}");
     assert!(text.contains("given; \"strut\" is the paper's case.\nmechanism = \"slider-crank\"\n"));
     assert!(!text.contains("joint2"), "{text}");
     let strut = load("", &["joint2.contact.stiffness=2e7"]).unwrap().commented_toml();

@@ -21,15 +21,14 @@ pub(in crate::mechanisms) const CAM_FOLLOWER: Entry = Entry {
     // Laws of cylinders take the radii of [joint].
     uses: &["joint", "contact"],
     defaults: &[
-        ("contact.stiffness", "1e8"),
-        ("contact.damping", "900.0"),
-        ("contact.adhesion", "false"),
-        ("run.t_end", "0.13"),
-        ("run.sample", "5e-4"),
-        ("solver.step", "2e-6"),
-        ("study.steps", "[2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7]"),
+        ("contact.stiffness", "1e8", SOURCE),
+        ("contact.damping", "900.0", SOURCE),
+        ("contact.adhesion", "false", SOURCE),
+        ("run.t_end", "0.13", SOURCE),
+        ("run.sample", "5e-4", SOURCE),
+        ("solver.step", "2e-6", SOURCE),
+        ("study.steps", "[2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7]", SOURCE),
     ],
-    source: SOURCE,
     has_two_joints: false,
     read: |tables| read_table::<Parameters>(tables, "cam_follower"),
 };

@@ -17,12 +17,11 @@ pub(in crate::mechanisms) const IMPACT_OSCILLATOR: Entry = Entry {
     keys: KEYS,
     uses: &[],
     defaults: &[
-        ("run.t_end", "21.0"),
-        ("run.sample", "0.05"),
-        ("solver.step", "1e-3"),
-        ("study.steps", "[0.05, 0.02, 0.01, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]"),
+        ("run.t_end", "21.0", SOURCE),
+        ("run.sample", "0.05", SOURCE),
+        ("solver.step", "1e-3", SOURCE),
+        ("study.steps", "[0.05, 0.02, 0.01, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]", SOURCE),
     ],
-    source: SOURCE,
     has_two_joints: false,
     read: |tables| read_table::<ImpactOscillator>(tables, "impact_oscillator"),
 };

@@ -17,12 +17,11 @@ pub(in crate::mechanisms) const ROCKING_BLOCK: Entry = Entry {
     keys: KEYS,
     uses: &[],
     defaults: &[
-        ("run.t_end", "7.5"),
-        ("run.sample", "0.025"),
-        ("solver.step", "1e-3"),
-        ("study.steps", "[0.1, 0.05, 0.02, 0.01, 5e-3, 2e-3, 1e-3, 5e-4]"),
+        ("run.t_end", "7.5", SOURCE),
+        ("run.sample", "0.025", SOURCE),
+        ("solver.step", "1e-3", SOURCE),
+        ("study.steps", "[0.1, 0.05, 0.02, 0.01, 5e-3, 2e-3, 1e-3, 5e-4]", SOURCE),
     ],
-    source: SOURCE,
     has_two_joints: false,
     read: |tables| read_table::<RockingBlock>(tables, "rocking_block"),
 };
