@@ -6,7 +6,8 @@ use super::all_keys::keys;
 use super::check::check;
 use super::error::Place;
 use super::given::is_bare_key;
-use super::{Config, toml_source};
+use super::values::{OfModel, Values};
+use super::{Config, Given, Model, toml_source};
 use crate::keys::{DefaultValue, JOINT_TABLES, JOINTS, Key};
 use crate::mechanisms::text::TABLES;
 use crate::mechanisms::{Entry, MECHANISMS};
@@ -50,6 +51,11 @@ pub fn default_toml() -> String {
 /// Every key of a mechanism with its comment, and the values of `config`, or else the defaults.
 fn commented(head: &str, mechanism: &Entry, config: Option<&Config>) -> String {
     let values = config.map(Config::to_json);
+    let of_model = config.map_or_else(Vec::new, Config::defaults_of_model);
+    let own = |key: &Key| {
+        let of_model = of_model.iter().find(|(path, ..)| path == key.path);
+        mechanism.default_of(key.path).or(of_model.map(|(_, text, source)| (&**text, *source)))
+    };
     let mut out = format!("{head}{LEGEND}");
     let mut table = None;
     for key in keys().filter(|key| mechanism.has(key)) {
@@ -65,7 +71,7 @@ fn commented(head: &str, mechanism: &Entry, config: Option<&Config>) -> String {
             out += &format!("\n[{}]", table.unwrap_or_default());
         }
         let given = values.as_ref().map(|all| value_at(all, key));
-        out += &entry(key, mechanism.default_of(key.path), given);
+        out += &entry(key, own(key), given);
     }
     out
 }
@@ -114,6 +120,12 @@ fn is_written(key: &Key, text: &str, value: &Value) -> bool {
 }
 
 impl Config {
+    /// The defaults that its model from a file brings; none without one.
+    fn defaults_of_model(&self) -> Vec<OfModel> {
+        let model = Model::carried_by(&Given::from_json(&self.to_json())).ok().flatten();
+        model.and_then(|model| Values::of_model(model, self.run.t_end).ok()).unwrap_or_default()
+    }
+
     /// All of it as a TOML file like the [default one](default_toml), with comments; [`load`](Self::load) reads it
     /// back to the same bits.
     pub fn commented_toml(&self) -> String {

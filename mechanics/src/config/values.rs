@@ -21,6 +21,12 @@ use crate::mechanisms::{Chosen, Entry, text};
 /// The table of a configuration that holds the values of a model's parameters.
 const PARAMETERS: &str = text::TABLES[1];
 
+/// A default that a model from a file brings: path, value as TOML, and where it is from.
+pub(super) type OfModel = (String, String, &'static str);
+
+/// Where defaults of settings are from that a model has no size for.
+const SHARE: &str = "a share of run.t_end";
+
 /// What a path leads to.
 pub(super) enum Target<'a> {
     /// A parameter of the model.
@@ -80,6 +86,19 @@ impl Values {
         let settings = model.settings()?;
         self.model = Some(model);
         settings.iter().try_for_each(|(path, given)| self.apply(path, given))
+    }
+
+    /// The defaults that a model from a file brings to runs up to `t_end` [s]: those that it holds, then those that follow.
+    ///
+    /// # Errors
+    /// As [`take_model`](Self::take_model).
+    pub(super) fn of_model(model: Model, t_end: f64) -> Result<Vec<OfModel>, ConfigError> {
+        let mut all = Self { values: BTreeMap::new(), model: None };
+        all.take_model(model)?;
+        let held = all.values.into_iter();
+        let held = held.map(|(path, (value, _))| (path, value.to_string(), "the model's own"));
+        let shares = model::defaults(t_end).map(|(path, text)| (path.to_owned(), text, SHARE));
+        Ok(held.chain(shares).collect())
     }
 
     /// What is integrated, once its own defaults are in the place of what was not given.

@@ -70,3 +70,26 @@ fn a_value_that_a_parameter_refuses_leaves_the_next_one_right() {
     assert_eq!(refused, "--set g=-1.0: g = -1.0 is out of range: greater than 0");
     assert_eq!(variants.set(&[2.0.into()]).unwrap().mechanism.tables["parameters"]["g"], 2.0);
 }
+
+#[test]
+fn a_printed_configuration_tells_the_defaults_of_its_model_from_what_was_given() {
+    let text = BALL.replace("t_end = 2", "t_end = 3") + "[solver]\natol = 1e-9\n";
+    let printed = load(&text, &[]).unwrap().commented_toml();
+    for own in [
+        "; the model's own.\nt_end = 3.0\n",
+        "; the model's own.\natol = 1e-9\n",
+        "; a share of run.t_end.\nsample = 6e-3\n",
+        "; our choice.\nrtol = 1e-8\n",
+    ] {
+        assert!(printed.contains(own), "{own}: {printed}");
+    }
+    assert!(!printed.contains("given"), "{printed}");
+    let printed = load(&text, &["run.t_end=1", "run.sample=0.1"]).unwrap().commented_toml();
+    for own in [
+        "; given; 3.0 is the model's own.\nt_end = 1.0\n",
+        "; given; 2e-3 is a share of run.t_end.\nsample = 0.1\n",
+        "; a share of run.t_end.\nstep = 1e-4\n",
+    ] {
+        assert!(printed.contains(own), "{own}: {printed}");
+    }
+}
