@@ -235,7 +235,7 @@ pub const COMMON: &[Key] = &[
         kind: Kind::OneOf(&[POSITIVE, Kind::List(&POSITIVE, None)]),
         default: Absent("1e-12"),
         unit: "",
-        doc: "Absolute tolerance in each state's unit, one for all or one each: of a joint (m, m, rad, m/s, m/s, rad/s), its bristles (m) taking the one for all",
+        doc: "Absolute tolerance in each state's unit, one for all or one each: of a joint (m, m, rad, m/s, m/s, rad/s), its bristles keeping rtol times their scale",
         source: "absent: rtol times the model's scale of each state",
     },
     Key {
