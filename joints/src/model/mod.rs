@@ -43,7 +43,6 @@ pub use reading::Reading;
 pub use slider_crank::SliderCrank;
 
 use contact::NormalLaw;
-use deltazero_study::Problem as _;
 use elastic::Elastic;
 use sliding::Shape;
 
@@ -91,26 +90,12 @@ impl Part {
             Self::Chain(chain) => chain.block(),
         }
     }
-
-    /// Number of its joints.
-    pub fn n_joints(&self) -> usize {
-        match self {
-            Self::Block(block) => block.n_sites(),
-            Self::Chain(chain) => chain.n_sites(),
-        }
-    }
 }
 
 impl Joints {
     /// The joint of each part with what hangs on it, alone.
     pub fn blocks(&self) -> Vec<&Block> {
         self.parts.iter().map(Part::block).collect()
-    }
-
-    /// Every joint: its bay, from 1, and the joint with what hangs on it, alone.
-    pub fn joints(&self) -> Vec<(usize, &Block)> {
-        let joints = |part| (1..=Part::n_joints(part)).map(|bay| (bay, Part::block(part)));
-        self.parts.iter().flat_map(joints).collect()
     }
 }
 
