@@ -49,6 +49,10 @@ impl Values {
             let is_meant = |key: &Key| key.table().is_none() || matches!(place, Place::Set(_));
             let is_foreign = find(path).is_some_and(|key| is_meant(key) && !entry.has(key));
             if is_foreign && !self.is_default(path) {
+                if self.model.is_some() {
+                    let (place, key) = (place.clone(), path.as_str().into());
+                    return Err(ConfigError::NotOfModel { place, key, nearest: None });
+                }
                 let reason = format!(
                     "the mechanism has no such key; `deltazero config --set mechanism={}` lists those that it has",
                     entry.name

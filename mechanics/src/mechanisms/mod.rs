@@ -57,7 +57,7 @@ pub struct Entry {
     pub about: &'static str,
     /// Its own keys: at the root, or in a table of its own.
     pub keys: &'static [Key],
-    /// The tables, or keys at the root, that it shares with others and uses.
+    /// The tables, or single keys, that it shares with others and uses.
     pub uses: &'static [&'static str],
     /// Defaults of its own for keys that it shares.
     pub defaults: &'static [OwnDefault],
@@ -73,6 +73,10 @@ pub type OwnDefault = (&'static str, &'static str, &'static str);
 /// Tables that every mechanism uses.
 const OF_ALL: [&str; 6] = ["mechanism", "run", "solver", "study", "contest", "regimes"];
 
+/// Keys in those tables that a mechanism uses only where it says so.
+const NOT_OF_ALL: [&str; 4] =
+    ["run.stop_at_90", "regimes.stiffness", "regimes.damping_ratio", "regimes.readings"];
+
 impl Entry {
     /// The mechanism of this name.
     pub fn named(name: &str) -> Option<&'static Self> {
@@ -83,8 +87,12 @@ impl Entry {
     pub fn has(&self, key: &Key) -> bool {
         let table = key.table().unwrap_or(key.path);
         // A model from a file is not chosen by the key `mechanism`.
-        OF_ALL.contains(&table) && (key.path != "mechanism" || Self::named(self.name).is_some())
+        let is_of_all = OF_ALL.contains(&table)
+            && !NOT_OF_ALL.contains(&key.path)
+            && (key.path != "mechanism" || Self::named(self.name).is_some());
+        is_of_all
             || self.uses.contains(&table)
+            || self.uses.contains(&key.path)
             || self.keys.iter().any(|own| own.path == key.path)
     }
 

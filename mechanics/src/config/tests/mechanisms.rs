@@ -126,3 +126,22 @@ fn a_printed_configuration_says_what_was_given_and_what_is_the_default() {
     assert!(strut.contains("\n[joint2.contact]\nstiffness = 20000000.0\n"), "{strut}");
     assert!(strut.contains("printed in N.m).\nstiffness = 1e7\n"), "{strut}");
 }
+
+#[test]
+fn keys_of_the_struts_alone_are_refused_where_they_are_set_for_others_and_read_in_files() {
+    for set in [
+        "run.stop_at_90=false",
+        "regimes.stiffness=[1e6]",
+        "regimes.damping_ratio=[0.1]",
+        "regimes.readings=[\"pin\"]",
+    ] {
+        assert!(load("", &[set]).is_ok(), "{set}");
+        for entry in &MECHANISMS[1..] {
+            let choice = format!("mechanism={}", entry.name);
+            let message = load("", &[&choice, set]).unwrap_err().to_string();
+            assert!(message.contains("the mechanism has no such key"), "{message}");
+            let written = load(&set.replace('=', " = "), &[&choice]).unwrap();
+            assert_eq!(Config::from_json(&written.to_json()), Ok(written), "{set}");
+        }
+    }
+}

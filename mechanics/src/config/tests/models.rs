@@ -93,3 +93,10 @@ fn a_printed_configuration_tells_the_defaults_of_its_model_from_what_was_given()
         assert!(printed.contains(own), "{own}: {printed}");
     }
 }
+
+#[test]
+fn what_a_model_does_not_use_is_refused_where_it_is_set() {
+    let message = load(BALL, &["run.stop_at_90=false"]).unwrap_err().to_string();
+    let start = "--set run.stop_at_90=false: \"run.stop_at_90\" is neither a parameter of the model nor a setting";
+    assert!(message.starts_with(start), "{message}");
+}
