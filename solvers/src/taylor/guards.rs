@@ -16,6 +16,8 @@ use crate::system::{System, Vector};
 
 /// Order to which guards are expanded first. In most steps it suffices to show that they are far from zero.
 pub(crate) const FIRST_LOOK: usize = 5;
+/// Terms that grow are of no account below this fraction of the guard.
+const NOISE: f64 = 1e-9;
 /// Precision of the roots of the polynomials, as a fraction of the step.
 const PRECISION: f64 = 1e-14;
 /// Largest error of a guard's polynomial, as a fraction of the guard's size, with which falls are read off it.
@@ -169,7 +171,8 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
     }
 
     /// Whether guard `i`, whose value at the end of a step of size `h` is `end`, stays above zero on the step by more
-    /// than its last two terms and the error of the polynomial at the end. Besides, a number that is zero or more where such
+    /// than its last two terms and the error of the polynomial at the end, and whether its last term is no larger than those
+    /// before: a series whose terms grow tells nothing of a guard that moves faster than the states. Besides, a number that is zero or more where such
     /// a guard does not turn below `low`: it does not fall at the start, or falls at the end by more than its last two terms,
     /// or is above `low`.
     #[inline]
@@ -183,22 +186,24 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
         let zero = B::Rounded::cst(0.0);
         let g_0 = self.g[0].as_ref()[i];
         let (mut sum, mut least, mut power) = (g_0, g_0, B::Rounded::cst(1.0));
-        let (mut last, mut sums) = ([zero; 2], zero);
+        let (mut last, mut sums) = ([zero; 3], zero);
         for g in &self.g[1..=degree] {
             power = power * h;
             let term = g.as_ref()[i] * power;
             sums = sums + sum;
             sum = sum + term;
             least = least + term.lesser(zero);
-            last = [last[1], term];
+            last = [last[1], last[2], term];
         }
-        let of_last = last[0].abs() + last[1].abs();
+        let [before, last_but_one, last] = last.map(Ordered::abs);
+        let of_last = last_but_one + last;
         // With s_j the sum to order j, Σ_k≤N k g_k hᵏ = N s_N − Σ_j<N s_j. What the sum lacks at the end is taken for a
         // term of the next order.
         let falls_at_end = sums + sum - end * (degree + 1) as f64 - of_last;
         let no_turn = (self.g[1].as_ref()[i] * h).larger(falls_at_end).larger(least - low);
+        let falls_off = (before.larger(last_but_one) + g_0 * NOISE).is_above(last);
         // False where a value is NaN.
-        (least.is_above(of_last + (sum - end).abs() * 2.0), no_turn)
+        (least.is_above(of_last + (sum - end).abs() * 2.0) & falls_off, no_turn)
     }
 
     /// Notes the turns of guards that are all clear on a step of size `h` from `t0`. One of them turns once at most: else its
@@ -408,6 +413,11 @@ fn fit<P: System>(p: &Polynomial, i: usize, watch: &GuardWatch<P>) -> Option<Fit
     let error = (p.at(0.5) - middle).abs().max((p.at(1.0) - end).abs()).max(last);
     let size = c[..2].iter().fold(middle.abs().max(end.abs()), |a, c| a.max(c.abs()));
     let allowed = watch.bound(i).max(MOST_ERROR * size);
+    // A series whose terms grow ends before the step does.
+    let before = c[degree.saturating_sub(2)..degree].iter().fold(0.0, |a: f64, c| a.max(c.abs()));
+    if c[degree].abs() > before + NOISE * size {
+        return Some(Fit::Part((SAFETY * before / c[degree].abs()).max(SHORTER)));
+    }
     if error <= allowed {
         return Some(Fit::Whole { error });
     }

@@ -116,3 +116,54 @@ fn dips_of_a_guard_that_turns_while_the_states_rest_are_found() {
         }
     }
 }
+
+/// `ẋ = 1, ż = 0` with the guard `1/2 − 1/(1 + ((t − 5)/w)²)`, far from its surface but for a time of 2 w about 5.
+struct Peak {
+    w: f64,
+}
+
+impl System for Peak {
+    type Mode = bool;
+    type State<S: Real> = [S; 2];
+    type Guards<S: Real> = [S; 1];
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 2]) -> bool {
+        false
+    }
+
+    fn rhs<S: Real>(&self, _: bool, _t: S, _y: &[S; 2], dydt: &mut [S; 2]) {
+        *dydt = [S::cst(1.0), S::cst(0.0)];
+    }
+
+    fn guards<S: Real>(&self, is_high: bool, _t: S, y: &[S; 2], g: &mut [S; 1]) {
+        let s = (y[0] - 5.0) / self.w;
+        let below = -(S::cst(1.0) / (s * s + 1.0)) + 0.5;
+        *g = [if is_high { -below } else { below }];
+    }
+
+    fn guard_bounds(&self, _: bool, _t: f64, _y: &[f64; 2], bounds: &mut [f64; 1]) {
+        *bounds = [4.0 * f64::EPSILON * (1.0 + 5.0 / self.w)];
+    }
+
+    fn transition<S: Real>(&self, is_high: bool, _: usize, _: S, _: &mut [S; 2]) -> Next<bool> {
+        Next::Mode(!is_high)
+    }
+}
+
+#[test]
+fn a_series_that_ends_before_the_step_does_tells_nothing_of_its_guard() {
+    for (method, control) in settings_with(0.25) {
+        if method.name != "taylor" {
+            continue;
+        }
+        for w in [1.0, 0.3, 0.1, 0.03, 0.01, 1e-3] {
+            let setting = (method, control.clone());
+            let (log, outcome, ..) = run(&Peak { w }, &setting, (0.0, [0.0; 2]), 10.0);
+            assert_eq!(outcome, Ok(Outcome::Finished), "{w}");
+            let times = log.times();
+            assert_eq!(times.len(), 2, "{control:?}, {w}: {times:?}");
+            let late = (times[0] - 5.0 + w).abs().max((times[1] - 5.0 - w).abs());
+            assert!(late < 1e-12, "{control:?}, {w}: {late:e}");
+        }
+    }
+}
