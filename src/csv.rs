@@ -2,8 +2,6 @@
 
 use std::borrow::Cow;
 
-use deltazero_study::problem::Quantity;
-
 /// A number as it reads back to the same bits; empty for none.
 pub(crate) fn exact(x: Option<f64>) -> String {
     x.map_or_else(String::new, |x| format!("{x:e}"))
@@ -16,12 +14,6 @@ pub(crate) fn field(text: &str) -> String {
     } else {
         text.to_owned()
     }
-}
-
-/// Name and unit as a header has them: `v1_m_s` of v1 in m/s.
-pub(crate) fn header_of(column: &Quantity) -> String {
-    let unit: String = column.unit.to_lowercase().replace('²', "2").replace(['/', ' '], "_");
-    if unit.is_empty() { column.name.to_string() } else { format!("{}_{unit}", column.name) }
 }
 
 /// The fields of a line, quotes taken off.

@@ -7,7 +7,7 @@ use deltazero_study::motion::Motion;
 use deltazero_study::problem::Quantity;
 use deltazero_study::simulation::{NamedChange, SiteMotion};
 
-use crate::csv::{exact, field, header_of};
+use crate::csv::{exact, field};
 
 /// `trajectory.csv`: what tells the sites apart, time, mode and the columns of each; sites in their order.
 ///
@@ -75,8 +75,8 @@ pub fn motion_csv(motion: &Motion) -> String {
             let (depth, force) = (touch.map(|touch| touch.depth), touch.map(|touch| touch.force));
             let mut values: Vec<String> = values.iter().map(finite).collect();
             let more = [depth, force].into_iter().zip(adds).filter(|(_, adds)| *adds);
-            values.extend(more.map(|(x, _)| exact(x)));
-            let _ = writeln!(csv, "{part},{labels}{t:e},{mode},{}", values.join(","));
+            values.extend(more.map(|(x, _)| x.as_ref().map_or_else(String::new, finite)));
+            let _ = writeln!(csv, "{part},{labels}{t:e},{},{}", field(mode), values.join(","));
         }
     }
     csv
@@ -84,7 +84,7 @@ pub fn motion_csv(motion: &Motion) -> String {
 
 /// What is above a column: the unit of a model is any text.
 fn header_field(column: &Quantity) -> String {
-    field(&header_of(column))
+    field(&column.header())
 }
 
 fn label_names(site: &SiteMotion) -> Vec<String> {

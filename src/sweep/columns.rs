@@ -12,7 +12,6 @@ use serde_json::Value;
 
 use super::plan::{Plan, Values};
 use crate::config::Varied;
-use crate::csv::header_of;
 use crate::mechanisms::text;
 
 /// What a row has in a column.
@@ -205,8 +204,9 @@ impl Shape {
             for (prefix, columns) in prefixes.iter().zip(&shape.columns) {
                 heads.push(Head::number(format!("{prefix}t_s"), "s"));
                 heads.push(Head::text(format!("{prefix}mode")));
-                let name = |column| format!("{prefix}{}", header_of(column));
-                heads.extend(columns.iter().map(|own| Head::number(name(own), own.unit.as_ref())));
+                heads.extend(columns.iter().map(|own| {
+                    Head::number(format!("{prefix}{}", own.header()), own.unit.as_ref())
+                }));
             }
         }
         if self.n_sites() > 1 {

@@ -30,6 +30,12 @@ impl Quantity {
     ) -> Self {
         Self { name: name.into(), unit: unit.into(), scale }
     }
+
+    /// What is above its column in a table: `v1_m_s` of v1 in m/s.
+    pub fn header(&self) -> String {
+        let unit: String = self.unit.to_lowercase().replace('²', "2").replace(['/', ' '], "_");
+        if unit.is_empty() { self.name.to_string() } else { format!("{}_{unit}", self.name) }
+    }
 }
 
 /// In what the error of a group of states is measured.

@@ -2,6 +2,8 @@
 
 use std::collections::{HashMap, HashSet};
 
+use deltazero_study::problem::Quantity;
+
 use crate::declarations::{Declarations, Definition};
 use crate::document::At;
 use crate::report::{Checked, Complaint};
@@ -38,11 +40,9 @@ pub(crate) fn check_columns(file: &Declarations) -> Checked<()> {
     Ok(())
 }
 
-/// The name of a column, as tables write it: `x_m_s` of x in m/s. That of a vector stands for those of all its indices.
+/// The name of a column in tables. That of a vector stands for those of all its indices.
 fn column(name: &At<String>, unit: Option<&At<String>>, is_vector: bool) -> String {
     let index = if is_vector { "[]" } else { "" };
-    let unit = unit.map_or("", |unit| &unit.value).to_lowercase();
-    let unit = unit.replace('²', "2").replace(['/', ' '], "_");
-    let separator = if unit.is_empty() { "" } else { "_" };
-    format!("{}{index}{separator}{unit}", name.value)
+    let unit = unit.map_or("", |unit| &unit.value).to_owned();
+    Quantity::new(format!("{}{index}", name.value), unit, 1.0).header()
 }
