@@ -242,8 +242,11 @@ impl Pair<'_> {
         if run.states.len() < n {
             return Some(f64::INFINITY);
         }
-        let before = tight.pairs(run, scale.event_window).filter(|(t, ..)| *t < until);
-        before.map(|(_, tight, own)| scale.error(own, tight)).reduce(worse)
+        let pairs = tight.samples().pairs(run.samples(), scale.event_window);
+        pairs
+            .filter(|(t, ..)| *t < until)
+            .map(|(_, tight, own)| scale.error(own, tight))
+            .reduce(worse)
     }
 
     /// As [`lost_at`](Self::lost_at), lengths measured by its own alone.

@@ -35,16 +35,34 @@ impl Trace {
         }
     }
 
-    /// The samples of this run and another, with their times [s], that can be compared: all but those
-    /// [between](is_between_jumps) a jump of one and that of the other, `window` [s] apart at most.
-    pub fn pairs<'a>(
-        &'a self,
-        other: &'a Self,
+    /// Its samples.
+    pub fn samples(&self) -> Samples<'_> {
+        Samples { times: &self.times, states: &self.states, jumps: &self.jumps }
+    }
+}
+
+/// Samples of a run, and what is to be known to compare them.
+#[derive(Clone, Copy, Debug)]
+pub struct Samples<'a> {
+    /// Their times [s].
+    pub times: &'a [f64],
+    /// States there.
+    pub states: &'a [Vec<f64>],
+    /// Times of the events at which a state jumps [s].
+    pub jumps: &'a [f64],
+}
+
+impl<'a> Samples<'a> {
+    /// Those of this run and another at the same times [s] that can be compared: all but those between a jump of one run
+    /// and the same jump of the other, `window` [s] apart at most. There the states are of different sides of the jump, and
+    /// their difference is the jump, however near the runs are.
+    pub fn pairs(
+        self,
+        other: Samples<'a>,
         window: f64,
     ) -> impl Iterator<Item = (f64, &'a [f64], &'a [f64])> {
-        let pairs = self.times.iter().zip(self.states.iter().zip(&other.states));
-        let is_between = move |t: f64| is_between_jumps(&self.jumps, &other.jumps, window, t);
-        let pairs = pairs.filter(move |(t, _)| !is_between(**t));
+        let pairs = self.times.iter().zip(self.states.iter().zip(other.states));
+        let pairs = pairs.filter(move |(t, _)| !is_between(self.jumps, other.jumps, window, **t));
         pairs.map(|(t, (own, other))| (*t, own.as_slice(), other.as_slice()))
     }
 }
@@ -60,15 +78,23 @@ fn jumps<P: Problem>(problem: &P, run: &OwnTrajectory<P>) -> Vec<f64> {
     events.filter(|(_, sides)| is_jump(sides)).map(|(event, _)| event.t).collect()
 }
 
-/// Whether `t` lies between a jump of one run and the same jump of another, `window` [s] apart at most: their states there
-/// are of different sides of it, so their difference is the jump, however near the runs are. The k-th jumps are the same.
-pub fn is_between_jumps(own: &[f64], other: &[f64], window: f64, t: f64) -> bool {
-    // The state at a jump is the one after it.
-    let [a, b] = [own, other].map(|jumps| jumps.partition_point(|at| *at <= t));
-    let mut apart = own.iter().zip(other).skip(a.min(b)).take(a.abs_diff(b));
-    a != b
-        && own.len().min(other.len()) >= a.max(b)
-        && apart.all(|(own, other)| (own - other).abs() <= window)
+/// Whether `t` lies between a jump of one run and the same jump of another, `window` apart at most: one run has jumped more
+/// often in the `window` before, and these jumps of the other are about to come. The state at a jump is the one after it.
+fn is_between(own: &[f64], other: &[f64], window: f64, t: f64) -> bool {
+    let lately = |jumps: &'_ [f64]| {
+        let [from, to] = [t - window, t].map(|t| jumps.partition_point(|at| *at <= t));
+        (to - from, to)
+    };
+    let [(n_own, own_to), (n_other, other_to)] = [own, other].map(lately);
+    let n = n_own.abs_diff(n_other);
+    let ((ahead, to), (behind, from)) = if n_own > n_other {
+        ((own, own_to), (other, other_to))
+    } else {
+        ((other, other_to), (own, own_to))
+    };
+    let to_come = behind[from..].iter().take(n);
+    let mut pairs = ahead[to - n..to].iter().zip(to_come.clone());
+    n > 0 && to_come.len() == n && pairs.all(|(a, b)| (a - b).abs() <= window)
 }
 
 #[cfg(test)]
@@ -78,7 +104,7 @@ mod tests {
     #[test]
     fn a_time_is_between_jumps_if_one_run_has_jumped_and_the_other_is_about_to() {
         let (own, other) = ([1.0, 2.0, 3.0], [1.01, 2.0, 2.9]);
-        let is_between = |t| is_between_jumps(&own, &other, 0.05, t);
+        let judged = |t| is_between(&own, &other, 0.05, t);
         for (t, expected) in [
             (0.99, false),
             (1.0, true),
@@ -87,13 +113,16 @@ mod tests {
             (2.0, false),
             // Further apart than the window.
             (2.95, false),
+            (2.97, false),
             (3.0, false),
         ] {
-            assert_eq!(is_between(t), expected, "{t}");
-            assert_eq!(is_between_jumps(&other, &own, 0.05, t), expected, "{t}");
+            assert_eq!(judged(t), expected, "{t}");
+            assert_eq!(is_between(&other, &own, 0.05, t), expected, "{t}");
         }
         // A jump that the other run does not have is an error.
-        assert!(!is_between_jumps(&[1.0], &[], 0.05, 1.0));
-        assert!(is_between_jumps(&[1.0, 1.0], &[1.01, 1.01], 0.05, 1.005));
+        assert!(!is_between(&[1.0], &[], 0.05, 1.0));
+        assert!(is_between(&[1.0, 1.0], &[1.01, 1.01], 0.05, 1.005));
+        // Nor does it part the later ones.
+        assert!(is_between(&[1.0, 2.0, 3.0], &[1.0, 1.5, 2.0, 3.01], 0.05, 3.005));
     }
 }

@@ -15,7 +15,7 @@ use crate::errors::{ErrorScale, EventMatch, Largest, match_events, worse};
 use crate::part::{Part, Subject, counted};
 use crate::problem::GroupScale;
 use crate::run::{Limits, ModeChange};
-use crate::trace::{Trace, is_between_jumps};
+use crate::trace::{Samples, Trace};
 
 pub use solve::{HORIZON_ERROR, RECIPE, parted_at, settings};
 pub(crate) use solve::{Maker, Path, path};
@@ -371,8 +371,8 @@ impl PartReference {
         &self.nodes[..self.nodes.partition_point(|node| self.is_within(node.t))]
     }
 
-    /// Largest `e` of a run's samples, on the same times, within the horizon; none counts that lies [between a jump of
-    /// one run and that of the other](is_between_jumps). Infinite for a run that ends before them, not a number where no sample lies within.
+    /// Largest `e` of a run's samples, on the same times, within the horizon, of those that [can be compared](Samples::pairs).
+    /// Infinite for a run that ends before them, not a number where there is none.
     pub fn error(&self, run: &Trace) -> f64 {
         let errors = self.pairs_within(run).map(|(y, own)| self.scale.error(own, y));
         self.largest(run, errors)
@@ -401,12 +401,9 @@ impl PartReference {
         &'a self,
         run: &'a Trace,
     ) -> impl Iterator<Item = (&'a [f64], &'a [f64])> + 'a {
-        let pairs = self.times.iter().zip(self.samples.iter().zip(&run.states));
-        let window = self.scale.event_window;
-        let within = pairs.filter(move |(t, _)| {
-            self.is_within(**t) && !is_between_jumps(&self.jumps, &run.jumps, window, **t)
-        });
-        within.map(|(_, (y, own))| (y.as_slice(), own.as_slice()))
+        let samples = Samples { times: &self.times, states: &self.samples, jumps: &self.jumps };
+        let pairs = samples.pairs(run.samples(), self.scale.event_window);
+        pairs.filter(|(t, ..)| self.is_within(*t)).map(|(_, y, own)| (y, own))
     }
 
     /// Error of the state at a run's end: the worst of all states, each relative to the largest

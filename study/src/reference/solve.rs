@@ -73,7 +73,8 @@ pub fn parted_at(own: &Trace, other: &Trace, scale: &ErrorScale) -> Option<f64> 
 /// The first sample time at which two runs differ by more than `most` in `e` [s].
 fn differ_at(own: &Trace, other: &Trace, scale: &ErrorScale, most: f64) -> Option<f64> {
     let is_lost = |a: &[f64], b: &[f64]| scale.error(b, a).total_cmp(&most).is_gt();
-    own.pairs(other, scale.event_window).find(|(_, a, b)| is_lost(a, b)).map(|(t, ..)| t)
+    let mut pairs = own.samples().pairs(other.samples(), scale.event_window);
+    pairs.find(|(_, a, b)| is_lost(a, b)).map(|(t, ..)| t)
 }
 
 /// One run of a part, and what a reference keeps of it.
@@ -127,7 +128,8 @@ impl Solved {
         lost_at: f64,
     ) -> (Option<f64>, Option<f64>) {
         let (own, check) = (&self.path.trace, &self.check.trace);
-        let errors = own.pairs(check, scale.event_window).filter(|(t, ..)| *t < lost_at);
+        let pairs = own.samples().pairs(check.samples(), scale.event_window);
+        let errors = pairs.filter(|(t, ..)| *t < lost_at);
         let largest = errors.map(|(_, a, b)| scale.error(b, a)).reduce(worse);
         let mut latest = Some(0.0_f64);
         for (own, check) in self.path.events.iter().zip(&self.check.events) {
