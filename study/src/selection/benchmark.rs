@@ -36,6 +36,11 @@ pub struct Benchmark {
     pub max_seconds: f64,
 }
 
+/// The shortest time over which a subject must be predictable [s].
+fn least_horizon(subject: &Subject) -> f64 {
+    ILL_POSED_BELOW * subject.unit_of_time()
+}
+
 impl Benchmark {
     /// The whole run of a subject to `t_end` [s] where that is predictable, else the first half of what is, states
     /// compared at `times` [s].
@@ -54,7 +59,7 @@ impl Benchmark {
     ) -> Result<Self, ReferenceError> {
         let mut reference = Reference::new(&subject, t_end, &times, limits)?;
         let mut lost = reference.lost_at();
-        let least = ILL_POSED_BELOW * subject.unit_of_time();
+        let least = least_horizon(&subject);
         let is_sampled = |times: &[f64], lost: f64| times.iter().any(|t| *t <= 0.5 * lost);
         while lost.is_finite() && lost >= least && !is_sampled(&times, lost) {
             times = sample_times(None, lost);
@@ -91,7 +96,7 @@ impl Benchmark {
         limits: Limits<'_>,
         most: usize,
     ) -> Result<Self, ReferenceError> {
-        let least = ILL_POSED_BELOW * subject.unit_of_time();
+        let least = least_horizon(&subject);
         let (mut part, mut longest) = (FIRST_PART, None::<Self>);
         loop {
             let is_whole = part >= 1.0;
@@ -160,7 +165,7 @@ impl Benchmark {
         if self.reference.parts.iter().all(|part| part.t_end == 0.0) {
             return Some("the run ends at its start".to_owned());
         }
-        let least = ILL_POSED_BELOW * self.subject.unit_of_time();
+        let least = least_horizon(&self.subject);
         let rounded = (1e6 * least).round() / 1e6;
         let is_short = self.horizon.is_some_and(|horizon| horizon < least);
         is_short.then(|| format!("predictable for less than {rounded} s"))
