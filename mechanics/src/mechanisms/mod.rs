@@ -67,15 +67,14 @@ pub struct Entry {
     pub read: fn(Value) -> serde_json::Result<Arc<dyn Mechanism>>,
 }
 
+/// Where a default is from that no source gives.
+const OURS: &str = "our choice";
+
 /// A default of its own that a mechanism has for a key that it shares: path, value as TOML, and where that is from.
 pub type OwnDefault = (&'static str, &'static str, &'static str);
 
-/// Tables that every mechanism uses.
+/// Tables that every mechanism uses, but for keys that some [name](Entry::uses) as theirs.
 const OF_ALL: [&str; 6] = ["mechanism", "run", "solver", "study", "contest", "regimes"];
-
-/// Keys in those tables that a mechanism uses only where it says so.
-const NOT_OF_ALL: [&str; 4] =
-    ["run.stop_at_90", "regimes.stiffness", "regimes.damping_ratio", "regimes.readings"];
 
 impl Entry {
     /// The mechanism of this name.
@@ -88,7 +87,7 @@ impl Entry {
         let table = key.table().unwrap_or(key.path);
         // A model from a file is not chosen by the key `mechanism`.
         let is_of_all = OF_ALL.contains(&table)
-            && !NOT_OF_ALL.contains(&key.path)
+            && !MECHANISMS.iter().any(|entry| entry.uses.contains(&key.path))
             && (key.path != "mechanism" || Self::named(self.name).is_some());
         is_of_all
             || self.uses.contains(&table)

@@ -4,15 +4,12 @@ use deltazero_study::warning::Warning;
 use serde::Deserialize;
 
 use super::in_words::{fact, joint, joint_warnings, no_blind_joints};
-use super::{Entry, Mechanism, Misfit, read_table};
+use super::{Entry, Mechanism, Misfit, OURS, read_table};
 use crate::keys::{FINITE, Key, POSITIVE, ReadingName, Shared};
 use crate::model::{self, AnyLinkage, Body, Joints, Part, block};
 
 /// Where it is from.
 const SOURCE: &str = "slider-crank benchmark of Flores, Ambrósio, Claro and Lankarani";
-
-/// Where its other numbers are from.
-const OURS: &str = "our choice";
 
 /// Its line in the list.
 pub(super) const SLIDER_CRANK: Entry = Entry {
