@@ -4,14 +4,16 @@
 //! first met: a change of any of them is meant, or a defect.
 #![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
+mod common;
+
 use std::fmt::Write as _;
 use std::sync::atomic::AtomicBool;
 
+use common::{plan, study};
+use deltazero_solvers::Grid;
 use deltazero_solvers::problems::{CompliantBall, Exit, SpringStop};
-use deltazero_solvers::{Grid, Next, Real, System};
 use deltazero_study::map::{CellStatus, Map, MapAxis, MapPlan};
-use deltazero_study::plan::settings;
-use deltazero_study::problem::{Problem, Quantity};
+use deltazero_study::problem::Problem;
 use deltazero_study::reference::Reference;
 use deltazero_study::run::{Limits, Price, integrate};
 use deltazero_study::selection::{Benchmark, Candidate, Contest, Rules, Start};
@@ -19,7 +21,7 @@ use deltazero_study::setting::Events;
 use deltazero_study::simulation::{Asked, Simulation};
 use deltazero_study::steps::StepTables;
 use deltazero_study::warning::{Code, Warning};
-use deltazero_study::work_precision::{Row, Status, WorkPrecision, work_precision};
+use deltazero_study::work_precision::{Row, Status};
 use deltazero_study::{Plan, Subject};
 
 /// It flies fast between soft walls that take a tenth of its speed.
@@ -41,16 +43,6 @@ const STOP: SpringStop = SpringStop {
     gap: 0.05,
     start: [-0.2, 0.0],
 };
-
-fn plan(methods: &[&str], events: &[Events], rtol: &[f64], steps: &[f64], t_end: f64) -> Plan {
-    let methods: Vec<String> = methods.iter().map(|name| (*name).to_owned()).collect();
-    let settings = settings(&methods, events, rtol, steps, None);
-    Plan { settings, repeats: 1, ..Plan::new(t_end) }
-}
-
-fn study(subject: &Subject, plan: &Plan) -> WorkPrecision {
-    work_precision(subject, plan, &[], &AtomicBool::new(false), &|_| {}).unwrap()
-}
 
 /// Number to three digits, or a stroke.
 fn short(number: Option<f64>) -> String {
@@ -476,58 +468,4 @@ fn walls_that_give_energy_are_told_with_how_much() {
     let [(code, message)] = told[..] else { panic!("{told:?}") };
     assert_eq!(code, Code::Dissipation);
     assert!(message.contains(&format!("gave {given:.1e} J")), "{message} {given}");
-}
-
-/// An oscillator that is kicked at each whole second: `ẍ = −x`, `v⁺ = v⁻ + 1`.
-#[derive(Clone)]
-struct Kicked;
-
-impl System for Kicked {
-    type Mode = u8;
-    type State<S: Real> = [S; 2];
-    type Guards<S: Real> = [S; 1];
-
-    fn initial_mode(&self, _t: f64, _y: &[f64; 2]) -> u8 {
-        1
-    }
-
-    fn rhs<S: Real>(&self, _n: u8, _t: S, &[x, v]: &[S; 2], dydt: &mut [S; 2]) {
-        *dydt = [v, -x];
-    }
-
-    fn guards<S: Real>(&self, n: u8, t: S, _y: &[S; 2], g: &mut [S; 1]) {
-        *g = [-t + f64::from(n)];
-    }
-
-    fn guard_bounds(&self, _n: u8, _t: f64, _y: &[f64; 2], bounds: &mut [f64; 1]) {
-        *bounds = [1e-14];
-    }
-
-    fn transition<S: Real>(&self, n: u8, _guard: usize, _t: S, y: &mut [S; 2]) -> Next<u8> {
-        y[1] = y[1] + 1.0;
-        Next::Mode(n + 1)
-    }
-}
-
-impl Problem for Kicked {
-    fn start(&self) -> [f64; 2] {
-        [0.0, 1.0]
-    }
-
-    fn states(&self) -> Vec<Quantity> {
-        ["x", "v"].map(|name| Quantity::new(name, "", 1.0)).to_vec()
-    }
-}
-
-#[test]
-fn a_sample_at_a_jump_is_not_compared_across_it() {
-    // Every hundredth sample is at a kick, to rounding.
-    let rtols: Vec<f64> = (6..=12).map(|n| 10_f64.powi(-n)).collect();
-    let plan = plan(&["rk45", "dop853", "taylor"], &[Events::Located], &rtols, &[], 6.0);
-    let study = study(&Subject::of(Kicked), &plan);
-    assert_eq!(study.reference.parts[0].horizon_s, 6.0);
-    for row in &study.rows {
-        let (e, rtol) = (row.e.unwrap(), row.rtol.unwrap());
-        assert!(e < 100.0 * rtol, "{} at {rtol:e}: {e:e}", row.method);
-    }
 }

@@ -1,14 +1,12 @@
 //! What a file means where it could be read in another way.
 #![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
+mod common;
+
+use common::model;
 use deltazero_solvers::{Next, System};
 use deltazero_study::Problem;
-use deltazero_text::{ModelFile, TextModel};
-
-fn model(text: &str) -> TextModel {
-    let file = ModelFile::parse("model.toml", text).unwrap_or_else(|report| panic!("{report}"));
-    file.models(&[]).unwrap().remove(0)
-}
+use deltazero_text::ModelFile;
 
 /// A ball between a floor, which names no rest, and a ceiling, which does.
 const BETWEEN: &str = r#"
