@@ -47,8 +47,9 @@ impl Elementary {
 /// √x of a sum of squares. Where it is zero its slope is taken for zero; a dual number would divide zero by zero. A Taylor
 /// series has no such value, because its higher orders would be wrong.
 fn norm<S: Real>(x: S) -> S {
-    let is_slope = S::NEWTON_STEPS == 1;
-    if is_slope && x.value() == 0.0 { S::cst(0.0) } else { x.sqrt() }
+    // One step: a number with its slope, or with its rounding, which is zero there, too.
+    let is_of_first_order = S::NEWTON_STEPS == 1;
+    if is_of_first_order && x.value() == 0.0 { S::cst(0.0) } else { x.sqrt() }
 }
 
 /// |x|; the branch at zero is that of positive numbers.
