@@ -11,6 +11,7 @@ use deltazero::keys::{ContactLaw, ReadingName};
 use deltazero::model::chain::Modes;
 use deltazero::model::struts::chain_of;
 use deltazero::model::{AnyLinkage, Body, Chain, Jointed, Joints, Mode};
+use deltazero::run::mode_changes;
 use deltazero::study::ideal::ideal;
 use deltazero_solvers::{Error, Grid, Method, Next, Outcome, Trajectory};
 use deltazero_study::Problem as _;
@@ -259,6 +260,29 @@ fn the_ideal_joint_reaches_90_degrees_when_quadrature_says() {
         assert!((quadrature - expected).abs() < 1e-4, "{row:?}");
         // Measured: at most 1.2e-13 s, by vern98 at rtol 1e-12.
         assert!((quadrature - integrated).abs() < 1e-12, "{row:?}");
+    }
+}
+
+/// A contact that pulls, where a torque of friction moves the pin more than it turns it: both slips lead to v_T = 0.
+#[test]
+fn a_pin_that_is_pulled_sticks_under_a_torque_of_friction() {
+    let config = config(&["reading=pin"]);
+    let block = Joints::from(&config).blocks()[0].clone();
+    let (t_end, slip, turning) = (1e-5, 1e-10, -0.18328);
+    let along = slip - turning * block.pin_radius;
+    let y0 = [0.0, block.clearance + 1e-7, 0.01, along, -0.02, turning];
+    for (method, rtol) in [("rk45", 1e-8), ("taylor", 1e-10), ("radau5", 1e-8)] {
+        let mut trajectory = Trajectory::on(Grid::uniform(t_end, t_end));
+        let run = integrate(&block, &located(method, rtol), y0, t_end, &mut trajectory);
+        assert_eq!(run.outcome, Ok(Outcome::Finished), "{method}");
+        let changes = mode_changes(&trajectory);
+        let modes: Vec<_> = changes.iter().map(|change| change.after).collect();
+        // It sticks, slips the other way, leaves.
+        assert_eq!(modes, [2, -1, 0], "{method}");
+        // Where v_T with its rate of 2.9e-4 m/s² is zero; where F_T = μ F_N; where δ is zero.
+        for (change, t) in changes.iter().zip([3.466502e-7, 5.899884e-7, 5.000328e-6]) {
+            assert!((change.t - t).abs() < 1e-12, "{method}: {:e} for {t:e}", change.t);
+        }
     }
 }
 

@@ -79,7 +79,8 @@ const FRICTION: &str = "
 ## Friction
 
 `F_T = −σ m(s) F_N`, σ the sign of the tangential velocity v_T [m/s] and s = |v_T|. `coulomb` m = μ and `stribeck`
-m = μ + (μ_s − μ) exp(−(s/v_S)²) stick at s = 0 while |F_T| < m(0) F_N. These rise from m(0) = 0 over v_r
+m = μ + (μ_s − μ) exp(−(s/v_S)²) stick at s = 0 while both slips lead back there: |F_T| < m(0) F_N, or < −m(0) F_N
+where the contact pulls and friction is a torque alone (the reading `pin`) that moves the pin against its turning. These rise from m(0) = 0 over v_r
 (`friction.regularisation_speed`) instead, and creep where those stick:
 
 | law | m(s) | pieces, each a mode |

@@ -60,13 +60,25 @@ impl Block {
                 let s = self.v_t_of(held, pose, y) * sigma;
                 normal * self.sliding.ratio(self.mu, touch.piece, s) * -sigma
             }
-            None => {
-                let posture = held.at(y);
-                let (per_force, _) = self.friction_response(&posture, pose);
-                -(self.frictionless_v_t_dot(y, &posture, pose, touch, extra) / per_force)
-            }
+            None => self.holding(held, y, pose, touch, extra).0,
         };
         ContactForces { normal, tangential }
+    }
+
+    /// `F_T` that keeps `v̇_T = 0` [N], and `∂v̇_T/∂F_T` [1/kg], which is below zero where a torque of friction moves the
+    /// pin more than it turns it.
+    #[inline(always)]
+    pub(super) fn holding<S: Real>(
+        &self,
+        held: Held<'_>,
+        y: &State<S>,
+        pose: &PinPose<S>,
+        touch: Touch,
+        extra: Extra<S>,
+    ) -> (S, S) {
+        let posture = held.at(y);
+        let (per_force, _) = self.friction_response(&posture, pose);
+        (-(self.frictionless_v_t_dot(y, &posture, pose, touch, extra) / per_force), per_force)
     }
 
     /// `v̇_T` under the accelerations `a` [m/s²], the third that of the turning pin.

@@ -18,10 +18,11 @@ pub const GUARD_END: usize = 0;
 /// Guard: on this side of the contact surface. Without adhesion a contact ends where it no longer presses: a law
 /// with damping at F_N = 0, one with hysteresis at δ = 0 or at [`GUARD_RANGE`].
 pub const GUARD_CONTACT: usize = 1;
-/// Guard: slipping, v_T keeps its sign, or |v_T| above where its piece of friction begins; sticking,
-/// F_T < μ F_N; relaxing, δ > 0.
+/// Guard: slipping, v_T keeps its sign, or |v_T| above where its piece of friction begins; sticking, v̇_T under slip−
+/// above zero, `s (μ F_N − F_T)` with s the sign of `∂v̇_T/∂F_T`; relaxing, δ > 0.
 pub const GUARD_UPPER: usize = 2;
-/// Guard: slipping, |v_T| below where its piece of friction ends; sticking, F_T > −μ F_N.
+/// Guard: slipping, |v_T| below where its piece of friction ends; sticking, v̇_T under slip+ below zero,
+/// `s (μ F_N + F_T)`.
 pub const GUARD_LOWER: usize = 3;
 /// Guard: in contact within the range of its law. Of a law with hysteresis and no adhesion `1 + χ δ̇/δ̇₋ > 0`,
 /// the second factor of F_N; of a law that ends at a penetration `δ < δ_max`.
@@ -170,10 +171,12 @@ impl Block {
                         g[GUARD_LOWER] = -(s - high);
                     }
                 } else {
-                    let forces = self.forces_among(held, mode, y, &pose, extra);
-                    let mu = self.sliding.at_rest(self.mu);
-                    g[GUARD_UPPER] = forces.normal * mu - forces.tangential;
-                    g[GUARD_LOWER] = forces.normal * mu + forces.tangential;
+                    let normal = self.normal.force(pose.delta, pose.delta_dot, touch);
+                    let (holding, per_force) = self.holding(held, y, &pose, touch, extra);
+                    let sign = per_force.value().signum();
+                    let most = normal * (sign * self.sliding.at_rest(self.mu));
+                    g[GUARD_UPPER] = most - holding * sign;
+                    g[GUARD_LOWER] = most + holding * sign;
                 }
             }
         }
@@ -317,7 +320,6 @@ impl Block {
             (Mode::SlipPlus(touch) | Mode::SlipMinus(touch), _) => {
                 self.reversed(mode, touch, y, extra)
             }
-            // F_T = −σ μ F_N at its upper bound is slip−, at its lower one slip+.
             (Mode::Stick(touch), upper_or_lower) => {
                 self.project_v_t(y);
                 Mode::slip(if upper_or_lower == GUARD_UPPER { -1.0 } else { 1.0 }, touch)

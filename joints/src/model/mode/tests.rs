@@ -135,3 +135,35 @@ fn a_run_under_the_reversed_torque_is_the_mirrored_one_to_its_end() {
     assert_eq!((one.t, one.y), (other.t, [-x, y, -theta, -v_x, v_y, -omega]));
     assert_eq!(one.mode.sigma(), other.mode.sigma().map(|sigma| -sigma));
 }
+
+/// With adhesion, and a torque of friction that turns the pin less than it moves it, a pin sticks while it is pulled.
+#[test]
+fn a_pin_that_begins_to_stick_is_within_the_guards_of_its_stick() {
+    let mut random = Random(88_172_645_463_325_252);
+    let [mut pressed, mut pulled] = [0; 2];
+    for reading in [ReadingName::Pin, ReadingName::Full] {
+        let mut config = Shared { reading, ..table1() };
+        for joint in &mut config.joints {
+            (joint.friction.coefficient, joint.contact.damping) = (10.0, 1e6);
+        }
+        for block in &struts(&config) {
+            for _ in 0..10_000 {
+                let mut y = state(block, &mut random);
+                block.project_v_t(&mut y);
+                let slip = Mode::SlipPlus(Touch::PLAIN);
+                let stick = block.reversed(slip, Touch::PLAIN, &mut y, None);
+                let pose = block.pose(&y);
+                if pose.delta < 0.0 || !stick.sticks() {
+                    continue;
+                }
+                let mut g = [0.0; N_GUARDS];
+                block.guards(stick, 0.0, &y, &mut g);
+                let of_stick = [g[GUARD_UPPER], g[GUARD_LOWER]];
+                assert!(of_stick.iter().all(|g| *g >= 0.0), "{reading:?} {y:?}: {of_stick:?}");
+                let normal = block.forces(stick, &y, &pose).normal;
+                *(if normal < 0.0 { &mut pulled } else { &mut pressed }) += 1;
+            }
+        }
+    }
+    assert!(pressed > 1000 && pulled > 20, "{pressed} pressed, {pulled} pulled");
+}
