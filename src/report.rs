@@ -117,7 +117,7 @@ pub fn study_markdown(about: &About, table: &WorkPrecision, drawings: &[Drawing]
             .event_time_agreement_s
             .map_or_else(String::new, |t| format!(" and {t:.1e} s in event times")),
     );
-    for limit in reference.limits().iter().chain(&about.warnings) {
+    for limit in table.limits().iter().chain(&about.warnings) {
         let _ = writeln!(text, "\n- {limit}");
     }
     if !about.facts.is_empty() {

@@ -207,7 +207,7 @@ fn summarise(output: &Output, table: &WorkPrecision) {
         table.rows.len(),
         table.reference.agreement
     ));
-    for limit in table.reference.limits() {
+    for limit in table.limits() {
         say(&format!("  {limit}"));
     }
     for row in table.rows.iter().filter(|row| row.status != Status::Ok) {

@@ -1,14 +1,18 @@
 //! Which method, at which setting, for this contact?
 
 use crate::part::Subject;
-use crate::reference::ReferenceError;
+use crate::reference::{ReferenceError, ReferenceSummary};
 use crate::run::{Events, Limits};
-use crate::selection::{Benchmark, CUT, Contest, Entry, Failure, FailureKind, Rules, Standings};
+use crate::selection::{
+    Benchmark, CUT, Contest, Entry, Failure, FailureKind, Rules, Standings, chooses,
+};
 use crate::warning::{Code, Warning};
-use crate::work_precision::Progress;
+use crate::work_precision::{ENOUGH, Progress};
 
 /// More events of a site than this in a unit of the subject's time are named chatter: a rattling joint has some 15 a second.
 const CHATTER_RATE: f64 = 500.0;
+/// An accuracy that all methods that locate events reach at some setting, where the reference is right.
+const IN_REACH: f64 = 1e-6;
 /// Steps that grow less than this for a tenth of the tolerance are not chosen for accuracy.
 const HARDLY: f64 = 1.05;
 
@@ -80,6 +84,7 @@ pub fn recommend(
     let standings =
         contest.run(&rules.candidates, &|name| progress(Progress::Done(name.to_owned())));
     warnings.extend(grazing(&benchmark, &standings));
+    warnings.extend(alone(&benchmark.reference.summary, accuracy, &standings));
     let reason = reason(&standings, benchmark.n_events);
     let (t_end, n_events) = (benchmark.t_end, benchmark.n_events);
     Recommendation { accuracy, t_end, n_events, standings, reason, warnings }
@@ -126,6 +131,30 @@ fn grazing(benchmark: &Benchmark, standings: &Standings) -> Option<Warning> {
     };
     let message = format!("{what}: one of them hardly is one");
     Some(Warning { code: Code::Grazing, message })
+}
+
+/// The warning that only the method of the reference comes near it, while [`ENOUGH`] others do not at any setting: two
+/// runs of one method may miss the same event.
+fn alone(reference: &ReferenceSummary, accuracy: f64, standings: &Standings) -> Option<Warning> {
+    let is_own = |name: &str| reference.is_made_by(name) || chooses(name);
+    let is_far = |own: &&Failure| {
+        use FailureKind::{EventStorm, EventsWrong, OutOfReach};
+        own.events == Events::Located
+            && matches!(own.kind, OutOfReach | EventsWrong | EventStorm)
+            && !is_own(&own.method)
+    };
+    let far: Vec<&Failure> = standings.failures.iter().filter(is_far).collect();
+    let mut located = standings.entries.iter().filter(|entry| entry.events == Events::Located);
+    if accuracy < IN_REACH || far.len() < ENOUGH || !located.all(|entry| is_own(&entry.method)) {
+        return None;
+    }
+    let far: Vec<String> =
+        far.iter().map(|own| format!("{} ({})", own.method, own.kind.name())).collect();
+    let message = format!(
+        "no method but that of the reference comes near it: {}; if they agree, the reference is wrong",
+        far.join(", ")
+    );
+    Some(Warning { code: Code::Reference, message })
 }
 
 /// One plain sentence, from the measured numbers.
@@ -354,5 +383,34 @@ mod tests {
         none_is_right.failures.push(wrong(Events::Located));
         let warning = grazing(&benchmark, &none_is_right).unwrap();
         assert!(warning.code == Code::Grazing && warning.message.contains("no located run"));
+    }
+
+    #[test]
+    fn a_reference_that_only_its_own_method_comes_near_is_doubted() {
+        let stop = AtomicBool::new(false);
+        let (times, limits) = (sample_times(None, T_END), Limits::none(&stop));
+        let benchmark = Benchmark::new(subject(), T_END, times, limits).unwrap();
+        let reference = &benchmark.reference.summary;
+        let mut standings = standings(&["taylor"], 1e-4);
+        let far = |method: &str, kind| Failure {
+            method: method.to_owned(),
+            events: Events::Located,
+            implicit: false,
+            kind,
+            message: String::new(),
+            mean_step_s: None,
+        };
+        standings.failures = vec![
+            far("rk45", FailureKind::OutOfReach),
+            far("radau5", FailureKind::EventsWrong),
+            far("dop853", FailureKind::Cut),
+        ];
+        assert!(alone(reference, 1e-4, &standings).is_none());
+        standings.failures.push(far("rk4", FailureKind::OutOfReach));
+        let warning = alone(reference, 1e-4, &standings).unwrap();
+        assert!(warning.message.contains("rk45 (out_of_reach), radau5 (events_wrong), rk4 ("));
+        assert!(alone(reference, 1e-12, &standings).is_none());
+        standings.entries[0].method = "vern98".to_owned();
+        assert!(alone(reference, 1e-4, &standings).is_none());
     }
 }

@@ -12,6 +12,8 @@ pub enum Code {
     Grazing,
     /// Another sequence of events than tight runs have.
     Events,
+    /// A reference that only its own method comes near.
+    Reference,
     /// Very many events.
     Chatter,
     /// Equations that are not smooth past the surface of their mode.
@@ -42,6 +44,7 @@ impl Code {
             Self::Horizon => "horizon",
             Self::Grazing => "grazing",
             Self::Events => "events",
+            Self::Reference => "reference",
             Self::Chatter => "chatter",
             Self::NotSmooth => "not_smooth",
             Self::Restitution => "restitution",

@@ -1,6 +1,7 @@
 //! Which method, at which setting, reaches which error at what price?
 
 mod cheapest;
+mod others;
 mod row;
 
 use std::sync::Mutex;
@@ -18,6 +19,8 @@ use crate::plan::Plan;
 use crate::reference::{Reference, ReferenceError, ReferenceSummary};
 use crate::run::{Accuracy, Limits, Setting};
 use crate::setting::Digits;
+
+pub(crate) use others::ENOUGH;
 
 pub use cheapest::{ACCURACIES, cheapest, cheapest_right, doubt, within_noise};
 pub use row::{Row, Status};

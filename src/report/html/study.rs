@@ -3,7 +3,7 @@
 use deltazero_solvers::Method;
 use deltazero_study::Plan;
 use deltazero_study::columns::{Column, Value, shown};
-use deltazero_study::reference::{HORIZON_ERROR, ReferenceSummary};
+use deltazero_study::reference::HORIZON_ERROR;
 use deltazero_study::work_precision::{BEATEN, Row, SHORT_S, Status, WorkPrecision};
 
 use super::{Heading, Page, Part, Section, Table};
@@ -25,7 +25,7 @@ pub fn page(
         section("Figures", pictures.into_iter().map(Part::Figure).collect()),
         section("All runs", runs(about, &table.rows)),
         section("Method", method(table, plan)),
-        section("Reference", reference(&table.reference)),
+        section("Reference", reference(table)),
         section("Machine", vec![Part::Facts(machine(provenance))]),
     ];
     if !about.redo.is_empty() {
@@ -151,7 +151,8 @@ fn method(table: &WorkPrecision, plan: &Plan) -> Vec<Part> {
     ]
 }
 
-fn reference(reference: &ReferenceSummary) -> Vec<Part> {
+fn reference(table: &WorkPrecision) -> Vec<Part> {
+    let reference = &table.reference;
     let times = reference.event_time_agreement_s;
     let facts = vec![
         fact("Made by", reference.method.clone()),
@@ -173,7 +174,7 @@ fn reference(reference: &ReferenceSummary) -> Vec<Part> {
             ),
         ),
     ];
-    let limits = reference.limits().into_iter().map(Part::Text);
+    let limits = table.limits().into_iter().map(Part::Text);
     std::iter::once(Part::Facts(facts)).chain(limits).collect()
 }
 

@@ -79,6 +79,12 @@ impl ReferenceSummary {
         self.unsound().is_none() && self.agreement <= 0.1 * e
     }
 
+    /// Whether the method called `name` made it, or told its error.
+    pub fn is_made_by(&self, name: &str) -> bool {
+        let made = [&self.method, &self.check];
+        made.iter().any(|text| text.split([' ', ':']).any(|word| word == name))
+    }
+
     /// The warning by which its runs are wrong, if they are.
     fn unsound(&self) -> Option<&Warning> {
         self.warnings.iter().find(|warning| warning.code.is_of_a_wrong_run())

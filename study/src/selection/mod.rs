@@ -298,7 +298,7 @@ impl Failure {
 }
 
 /// Whether the method called `name` is one that chooses between explicit and implicit as it goes.
-fn chooses(name: &str) -> bool {
+pub(crate) fn chooses(name: &str) -> bool {
     Method::named(name).is_some_and(Method::chooses)
 }
 
