@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use deltazero::config::Config;
-use deltazero::model::contact::Touch;
+use deltazero::model::contact::Onset;
 use deltazero::model::mode::N_GUARDS;
 use deltazero::model::{Block, Joints, Mode, State};
 use deltazero_solvers::{Control, Integration, Method, Next, Real, System};
@@ -57,7 +57,7 @@ const STEPS: u32 = 50;
 const START: State<f64> = [-9.1e-5, -4.4e-5, 0.01, 0.0, 0.0, 0.5];
 
 fn run<const N: usize>(criterion: &mut Criterion, block: &Block, method: &str, name: &str) {
-    let held = Held::<N> { block, mode: Mode::SlipPlus(Touch::PLAIN) };
+    let held = Held::<N> { block, mode: Mode::SlipPlus(Onset::PLAIN) };
     let control = Control::Fixed(SPAN / f64::from(STEPS));
     let Some(Ok(mut solver)) = Method::named(method).map(|method| method.solver(&held, control))
     else {

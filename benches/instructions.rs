@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::sync::atomic::AtomicBool;
 
 use deltazero::config::Config;
-use deltazero::model::contact::Touch;
+use deltazero::model::contact::Onset;
 use deltazero::model::{Block, Joints, Mode, State};
 use deltazero::run::Run;
 use deltazero_solvers::{Control, Grid, Integration, METHODS, Method, System, Tolerance};
@@ -57,7 +57,7 @@ fn named(method: &str) -> Result<&'static Method, String> {
 
 /// One evaluation.
 fn right_hand_side(block: &Block, mode: &str) -> Result<(), Box<dyn Error>> {
-    let mode = if mode == "free" { Mode::Apart } else { Mode::SlipPlus(Touch::PLAIN) };
+    let mode = if mode == "free" { Mode::Apart } else { Mode::SlipPlus(Onset::PLAIN) };
     let mut dydt = [0.0; 6];
     block.rhs(black_box(mode), 0.0, black_box(&SLIPS), &mut dydt);
     black_box(dydt);

@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use deltazero::config::Config;
-use deltazero::model::contact::Touch;
+use deltazero::model::contact::Onset;
 use deltazero::model::mode::N_GUARDS;
 use deltazero::model::{Joints, Mode};
 use deltazero_solvers::System;
@@ -14,7 +14,7 @@ fn rhs(criterion: &mut Criterion) {
     let Ok(config) = Config::table1() else { return };
     let block = &Joints::from(&config).blocks()[0].clone();
     let y = [-9.0e-5, -4.4e-5, 0.01, -1e-3, 2e-3, 0.02];
-    for mode in [Mode::Apart, Mode::SlipPlus(Touch::PLAIN), Mode::Stick(Touch::PLAIN)] {
+    for mode in [Mode::Apart, Mode::SlipPlus(Onset::PLAIN), Mode::Stick(Onset::PLAIN)] {
         let mut dydt = [0.0; 6];
         criterion.bench_function(&format!("rhs/{mode}"), |bencher| {
             bencher.iter(|| block.rhs(black_box(mode), 0.0, black_box(&y), &mut dydt));

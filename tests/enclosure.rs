@@ -8,7 +8,7 @@
 mod common;
 
 use common::{Golden, config};
-use deltazero::model::contact::Touch;
+use deltazero::model::contact::Onset;
 use deltazero::model::{Block, Joints, Mode};
 use deltazero_solvers::Tolerance;
 use deltazero_solvers::enclosure::Enclosure;
@@ -20,7 +20,7 @@ const T_END: f64 = 0.25;
 /// Encloses one joint, and compares it with its golden run: `(number of events, widest time)`.
 fn enclose(block: &Block, golden: &Golden) -> (usize, f64) {
     // It begins in contact: δ and its first three derivatives are zero at the start, and the fourth is above.
-    let mode = Mode::SlipPlus(Touch::PLAIN);
+    let mode = Mode::SlipPlus(Onset::PLAIN);
     let atol = vec![1e-20, 1e-20, 1e-20, 1e-17, 1e-17, 1e-17];
     let tolerance = Tolerance { rtol: 1e-18, atol };
     let mut enclosure = Enclosure::new(block, mode, 0.0, &block.start(), tolerance).unwrap();

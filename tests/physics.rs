@@ -108,9 +108,9 @@ fn a_contact_that_has_lost_its_mode_gives_energy_and_says_so() {
     // What p1-97 did: damping with a force of the wrong sign.
     let blocks = Joints::from(&config(&["contact.law=flores", "contact.adhesion=false"]));
     let block = blocks.blocks()[0].clone();
-    let touch = block.normal.touch(1e-3);
+    let onset = block.normal.onset(1e-3);
     let y = [0.0, -0.5 * block.clearance, 0.0, 0.0, -1e-2, 0.0];
-    let power = block.power(Mode::SlipPlus(touch), &y);
+    let power = block.power(Mode::SlipPlus(onset), &y);
     assert!(power.damping < 0.0, "{power:?}");
     let mut check = SelfCheck::of(block.laws(), 1e-3);
     check.dissipated(power.damping, power.friction);
@@ -226,7 +226,7 @@ fn a_narrow_peak_of_friction_is_a_piece_that_is_entered_and_left() {
             let events = run.trajectories.iter().flat_map(|own| &own.events);
             let pieces = events.filter_map(|switch| match switch.after {
                 Next::Mode(after) if after.code() == switch.before.code() => {
-                    Some((switch.before.touch()?.piece, after.touch()?.piece))
+                    Some((switch.before.onset()?.piece, after.onset()?.piece))
                 }
                 _ => None,
             });

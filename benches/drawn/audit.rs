@@ -99,9 +99,9 @@ impl<'a, P: Jointed> Auditor<'a, P> {
             if mode == Mode::Apart {
                 seen.in_bush = seen.in_bush.max(depth);
             }
-            let (Some(touch), true) = (mode.touch(), mode.is_contact()) else { continue };
+            let (Some(onset), true) = (mode.onset(), mode.is_contact()) else { continue };
             let (force, v_t) =
-                (block.normal.force(pose.delta, pose.delta_dot, touch), block.v_t(&pose, &y));
+                (block.normal.force(pose.delta, pose.delta_dot, onset), block.v_t(&pose, &y));
             seen.off_bush = seen.off_bush.max(-depth);
             seen.deepest = seen.deepest.max(depth);
             seen.force = seen.force.max(force.abs());
@@ -113,7 +113,7 @@ impl<'a, P: Jointed> Auditor<'a, P> {
                 Some(sigma) => seen.against = seen.against.max(-sigma * v_t),
                 None => seen.creep = seen.creep.max(v_t.abs()),
             }
-            let own = block.normal.loss(pose.delta, pose.delta_dot, touch);
+            let own = block.normal.loss(pose.delta, pose.delta_dot, onset);
             seen.normal_gave += dt * (-own).max(0.0);
             loss += own;
         }

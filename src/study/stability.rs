@@ -170,7 +170,7 @@ fn stiffness(block: &Block, run: &BlockTrajectory) -> Option<StiffnessRow> {
 mod tests {
     use super::*;
     use crate::model::Body;
-    use crate::model::contact::Touch;
+    use crate::model::contact::Onset;
 
     #[test]
     fn the_limit_of_an_undamped_oscillator_is_two_root_two_over_omega() {
@@ -199,7 +199,7 @@ mod tests {
         let (k, d, m) = (block.normal.elastic.slope(0.0), block.normal.damping, inertia.m_y);
         let (decay, omega) = (0.5 * d / m, (k / m).sqrt());
         let exact = Complex::new(-decay, (omega * omega - decay * decay).sqrt());
-        let found = spectrum(block, Mode::SlipPlus(Touch::PLAIN), 0.0, &y);
+        let found = spectrum(block, Mode::SlipPlus(Onset::PLAIN), 0.0, &y);
         let distance = found.map(|value| (value - exact).norm() / omega);
         let nearest = distance.into_iter().fold(f64::INFINITY, f64::min);
         // Measured: 3.9e-12.

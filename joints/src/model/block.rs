@@ -245,7 +245,7 @@ impl Block {
     /// Whether a contact begins between these modes at the floor of the impact speed or below it.
     pub fn begins_at_floor(&self, before: Mode, after: Mode) -> bool {
         let floor = self.normal.impact_speed_floor;
-        before == Mode::Apart && after.touch().is_some_and(|touch| touch.impact_speed <= floor)
+        before == Mode::Apart && after.onset().is_some_and(|onset| onset.impact_speed <= floor)
     }
 
     /// Whether it starts on δ = 0, where the first event's time has no digits.
@@ -294,12 +294,11 @@ impl ModeOfState for Block {
         let pose = self.pose(y);
         // A pin at the very centre has no direction, and is apart.
         if pose.delta.value() > 0.0 {
-            let touch = self.normal.touch(pose.delta_dot.value());
-            let force = || self.normal.force(pose.delta, pose.delta_dot, touch).value();
-            if self.normal.adhesion || force() > 0.0 {
+            let onset = self.normal.onset(pose.delta_dot.value());
+            if self.normal.touches(pose.delta, pose.delta_dot, onset) {
                 self.entered(y, None)
             } else {
-                Mode::Relaxing(touch)
+                Mode::Relaxing(onset)
             }
         } else {
             Mode::Apart
@@ -390,7 +389,7 @@ impl System for Block {
 mod tests {
     use super::*;
     use crate::keys::test_defaults::table1;
-    use crate::model::contact::Touch;
+    use crate::model::contact::Onset;
     use crate::model::struts::struts;
 
     #[test]
@@ -407,7 +406,7 @@ mod tests {
                 for block in &struts(&config) {
                     use Mode::{Apart, Relaxing, SlipMinus, SlipPlus, Stick};
                     let in_contact = [Relaxing, SlipPlus, SlipMinus, Stick];
-                    let in_contact = in_contact.map(|mode| mode(Touch::PLAIN));
+                    let in_contact = in_contact.map(|mode| mode(Onset::PLAIN));
                     for mode in [Apart].into_iter().chain(in_contact) {
                         let bounds = block.guard_bounds_of(mode, &block.initial_state());
                         assert!(bounds.iter().all(|bound| *bound > 0.0), "{mode}: {bounds:?}");

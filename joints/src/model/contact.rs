@@ -3,6 +3,8 @@
 //! A law is an elastic relation, chosen here by `elastic`, and a factor of [hysteresis](super::hysteresis) or a damping. What
 //! is said of each is in [`laws`](super::laws).
 
+mod guards;
+
 use deltazero_solvers::Real;
 use deltazero_solvers::real::{Length, Over};
 
@@ -10,6 +12,8 @@ use super::elastic::{Conformal, Elastic, Logarithmic};
 use super::hysteresis::hysteresis_factor;
 use super::mode::delta_bound;
 use crate::keys::{Contact, ContactLaw, Curvature, Joint};
+
+pub use guards::Rounding;
 
 /// Normal force law: an elastic relation F(δ) and what it loses, by viscous damping or by hysteresis.
 ///
@@ -35,14 +39,14 @@ pub struct NormalLaw {
 
 /// What a contact mode carries: how the contact began, and where its sliding is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Touch {
+pub struct Onset {
     /// `δ̇₋`, not below the floor [m/s]; infinite for a law that does not ask for it.
     pub impact_speed: f64,
     /// The piece of its law of friction that it slides in.
     pub piece: u8,
 }
 
-impl Touch {
+impl Onset {
     /// Of a law without hysteresis, and friction in its first piece.
     pub const PLAIN: Self = Self { impact_speed: f64::INFINITY, piece: 0 };
 }
@@ -66,55 +70,41 @@ impl NormalLaw {
     }
 
     /// What a contact keeps that begins at the speed `delta_dot` [m/s].
-    pub fn touch(&self, delta_dot: f64) -> Touch {
+    pub fn onset(&self, delta_dot: f64) -> Onset {
         if self.hysteresis == 0.0 {
-            Touch::PLAIN
+            Onset::PLAIN
         } else {
-            Touch { impact_speed: delta_dot.max(self.impact_speed_floor), piece: 0 }
+            Onset { impact_speed: delta_dot.max(self.impact_speed_floor), piece: 0 }
         }
-    }
-
-    /// Whether a contact ends, short of δ = 0, where [`factor`](Self::factor) falls below zero: F_N is a product
-    /// whose factors are then guarded one by one.
-    #[inline(always)]
-    pub fn releases_by_factor(&self) -> bool {
-        self.hysteresis != 0.0 && !self.adhesion
-    }
-
-    /// Whether a contact ends at δ = 0, whatever else ends it: F_N is not what is guarded. Where F(δ) is flat at the
-    /// surface the rounding of F_N would be a long way of δ.
-    #[inline(always)]
-    pub fn ends_at_surface(&self) -> bool {
-        self.adhesion || self.hysteresis != 0.0 || self.damping == 0.0
     }
 
     /// `1 + χ δ̇/δ̇₋`, by which a law with hysteresis multiplies F(δ).
     #[inline(always)]
-    pub fn factor<S: Real>(&self, delta_dot: S, touch: Touch) -> S {
-        delta_dot * (self.hysteresis / touch.impact_speed) + 1.0
+    pub fn factor<S: Real>(&self, delta_dot: S, onset: Onset) -> S {
+        delta_dot * (self.hysteresis / onset.impact_speed) + 1.0
     }
 
     /// `F_N` [N], past δ = 0 too.
     #[inline(always)]
-    pub fn force<S: Real>(&self, delta: S, delta_dot: S, touch: Touch) -> S {
+    pub fn force<S: Real>(&self, delta: S, delta_dot: S, onset: Onset) -> S {
         let elastic = self.elastic.force(delta);
         if self.hysteresis == 0.0 {
             elastic + delta_dot * self.damping
         } else {
-            elastic * self.factor(delta_dot, touch)
+            elastic * self.factor(delta_dot, onset)
         }
     }
 
     /// `∂F_N/∂δ` [N/m] and `∂F_N/∂δ̇` [N s/m].
-    pub fn gradient(&self, delta: f64, delta_dot: f64, touch: Touch) -> [f64; 2] {
-        let rate = self.hysteresis / touch.impact_speed;
+    pub fn gradient(&self, delta: f64, delta_dot: f64, onset: Onset) -> [f64; 2] {
+        let rate = self.hysteresis / onset.impact_speed;
         let by_speed = self.damping + self.elastic.force(delta) * rate;
         [self.elastic.slope(delta) * (1.0 + rate * delta_dot), by_speed]
     }
 
     /// What damping and hysteresis take [W].
-    pub fn loss(&self, delta: f64, delta_dot: f64, touch: Touch) -> f64 {
-        let [_, by_speed] = self.gradient(delta, delta_dot, touch);
+    pub fn loss(&self, delta: f64, delta_dot: f64, onset: Onset) -> f64 {
+        let [_, by_speed] = self.gradient(delta, delta_dot, onset);
         by_speed * delta_dot * delta_dot
     }
 }
@@ -211,12 +201,12 @@ mod tests {
                 impact_speed_floor: 1e-6,
                 adhesion: true,
             };
-            let (delta, delta_dot, touch) = (3e-6, -4e-3, law.touch(1e-2));
+            let (delta, delta_dot, onset) = (3e-6, -4e-3, law.onset(1e-2));
             let force = |i: usize| {
                 let seed = |j: usize| if i == j { 1.0 } else { 0.0 };
-                law.force(Dual64::new(delta, seed(0)), Dual64::new(delta_dot, seed(1)), touch).eps
+                law.force(Dual64::new(delta, seed(0)), Dual64::new(delta_dot, seed(1)), onset).eps
             };
-            for (i, own) in law.gradient(delta, delta_dot, touch).iter().enumerate() {
+            for (i, own) in law.gradient(delta, delta_dot, onset).iter().enumerate() {
                 assert!((own / force(i) - 1.0).abs() < 1e-15, "{own} against {}", force(i));
             }
         }
@@ -231,9 +221,9 @@ mod tests {
             impact_speed_floor: 1e-6,
             adhesion: true,
         };
-        assert_eq!(law.touch(1e-9).impact_speed, 1e-6);
-        assert_eq!(law.touch(2e-3).impact_speed, 2e-3);
-        assert_eq!(law.undamped().touch(2e-3), Touch::PLAIN);
+        assert_eq!(law.onset(1e-9).impact_speed, 1e-6);
+        assert_eq!(law.onset(2e-3).impact_speed, 2e-3);
+        assert_eq!(law.undamped().onset(2e-3), Onset::PLAIN);
     }
 
     #[test]

@@ -71,6 +71,12 @@ impl Elastic {
         }
     }
 
+    /// `1 − δ/δ_max` of a relation that holds to δ_max, the [deepest](Self::deepest).
+    #[inline(always)]
+    pub fn before_deepest<S: Real>(&self, delta: S) -> Option<S> {
+        self.deepest().map(|deepest| -(delta / deepest) + 1.0)
+    }
+
     /// The largest δ [m] that the relation holds for, if there is one.
     #[inline(always)]
     pub fn deepest(&self) -> Option<f64> {

@@ -63,11 +63,11 @@ impl Block {
             Body::Linkage(linkage) => linkage.torque(y, self.load_on_linkage(mode, y, forces)),
         };
         let drive = torque * y[5];
-        let (Some(touch), true) = (mode.touch(), mode.is_contact()) else {
+        let (Some(onset), true) = (mode.onset(), mode.is_contact()) else {
             return Power { drive, damping: 0.0, friction: 0.0 };
         };
         let pose = self.pose(y);
-        let damping = self.normal.loss(pose.delta, pose.delta_dot, touch);
+        let damping = self.normal.loss(pose.delta, pose.delta_dot, onset);
         let turning = self.pin_radius * self.body.held().spin(y);
         let speed = turning + self.reading.tangential_force * pose.w([y[3], y[4]]);
         Power { drive, damping, friction: -(forces.tangential * speed) }

@@ -4,7 +4,7 @@ use deltazero_solvers::Real;
 
 use super::block::{Block, ContactForces, State};
 use super::body::{Body, Held, Posture};
-use super::contact::{PinPose, Touch};
+use super::contact::{Onset, PinPose};
 use super::linkage::Linkage as _;
 use super::mode::Mode;
 use super::sliding::Shape;
@@ -50,17 +50,17 @@ impl Block {
         pose: &PinPose<S>,
         extra: Extra<S>,
     ) -> ContactForces<S> {
-        let (Some(touch), true) = (mode.touch(), mode.is_contact()) else {
+        let (Some(onset), true) = (mode.onset(), mode.is_contact()) else {
             return ContactForces::frictionless(S::cst(0.0));
         };
-        let normal = self.normal.force(pose.delta, pose.delta_dot, touch);
+        let normal = self.normal.force(pose.delta, pose.delta_dot, onset);
         let tangential = match mode.sigma() {
             Some(sigma) if matches!(self.sliding, Shape::Constant) => normal * (-sigma * self.mu),
             Some(sigma) => {
                 let s = self.v_t_of(held, pose, y) * sigma;
-                normal * self.sliding.ratio(self.mu, touch.piece, s) * -sigma
+                normal * self.sliding.ratio(self.mu, onset.piece, s) * -sigma
             }
-            None => self.holding(held, y, pose, touch, extra).0,
+            None => self.holding(held, y, pose, onset, extra).0,
         };
         ContactForces { normal, tangential }
     }
@@ -73,12 +73,12 @@ impl Block {
         held: Held<'_>,
         y: &State<S>,
         pose: &PinPose<S>,
-        touch: Touch,
+        onset: Onset,
         extra: Extra<S>,
     ) -> (S, S) {
         let posture = held.at(y);
         let (per_force, _) = self.friction_response(&posture, pose);
-        (-(self.frictionless_v_t_dot(y, &posture, pose, touch, extra) / per_force), per_force)
+        (-(self.frictionless_v_t_dot(y, &posture, pose, onset, extra) / per_force), per_force)
     }
 
     /// `v̇_T` under the accelerations `a` [m/s²], the third that of the turning pin.
@@ -99,10 +99,10 @@ impl Block {
         y: &State<S>,
         posture: &Posture<'_, S>,
         pose: &PinPose<S>,
-        touch: Touch,
+        onset: Onset,
         extra: Extra<S>,
     ) -> S {
-        let normal = self.normal.force(pose.delta, pose.delta_dot, touch);
+        let normal = self.normal.force(pose.delta, pose.delta_dot, onset);
         let forces = ContactForces::frictionless(normal);
         self.v_t_dot(y, pose, with(extra, self.accelerations(y, posture, pose, forces)))
     }

@@ -4,7 +4,7 @@ use num_dual::Dual64;
 
 use super::block::{Block, ContactForces, State};
 use super::body::{Body, Posture};
-use super::contact::{PinPose, Touch};
+use super::contact::{Onset, PinPose};
 use super::inertia::BlockInertia;
 use super::linkage::AnyLinkage;
 use super::mode::Mode;
@@ -98,8 +98,8 @@ impl Block {
                 let still = PoseGradient::new(&pose, 0.0);
                 self.gradients(inertia, y, &pose, &still, none, [[0.0; 6]; 2])
             }
-            Mode::SlipPlus(touch) | Mode::SlipMinus(touch) | Mode::Stick(touch) => {
-                self.contact_gradients(inertia, mode, touch, y)
+            Mode::SlipPlus(onset) | Mode::SlipMinus(onset) | Mode::Stick(onset) => {
+                self.contact_gradients(inertia, mode, onset, y)
             }
         };
         [unit(3), unit(4), unit(5), a_x, a_y, a_theta]
@@ -120,12 +120,12 @@ impl Block {
         &self,
         inertia: &BlockInertia,
         mode: Mode,
-        touch: Touch,
+        onset: Onset,
         y: &State<f64>,
     ) -> [Gradient; 3] {
         let pose = self.pose(y);
         let forces = self.forces(mode, y, &pose);
-        let contact = self.frozen_contact(inertia, (mode, touch), y, &pose, forces);
+        let contact = self.frozen_contact(inertia, (mode, onset), y, &pose, forces);
         if mode.sigma().is_some() {
             return contact.accelerations;
         }
@@ -140,19 +140,19 @@ impl Block {
     pub(super) fn frozen_contact(
         &self,
         inertia: &BlockInertia,
-        (mode, touch): (Mode, Touch),
+        (mode, onset): (Mode, Onset),
         y: &State<f64>,
         pose: &PinPose<f64>,
         forces: ContactForces<f64>,
     ) -> FrozenContact {
         let w = pose.w([y[3], y[4]]);
         let d = PoseGradient::new(pose, w);
-        let [slope, damping] = self.normal.gradient(pose.delta, pose.delta_dot, touch);
+        let [slope, damping] = self.normal.gradient(pose.delta, pose.delta_dot, onset);
         let normal = gradient(|j| slope * d.delta[j] + damping * d.delta_dot[j]);
         let tangential = mode.sigma().map_or([0.0; 6], |sigma| {
             let s = sigma * self.v_t(pose, y);
-            let ratio = self.sliding.ratio(self.mu, touch.piece, s);
-            let slope = self.sliding.slope(self.mu, touch.piece, s);
+            let ratio = self.sliding.ratio(self.mu, onset.piece, s);
+            let slope = self.sliding.slope(self.mu, onset.piece, s);
             // s = σ v_T and F_T = −σ m(s) F_N: ∇F_T = −σ m ∇F_N − m' F_N ∇v_T.
             gradient(|j| {
                 let v_t = d.w[j] + if j == 5 { self.pin_radius } else { 0.0 };
@@ -262,9 +262,9 @@ mod tests {
     use crate::keys::{ContactLaw, FrictionLaw, ReadingName, Shared};
     use crate::model::struts::struts;
 
-    fn modes(touch: Touch) -> [Mode; 5] {
+    fn modes(onset: Onset) -> [Mode; 5] {
         use Mode::{Apart, Pinned, SlipMinus, SlipPlus, Stick};
-        [Pinned, Apart, SlipPlus(touch), SlipMinus(touch), Stick(touch)]
+        [Pinned, Apart, SlipPlus(onset), SlipMinus(onset), Stick(onset)]
     }
 
     /// The column of dual numbers, from the generic right-hand side.
@@ -284,8 +284,8 @@ mod tests {
         ];
         let (reading, law) = (config.reading, config.joints[0].contact.law);
         for block in &struts(config) {
-            let touch = block.normal.touch(2e-3);
-            let pieces = (0..2).map(|piece| Touch { piece, ..touch });
+            let onset = block.normal.onset(2e-3);
+            let pieces = (0..2).map(|piece| Onset { piece, ..onset });
             let modes: Vec<Mode> = pieces.flat_map(modes).collect();
             for (mode, y) in modes.iter().flat_map(|m| states.iter().map(move |y| (*m, y))) {
                 let rows = block.jacobian_rows(mode, y);

@@ -99,8 +99,8 @@ pub(super) fn touch<S: Real>(block: &Block, mode: Mode, y: &State<S>) -> Option<
         return None;
     }
     let pose = block.pose(y);
-    let force = match mode.touch() {
-        Some(touch) if mode.is_contact() => block.normal.force(pose.delta, pose.delta_dot, touch),
+    let force = match mode.onset() {
+        Some(onset) if mode.is_contact() => block.normal.force(pose.delta, pose.delta_dot, onset),
         _ => S::cst(0.0),
     };
     Some(Touch { depth: pose.delta, rate: pose.delta_dot, force })
@@ -324,7 +324,7 @@ impl Problem for Block {
     }
 
     fn runs_at_once(&self) -> bool {
-        self.parameters(&Mode::SlipPlus(contact::Touch::PLAIN)).is_some()
+        self.parameters(&Mode::SlipPlus(contact::Onset::PLAIN)).is_some()
     }
 
     fn integrate_at_once(

@@ -8,7 +8,7 @@ use deltazero_solvers::{Next, Real};
 
 use super::block::{Block, State};
 use super::body::{Body, Held};
-use super::contact::Touch;
+use super::contact::{Onset, Rounding};
 use super::friction::Extra;
 use super::linkage::Linkage as _;
 use super::sliding::Shape;
@@ -41,13 +41,13 @@ pub enum Mode {
     /// Free, pin and bush apart: δ < 0.
     Apart,
     /// Free, the bush still dented: δ > 0 but F_N ≤ 0 without adhesion.
-    Relaxing(Touch),
+    Relaxing(Onset),
     /// Contact, v_T > 0.
-    SlipPlus(Touch),
+    SlipPlus(Onset),
     /// Contact, v_T < 0.
-    SlipMinus(Touch),
+    SlipMinus(Onset),
     /// Contact, v_T = 0.
-    Stick(Touch),
+    Stick(Onset),
 }
 
 impl Mode {
@@ -81,19 +81,19 @@ impl Mode {
     }
 
     /// What its contact keeps of its beginning, relaxing too.
-    pub fn touch(self) -> Option<Touch> {
+    pub fn onset(self) -> Option<Onset> {
         match self {
             Self::Pinned | Self::Apart => None,
-            Self::Relaxing(touch)
-            | Self::SlipPlus(touch)
-            | Self::SlipMinus(touch)
-            | Self::Stick(touch) => Some(touch),
+            Self::Relaxing(onset)
+            | Self::SlipPlus(onset)
+            | Self::SlipMinus(onset)
+            | Self::Stick(onset) => Some(onset),
         }
     }
 
     /// The slipping mode with the sign of `v_t`.
-    pub fn slip(v_t: f64, touch: Touch) -> Self {
-        if v_t < 0.0 { Self::SlipMinus(touch) } else { Self::SlipPlus(touch) }
+    pub fn slip(v_t: f64, onset: Onset) -> Self {
+        if v_t < 0.0 { Self::SlipMinus(onset) } else { Self::SlipPlus(onset) }
     }
 }
 
@@ -139,40 +139,32 @@ impl Block {
                 let rho = distance(y).rho.value;
                 let along = rho_v_t(y, rho, self.pin_radius);
                 g[GUARD_CONTACT] = rho - self.clearance;
-                self.within_range(rho - self.clearance, &mut g);
+                if let Some(left) = self.normal.elastic.before_deepest(rho - self.clearance) {
+                    g[GUARD_RANGE] = left;
+                }
                 g[GUARD_UPPER] = if matches!(mode, Mode::SlipPlus(_)) { along } else { -along };
             }
-            Mode::Relaxing(touch) => {
+            Mode::Relaxing(onset) => {
                 let pose = self.pose(y);
-                g[GUARD_CONTACT] = if self.normal.releases_by_factor() {
-                    -self.normal.factor(pose.delta_dot, touch)
-                } else {
-                    -self.normal.force(pose.delta, pose.delta_dot, touch)
-                };
+                g[GUARD_CONTACT] = self.normal.relaxing_guard(pose.delta, pose.delta_dot, onset);
                 g[GUARD_UPPER] = pose.delta;
             }
-            Mode::SlipPlus(touch) | Mode::SlipMinus(touch) | Mode::Stick(touch) => {
+            Mode::SlipPlus(onset) | Mode::SlipMinus(onset) | Mode::Stick(onset) => {
                 let pose = self.pose(y);
-                let by_factor = self.normal.releases_by_factor();
-                g[GUARD_CONTACT] = if self.normal.ends_at_surface() {
-                    pose.delta
-                } else {
-                    self.normal.force(pose.delta, pose.delta_dot, touch)
-                };
-                if by_factor {
-                    g[GUARD_RANGE] = self.normal.factor(pose.delta_dot, touch);
+                g[GUARD_CONTACT] = self.normal.contact_guard(pose.delta, pose.delta_dot, onset);
+                if let Some(left) = self.normal.range_guard(pose.delta, pose.delta_dot, onset) {
+                    g[GUARD_RANGE] = left;
                 }
-                self.within_range(pose.delta, &mut g);
                 if let Some(sigma) = mode.sigma() {
                     let s = self.v_t_of(held, &pose, y) * sigma;
-                    let [low, high] = self.sliding.span(touch.piece);
+                    let [low, high] = self.sliding.span(onset.piece);
                     g[GUARD_UPPER] = s - low;
                     if high < f64::INFINITY {
                         g[GUARD_LOWER] = -(s - high);
                     }
                 } else {
-                    let normal = self.normal.force(pose.delta, pose.delta_dot, touch);
-                    let (holding, per_force) = self.holding(held, y, &pose, touch, extra);
+                    let normal = self.normal.force(pose.delta, pose.delta_dot, onset);
+                    let (holding, per_force) = self.holding(held, y, &pose, onset, extra);
                     let sign = per_force.value().signum();
                     let most = normal * (sign * self.sliding.at_rest(self.mu));
                     g[GUARD_UPPER] = most - holding * sign;
@@ -181,14 +173,6 @@ impl Block {
             }
         }
         g
-    }
-
-    /// Writes the guard of a law that ends at a penetration; such a law has no hysteresis, whose guard this is else.
-    #[inline(always)]
-    fn within_range<S: Real>(&self, delta: S, g: &mut [S; N_GUARDS]) {
-        if let Some(deepest) = self.normal.elastic.deepest() {
-            g[GUARD_RANGE] = -(delta / deepest) + 1.0;
-        }
     }
 
     /// Whether the guards of slipping are `δ` and `ρ v_T`, without a piece of friction that ends.
@@ -225,8 +209,8 @@ impl Block {
 
     /// The penetration at `y` [m], where that is what ends a run there and not the angle.
     pub fn too_deep(&self, y: &State<f64>) -> Option<f64> {
-        let (delta, deepest) = (self.pose(y).delta, self.normal.elastic.deepest()?);
-        (1.0 - delta / deepest < self.below_90(y)).then_some(delta)
+        let delta = self.pose(y).delta;
+        (self.normal.elastic.before_deepest(delta)? < self.below_90(y)).then_some(delta)
     }
 
     /// The sizes of the terms that make the pin's turning, added [rad/s].
@@ -247,36 +231,21 @@ impl Block {
             (y[3].abs() + y[4].abs() + self.spin_bound(y) * self.pin_radius).max(least.speed);
         let area = (2.0 * self.clearance * delta).max(f64::MIN_POSITIVE);
         let mut bounds = [END_BOUND, area, delta, delta, eps];
-        if let Some(touch) = mode.touch() {
+        if let Some(onset) = mode.onset() {
             let (pose, has_product) = (self.pose(y), self.has_product(self.body.held()));
-            // The slope of a law may be zero at the surface, not so beside it.
-            let beside = pose.delta.abs() + delta;
-            let [slope, damping] = self.normal.gradient(beside, pose.delta_dot, touch);
-            let elastic = self.normal.elastic.force(pose.delta).abs();
-            let force =
-                slope.abs() * delta + eps * (elastic + damping.abs() * speed).max(least.force);
-            let is_stick = matches!(mode, Mode::Stick(_));
-            let factor = eps * (1.0 + self.normal.hysteresis / touch.impact_speed * speed);
-            let by_factor = self.normal.releases_by_factor();
-            bounds[GUARD_CONTACT] = match mode {
-                Mode::Relaxing(_) if by_factor => factor,
-                Mode::Relaxing(_) => force,
-                _ if self.normal.ends_at_surface() => delta,
-                _ => force,
-            };
-            if by_factor {
-                bounds[GUARD_RANGE] = factor;
-            } else if let Some(deepest) = self.normal.elastic.deepest() {
-                bounds[GUARD_RANGE] = eps + delta / deepest;
-            }
+            let rounding = Rounding { delta, speed, least_force: least.force };
+            let own = self.normal.guard_bounds([pose.delta, pose.delta_dot], onset, rounding);
+            let is_relaxing = matches!(mode, Mode::Relaxing(_));
+            bounds[GUARD_CONTACT] = if is_relaxing { own.relaxing } else { own.contact };
+            bounds[GUARD_RANGE] = own.range;
             if mode.sigma().is_some() {
                 let arm = if has_product { pose.rho } else { 1.0 };
                 bounds[GUARD_UPPER] = arm * eps * speed;
                 bounds[GUARD_LOWER] = eps * speed;
-            } else if is_stick {
+            } else if mode.sticks() {
                 let drive = self.drive_force();
-                let load = self.normal.force(pose.delta, pose.delta_dot, touch).abs() + drive;
-                let friction = force * (1.0 + self.sliding.at_rest(self.mu)) + 4.0 * eps * load;
+                let load = self.normal.force(pose.delta, pose.delta_dot, onset).abs() + drive;
+                let friction = own.force * (1.0 + self.sliding.at_rest(self.mu)) + 4.0 * eps * load;
                 bounds[GUARD_UPPER] = friction;
                 bounds[GUARD_LOWER] = friction;
             }
@@ -299,63 +268,60 @@ impl Block {
             (Mode::Pinned, _) => Mode::Pinned,
             (Mode::Apart, _) => self.entered(y, extra),
             // The dent is that of the same contact.
-            (Mode::Relaxing(touch), GUARD_CONTACT) => self.slipping(y, touch, extra),
+            (Mode::Relaxing(onset), GUARD_CONTACT) => self.slipping(y, onset, extra),
             (Mode::Relaxing(_), _) => Mode::Apart,
             (
-                Mode::SlipPlus(touch) | Mode::SlipMinus(touch) | Mode::Stick(touch),
+                Mode::SlipPlus(onset) | Mode::SlipMinus(onset) | Mode::Stick(onset),
                 GUARD_CONTACT,
-            ) => self.left(y, touch),
-            (Mode::SlipPlus(touch) | Mode::SlipMinus(touch) | Mode::Stick(touch), GUARD_RANGE) => {
+            ) => self.left(y, onset),
+            (Mode::SlipPlus(onset) | Mode::SlipMinus(onset) | Mode::Stick(onset), GUARD_RANGE) => {
                 if !self.normal.releases_by_factor() {
                     return Next::Stop;
                 }
-                self.left(y, touch)
+                self.left(y, onset)
             }
-            (Mode::SlipPlus(touch), upper_or_lower) if self.is_between(touch, upper_or_lower) => {
-                Mode::SlipPlus(neighbour(touch, upper_or_lower))
+            (Mode::SlipPlus(onset), upper_or_lower) if self.is_between(onset, upper_or_lower) => {
+                Mode::SlipPlus(neighbour(onset, upper_or_lower))
             }
-            (Mode::SlipMinus(touch), upper_or_lower) if self.is_between(touch, upper_or_lower) => {
-                Mode::SlipMinus(neighbour(touch, upper_or_lower))
+            (Mode::SlipMinus(onset), upper_or_lower) if self.is_between(onset, upper_or_lower) => {
+                Mode::SlipMinus(neighbour(onset, upper_or_lower))
             }
-            (Mode::SlipPlus(touch) | Mode::SlipMinus(touch), _) => {
-                self.reversed(mode, touch, y, extra)
+            (Mode::SlipPlus(onset) | Mode::SlipMinus(onset), _) => {
+                self.reversed(mode, onset, y, extra)
             }
-            (Mode::Stick(touch), upper_or_lower) => {
+            (Mode::Stick(onset), upper_or_lower) => {
                 self.project_v_t(y);
-                Mode::slip(if upper_or_lower == GUARD_UPPER { -1.0 } else { 1.0 }, touch)
+                Mode::slip(if upper_or_lower == GUARD_UPPER { -1.0 } else { 1.0 }, onset)
             }
         })
     }
 
     /// Whether the guard of a slip stands between two pieces of its friction, and not at v_T = 0.
-    fn is_between(&self, touch: Touch, guard: usize) -> bool {
-        guard == GUARD_LOWER || touch.piece > 0
+    fn is_between(&self, onset: Onset, guard: usize) -> bool {
+        guard == GUARD_LOWER || onset.piece > 0
     }
 
     /// The mode in which contact begins at `y`, with its speed of impact.
     pub(super) fn entered<S: Real>(&self, y: &State<S>, extra: Extra<S>) -> Mode {
-        self.slipping(y, self.normal.touch(self.pose(y).delta_dot.value()), extra)
+        self.slipping(y, self.normal.onset(self.pose(y).delta_dot.value()), extra)
     }
 
     /// The slipping mode at `y`: the sign of v_T; where that is zero, the sign of the frictionless v̇_T.
-    fn slipping<S: Real>(&self, y: &State<S>, touch: Touch, extra: Extra<S>) -> Mode {
+    fn slipping<S: Real>(&self, y: &State<S>, onset: Onset, extra: Extra<S>) -> Mode {
         let pose = self.pose(y);
         let v_t = self.v_t(&pose, y).value();
-        let touch = self.sliding.begun_at(v_t.abs(), touch);
+        let onset = self.sliding.begun_at(v_t.abs(), onset);
         if v_t != 0.0 {
-            return Mode::slip(v_t, touch);
+            return Mode::slip(v_t, onset);
         }
         let posture = self.body.held().at(y);
-        Mode::slip(self.frictionless_v_t_dot(y, &posture, &pose, touch, extra).value(), touch)
+        Mode::slip(self.frictionless_v_t_dot(y, &posture, &pose, onset, extra).value(), onset)
     }
 
     /// The mode that a contact falls back to when its guard is violated at `y`.
-    fn left<S: Real>(&self, y: &State<S>, touch: Touch) -> Mode {
-        if self.normal.adhesion || self.pose(y).delta.value() <= 0.0 {
-            Mode::Apart
-        } else {
-            Mode::Relaxing(touch)
-        }
+    fn left<S: Real>(&self, y: &State<S>, onset: Onset) -> Mode {
+        let leaves_dent = self.normal.leaves_dent(self.pose(y).delta);
+        if leaves_dent { Mode::Relaxing(onset) } else { Mode::Apart }
     }
 
     /// What follows when v_T reaches zero at `y` while slipping in `mode`.
@@ -366,22 +332,22 @@ impl Block {
     fn reversed<S: Real>(
         &self,
         mode: Mode,
-        touch: Touch,
+        onset: Onset,
         y: &mut State<S>,
         extra: Extra<S>,
     ) -> Mode {
         if self.sliding.sticks() {
             let pose = self.pose(y);
-            let plus = self.v_t_dot_in(Mode::SlipPlus(touch), y, &pose, extra);
-            let minus = self.v_t_dot_in(Mode::SlipMinus(touch), y, &pose, extra);
+            let plus = self.v_t_dot_in(Mode::SlipPlus(onset), y, &pose, extra);
+            let minus = self.v_t_dot_in(Mode::SlipMinus(onset), y, &pose, extra);
             if plus <= 0.0 && 0.0 <= minus {
                 self.project_v_t(y);
-                return Mode::Stick(touch);
+                return Mode::Stick(onset);
             }
         }
         match mode {
-            Mode::SlipPlus(_) => Mode::SlipMinus(touch),
-            _ => Mode::SlipPlus(touch),
+            Mode::SlipPlus(_) => Mode::SlipMinus(onset),
+            _ => Mode::SlipPlus(onset),
         }
     }
 }
@@ -398,10 +364,10 @@ pub(super) fn rho_v_t<S: Over<C>, C>(y: &State<S>, rho: S, pin_radius: C) -> S {
     y[1] * y[3] - y[0] * y[4] + rho * y[5] * pin_radius
 }
 
-/// `touch` in the next piece down or up.
-fn neighbour(touch: Touch, guard: usize) -> Touch {
-    let piece = if guard == GUARD_LOWER { touch.piece + 1 } else { touch.piece - 1 };
-    Touch { piece, ..touch }
+/// `onset` in the next piece down or up.
+fn neighbour(onset: Onset, guard: usize) -> Onset {
+    let piece = if guard == GUARD_LOWER { onset.piece + 1 } else { onset.piece - 1 };
+    Onset { piece, ..onset }
 }
 
 /// Rounding error of `π/2 − sgn(M) θ` near 90° [rad].

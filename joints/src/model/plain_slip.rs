@@ -226,7 +226,7 @@ mod tests {
 
     use super::*;
     use crate::keys::test_defaults::table1;
-    use crate::model::contact::Touch;
+    use crate::model::contact::Onset;
     use crate::model::struts::struts;
 
     #[test]
@@ -235,7 +235,7 @@ mod tests {
         for block in &struts(&config) {
             let y = [3e-5, -9.9e-5, 0.02, 2e-3, -1e-3, 0.3];
             let (posture, pose) = (block.body.held().at(&y), block.pose(&y));
-            for mode in [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)] {
+            for mode in [Mode::SlipPlus(Onset::PLAIN), Mode::SlipMinus(Onset::PLAIN)] {
                 let forces = block.forces(mode, &y, &pose);
                 let general = block.accelerations(&y, &posture, &pose, forces);
                 let mut dydt = [0.0; 6];
@@ -256,8 +256,8 @@ mod tests {
             config.joints.iter_mut().for_each(|joint| joint.contact.adhesion = adhesion);
             for block in &struts(&config) {
                 let y = [3e-5, -9.9e-5, 0.02, 2e-3, -1e-3, 0.3];
-                let slips = [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)];
-                for mode in slips.into_iter().chain([Mode::Apart, Mode::Stick(Touch::PLAIN)]) {
+                let slips = [Mode::SlipPlus(Onset::PLAIN), Mode::SlipMinus(Onset::PLAIN)];
+                for mode in slips.into_iter().chain([Mode::Apart, Mode::Stick(Onset::PLAIN)]) {
                     assert!(begins_with_rhs(block, &mode, 0.0, &y), "{mode}");
                     let (mut dydt, mut g) = ([0.0; 6], [0.0; N_GUARDS]);
                     let shares = block.rhs_with_guards(mode, 0.0, &y, &mut dydt, &mut g);
@@ -276,7 +276,7 @@ mod tests {
         for stop_at_90 in [true, false] {
             config.run.stop_at_90 = stop_at_90;
             for block in &struts(&config) {
-                for (k, mode) in [Mode::SlipPlus(Touch::PLAIN), Mode::SlipMinus(Touch::PLAIN)]
+                for (k, mode) in [Mode::SlipPlus(Onset::PLAIN), Mode::SlipMinus(Onset::PLAIN)]
                     .into_iter()
                     .enumerate()
                 {
@@ -315,7 +315,7 @@ mod tests {
                         assert!(both.into_iter().all(|(own, of)| own == of), "{mode}");
                     }
                 }
-                for mode in [Mode::Apart, Mode::Stick(Touch::PLAIN), Mode::Relaxing(Touch::PLAIN)] {
+                for mode in [Mode::Apart, Mode::Stick(Onset::PLAIN), Mode::Relaxing(Onset::PLAIN)] {
                     assert_eq!(block.parameters(&mode), None, "{mode}");
                 }
             }
@@ -323,7 +323,7 @@ mod tests {
         config.joints[0].contact.adhesion = false;
         config.joints[1].contact.exponent = 1.5;
         for block in &struts(&config) {
-            assert_eq!(block.parameters(&Mode::SlipPlus(Touch::PLAIN)), None);
+            assert_eq!(block.parameters(&Mode::SlipPlus(Onset::PLAIN)), None);
         }
     }
 }

@@ -65,7 +65,7 @@ mod tests {
     use crate::keys::Strut;
     use crate::keys::test_defaults::table1;
     use crate::model::Mode;
-    use crate::model::contact::Touch;
+    use crate::model::contact::Onset;
     use crate::model::inertia::{strut_inertia, strut_mass};
     use crate::model::struts::struts;
 
@@ -136,7 +136,7 @@ mod tests {
             let y =
                 block.in_paper_order(&[q[at], q[at + 1], q[at + 2], u[at], u[at + 1], u[at + 2]]);
             let mut dydt = [0.0; 6];
-            let slip = Mode::SlipPlus(Touch::PLAIN);
+            let slip = Mode::SlipPlus(Onset::PLAIN);
             block.rhs(slip, 0.0, &y, &mut dydt);
             let [.., a_1, a_2, a_3] = block.in_paper_order(&dydt);
             a[at..at + 3].copy_from_slice(&[a_1, a_2, a_3]);

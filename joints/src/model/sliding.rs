@@ -3,7 +3,7 @@
 use deltazero_solvers::Real;
 use deltazero_solvers::real::Function;
 
-use super::contact::Touch;
+use super::contact::Onset;
 use crate::keys::{Friction, FrictionLaw};
 
 /// Speeds v_S beyond which `exp(−(s/v_S)²)` is a rounding error of one: e⁻³⁶ = 2.3e-16. What a law does below them
@@ -173,10 +173,10 @@ impl Shape {
         }
     }
 
-    /// `touch` in the piece of a speed `s`.
-    pub(super) fn begun_at(&self, s: f64, touch: Touch) -> Touch {
+    /// `onset` in the piece of a speed `s`.
+    pub(super) fn begun_at(&self, s: f64, onset: Onset) -> Onset {
         let piece = self.ends().iter().filter(|end| s >= **end).count() as u8;
-        Touch { piece, ..touch }
+        Onset { piece, ..onset }
     }
 
     /// The speeds between which a piece lies [m/s].
@@ -308,8 +308,8 @@ mod tests {
                     );
                 }
             }
-            let touch = Touch::PLAIN;
-            let piece = |s| shape.begun_at(s, touch).piece;
+            let onset = Onset::PLAIN;
+            let piece = |s| shape.begun_at(s, onset).piece;
             for s in [0.0, 5e-6, 1e-5, 5e-5, 1e-4, 1.0] {
                 let [low, high] = shape.span(piece(s));
                 assert!(low <= s && s < high, "{shape:?} at {s}");

@@ -6,10 +6,10 @@ use std::fmt;
 
 use deltazero_solvers::root::{Bracket, find_root};
 use deltazero_solvers::{Error, Next, Outcome, Real, Record, System};
-use deltazero_study::problem::{self, Energy, Group, Laws, Power, Problem, Quantity, Role};
+use deltazero_study::problem::{Energy, Group, Laws, Power, Problem, Quantity, Role, Touch};
 use deltazero_study::run::{OwnRun, extended};
 
-use crate::model::contact::{NormalLaw, Touch};
+use crate::model::contact::{NormalLaw, Onset, Rounding};
 use crate::model::elastic::Elastic;
 
 pub(super) use entry::CAM_FOLLOWER;
@@ -20,17 +20,17 @@ pub enum Mode {
     /// Flies: δ < 0.
     Free,
     /// Flies, cam and follower still dented: δ > 0 but F_N ≤ 0 without adhesion.
-    Relaxing(Touch),
+    Relaxing(Onset),
     /// Follows the cam.
-    Contact(Touch),
+    Contact(Onset),
 }
 
 impl Mode {
     /// What its contact keeps of its beginning, relaxing too.
-    fn touch(self) -> Option<Touch> {
+    fn onset(self) -> Option<Onset> {
         match self {
             Self::Free => None,
-            Self::Relaxing(touch) | Self::Contact(touch) => Some(touch),
+            Self::Relaxing(onset) | Self::Contact(onset) => Some(onset),
         }
     }
 }
@@ -162,9 +162,9 @@ impl CamFollower {
     /// F_N in `mode` [N].
     fn force<S: Real>(&self, mode: Mode, y: &[S; 3]) -> S {
         match mode {
-            Mode::Contact(touch) => {
+            Mode::Contact(onset) => {
                 let [delta, delta_dot] = self.penetration(y);
-                self.normal.force(delta, delta_dot, touch)
+                self.normal.force(delta, delta_dot, onset)
             }
             _ => S::cst(0.0),
         }
@@ -244,13 +244,9 @@ impl CamFollower {
     }
 
     /// The mode that a contact falls back to when its guard is violated at `y`.
-    fn left<S: Real>(&self, y: &[S; 3], touch: Touch) -> Mode {
+    fn left<S: Real>(&self, y: &[S; 3], onset: Onset) -> Mode {
         let [delta, _] = self.penetration(y);
-        if self.normal.adhesion || delta.value() <= 0.0 {
-            Mode::Free
-        } else {
-            Mode::Relaxing(touch)
-        }
+        if self.normal.leaves_dent(delta) { Mode::Relaxing(onset) } else { Mode::Free }
     }
 }
 
@@ -262,13 +258,13 @@ impl System for CamFollower {
 
     fn initial_mode(&self, _t: f64, y: &[f64; 3]) -> Mode {
         let [delta, delta_dot] = self.penetration(y);
-        let touch = self.normal.touch(self.top_speed());
+        let onset = self.normal.onset(self.top_speed());
         if delta <= 0.0 {
             Mode::Free
-        } else if self.normal.adhesion || self.normal.force(delta, delta_dot, touch) > 0.0 {
-            Mode::Contact(touch)
+        } else if self.normal.touches(delta, delta_dot, onset) {
+            Mode::Contact(onset)
         } else {
-            Mode::Relaxing(touch)
+            Mode::Relaxing(onset)
         }
     }
 
@@ -283,70 +279,48 @@ impl System for CamFollower {
         let ([delta, delta_dot], normal) = (self.penetration(y), &self.normal);
         match mode {
             Mode::Free => g[GUARD_CONTACT] = -delta,
-            Mode::Relaxing(touch) => {
-                g[GUARD_CONTACT] = if normal.releases_by_factor() {
-                    -normal.factor(delta_dot, touch)
-                } else {
-                    -normal.force(delta, delta_dot, touch)
-                };
+            Mode::Relaxing(onset) => {
+                g[GUARD_CONTACT] = normal.relaxing_guard(delta, delta_dot, onset);
                 g[GUARD_SURFACE] = delta;
             }
-            Mode::Contact(touch) => {
-                g[GUARD_CONTACT] = if normal.ends_at_surface() {
-                    delta
-                } else {
-                    normal.force(delta, delta_dot, touch)
-                };
-                if normal.releases_by_factor() {
-                    g[GUARD_RANGE] = normal.factor(delta_dot, touch);
-                } else if let Some(deepest) = normal.elastic.deepest() {
-                    g[GUARD_RANGE] = -(delta / deepest) + 1.0;
+            Mode::Contact(onset) => {
+                g[GUARD_CONTACT] = normal.contact_guard(delta, delta_dot, onset);
+                if let Some(left) = normal.range_guard(delta, delta_dot, onset) {
+                    g[GUARD_RANGE] = left;
                 }
             }
         }
     }
 
     fn guard_bounds(&self, mode: Mode, _t: f64, y: &[f64; 3], bounds: &mut [f64; 3]) {
-        let normal = &self.normal;
         // The angle's rounding moves the cam.
         let delta_bound = ROUNDING * (self.lift * (1.0 + y[2].abs()) + y[0].abs());
         *bounds = [delta_bound, delta_bound, ROUNDING];
-        let Some(touch) = mode.touch() else { return };
-        let [delta, delta_dot] = self.penetration(y);
-        let speed = y[1].abs() + self.top_speed() * (1.0 + y[2].abs());
-        // The slope of a law may be zero at the surface, not so beside it.
-        let [slope, by_speed] = normal.gradient(delta.abs() + delta_bound, delta_dot, touch);
-        let elastic = normal.elastic.force(delta).abs();
-        let size = (elastic + by_speed.abs() * speed).max(1e-6 * self.first_load());
-        let force = slope.abs() * delta_bound + ROUNDING * size;
-        let factor = ROUNDING * (1.0 + normal.hysteresis / touch.impact_speed * speed);
-        let by_factor = normal.releases_by_factor();
-        bounds[GUARD_CONTACT] = match mode {
-            Mode::Relaxing(_) if by_factor => factor,
-            Mode::Relaxing(_) => force,
-            _ if normal.ends_at_surface() => delta_bound,
-            _ => force,
+        let Some(onset) = mode.onset() else { return };
+        let rounding = Rounding {
+            delta: delta_bound,
+            speed: y[1].abs() + self.top_speed() * (1.0 + y[2].abs()),
+            least_force: 1e-6 * self.first_load(),
         };
-        if by_factor {
-            bounds[GUARD_RANGE] = factor;
-        } else if let Some(deepest) = normal.elastic.deepest() {
-            bounds[GUARD_RANGE] = ROUNDING + delta_bound / deepest;
-        }
+        let own = self.normal.guard_bounds(self.penetration(y), onset, rounding);
+        let is_relaxing = matches!(mode, Mode::Relaxing(_));
+        bounds[GUARD_CONTACT] = if is_relaxing { own.relaxing } else { own.contact };
+        bounds[GUARD_RANGE] = own.range;
     }
 
     fn transition<S: Real>(&self, mode: Mode, guard: usize, _t: S, y: &mut [S; 3]) -> Next<Mode> {
         Next::Mode(match (mode, guard) {
             (Mode::Free, _) => {
                 let [_, delta_dot] = self.penetration(y);
-                Mode::Contact(self.normal.touch(delta_dot.value()))
+                Mode::Contact(self.normal.onset(delta_dot.value()))
             }
             // The dent is that of the same contact.
-            (Mode::Relaxing(touch), GUARD_CONTACT) => Mode::Contact(touch),
+            (Mode::Relaxing(onset), GUARD_CONTACT) => Mode::Contact(onset),
             (Mode::Relaxing(_), _) => Mode::Free,
             (Mode::Contact(_), GUARD_RANGE) if !self.normal.releases_by_factor() => {
                 return Next::Stop;
             }
-            (Mode::Contact(touch), _) => self.left(y, touch),
+            (Mode::Contact(onset), _) => self.left(y, onset),
         })
     }
 }
@@ -395,15 +369,9 @@ impl Problem for CamFollower {
         self.period()
     }
 
-    fn touch<S: Real>(
-        &self,
-        mode: &Mode,
-        _t: S,
-        y: &[S; 3],
-        _: usize,
-    ) -> Option<problem::Touch<S>> {
+    fn touch<S: Real>(&self, mode: &Mode, _t: S, y: &[S; 3], _: usize) -> Option<Touch<S>> {
         let [depth, rate] = self.penetration(y);
-        Some(problem::Touch { depth, rate, force: self.force(*mode, y) })
+        Some(Touch { depth, rate, force: self.force(*mode, y) })
     }
 
     /// The spring's counts as kinetic.
@@ -420,7 +388,7 @@ impl Problem for CamFollower {
     fn powers(&self, mode: &Mode, _t: f64, y: &[f64; 3]) -> Option<Power> {
         let ([delta, delta_dot], [_, s_dot]) = (self.penetration(y), self.cam(y[2]));
         let lost = match mode {
-            Mode::Contact(touch) => self.normal.loss(delta, delta_dot, *touch),
+            Mode::Contact(onset) => self.normal.loss(delta, delta_dot, *onset),
             _ => 0.0,
         };
         let damping = lost + self.damping * y[1] * y[1];
@@ -445,7 +413,7 @@ impl Problem for CamFollower {
 
     fn begins_at_speed_floor(&self, before: &Mode, after: &Mode) -> bool {
         let floor = self.normal.impact_speed_floor;
-        *before == Mode::Free && after.touch().is_some_and(|touch| touch.impact_speed <= floor)
+        *before == Mode::Free && after.onset().is_some_and(|onset| onset.impact_speed <= floor)
     }
 
     fn laws(&self) -> Laws {

@@ -10,7 +10,7 @@
 use std::cell::Cell;
 use std::error::Error;
 
-use deltazero::model::contact::Touch;
+use deltazero::model::contact::Onset;
 use deltazero::model::mode::N_GUARDS;
 use deltazero::model::{Block, Mode, State};
 use deltazero_solvers::{ModeOfState, Next, System};
@@ -275,9 +275,9 @@ const MAX_SWITCHES: usize = 16;
 /// The mode with that code.
 fn mode_of(code: f64) -> Mode {
     match code as i8 {
-        1 => Mode::SlipPlus(Touch::PLAIN),
-        -1 => Mode::SlipMinus(Touch::PLAIN),
-        2 => Mode::Stick(Touch::PLAIN),
+        1 => Mode::SlipPlus(Onset::PLAIN),
+        -1 => Mode::SlipMinus(Onset::PLAIN),
+        2 => Mode::Stick(Onset::PLAIN),
         _ => Mode::Apart,
     }
 }

@@ -98,13 +98,13 @@ impl Chain {
         y: &[f64],
         k: usize,
     ) -> Option<([f64; 2], [Gradient; 2])> {
-        let (pose, touch) = self.contact(modes, y, k)?;
+        let (pose, onset) = self.contact(modes, y, k)?;
         let y = self.state_of(y, k);
-        let normal = self.bay.normal.force(pose.delta, pose.delta_dot, touch);
+        let normal = self.bay.normal.force(pose.delta, pose.delta_dot, onset);
         let forces = ContactForces::frictionless(normal);
-        let by = self.bay.frozen_contact(inertia, (modes[k], touch), &y, &pose, forces);
+        let by = self.bay.frozen_contact(inertia, (modes[k], onset), &y, &pose, forces);
         let turned = |i: usize| gradient(|j| by.normal[j] * pose.n[i] + normal * by.pose.n[i][j]);
-        Some((self.push(&pose, touch), [turned(0), turned(1)]))
+        Some((self.push(&pose, onset), [turned(0), turned(1)]))
     }
 
     /// Gradients of the relative accelerations of bay `k` and of the acceleration of its end.
@@ -117,8 +117,8 @@ impl Chain {
         next: Option<([f64; 2], [Gradient; 2])>,
         bush: &Band<2>,
     ) -> (Band<3>, Band<2>) {
-        let contact = motion.contact.as_ref().map(|(pose, forces, touch)| {
-            (*pose, self.bay.frozen_contact(inertia, (mode, *touch), &motion.y, pose, *forces))
+        let contact = motion.contact.as_ref().map(|(pose, forces, onset)| {
+            (*pose, self.bay.frozen_contact(inertia, (mode, *onset), &motion.y, pose, *forces))
         });
         let mut absolute =
             Band { first: k, blocks: vec![self.own_gradients(inertia, mode, motion, &contact)] };
@@ -221,7 +221,7 @@ mod tests {
     use super::*;
     use crate::keys::FrictionLaw;
     use crate::keys::test_defaults::table1;
-    use crate::model::contact::Touch;
+    use crate::model::contact::Onset;
     use crate::model::struts::chain_of;
 
     const BAYS: usize = 5;
@@ -236,7 +236,7 @@ mod tests {
     /// Relaxing, slip+, slip− and stick of a contact without memory.
     fn in_contact() -> [Mode; 4] {
         [Mode::Relaxing, Mode::SlipPlus, Mode::SlipMinus, Mode::Stick]
-            .map(|mode| mode(Touch::PLAIN))
+            .map(|mode| mode(Onset::PLAIN))
     }
 
     fn state() -> Vec<f64> {

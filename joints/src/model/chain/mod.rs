@@ -25,7 +25,7 @@ use deltazero_solvers::{Next, Real, System};
 
 use super::block::{Block, ContactForces, State};
 use super::body::{Body, Held, Posture};
-use super::contact::{PinPose, Touch};
+use super::contact::{Onset, PinPose};
 use super::inertia::{Arrow, BlockInertia};
 use super::linkage::{AnyLinkage, Linkage as _};
 use super::mode::{Mode, N_GUARDS};
@@ -54,7 +54,7 @@ pub struct Chain {
 }
 
 /// The contact of a joint, with its forces and how it began.
-type Contact<S> = (PinPose<S>, ContactForces<S>, Touch);
+type Contact<S> = (PinPose<S>, ContactForces<S>, Onset);
 
 /// How one bay moves among the others.
 struct Motion<S> {
@@ -131,14 +131,14 @@ impl Chain {
     }
 
     /// How the pin of joint `k` stands in its bush, where the two are in contact.
-    fn contact<S: Real>(&self, modes: &[Mode], y: &[S], k: usize) -> Option<(PinPose<S>, Touch)> {
+    fn contact<S: Real>(&self, modes: &[Mode], y: &[S], k: usize) -> Option<(PinPose<S>, Onset)> {
         let mode = modes.get(k).filter(|mode| mode.is_contact())?;
-        mode.touch().map(|touch| (self.bay.pose(&self.state_of(y, k)), touch))
+        mode.onset().map(|onset| (self.bay.pose(&self.state_of(y, k)), onset))
     }
 
     /// The normal force of a contact on the bush, `F_N n` [N].
-    fn push<S: Real>(&self, pose: &PinPose<S>, touch: Touch) -> [S; 2] {
-        let normal = self.bay.normal.force(pose.delta, pose.delta_dot, touch);
+    fn push<S: Real>(&self, pose: &PinPose<S>, onset: Onset) -> [S; 2] {
+        let normal = self.bay.normal.force(pose.delta, pose.delta_dot, onset);
         [pose.n[0] * normal, pose.n[1] * normal]
     }
 
@@ -182,14 +182,14 @@ impl Chain {
         inertia: &BlockInertia,
         mode: Mode,
         (y, z): (&State<S>, S),
-        own: Option<(PinPose<S>, Touch)>,
-        next: Option<(PinPose<S>, Touch)>,
+        own: Option<(PinPose<S>, Onset)>,
+        next: Option<(PinPose<S>, Onset)>,
         bush: [S; 2],
     ) -> Motion<S> {
         let (arrow, omega_sq) = (inertia.at(y[2]), y[5] * y[5]);
         let none = [S::cst(0.0); 3];
         let response = next
-            .map_or(none, |(pose, touch)| self.response(inertia, &arrow, self.push(&pose, touch)));
+            .map_or(none, |(pose, onset)| self.response(inertia, &arrow, self.push(&pose, onset)));
         let extra = [response[0] - bush[0], response[1] - bush[1], response[2]];
         let held = Held::Struts(inertia);
         let (contact, bristles) = self.touching(held, mode, (y, z), own, extra);
@@ -212,7 +212,7 @@ impl Chain {
         linkage: &AnyLinkage,
         mode: Mode,
         (y, z): (&State<S>, S),
-        own: Option<(PinPose<S>, Touch)>,
+        own: Option<(PinPose<S>, Onset)>,
     ) -> Motion<S> {
         let none = [S::cst(0.0); 3];
         let held = Held::Linkage(linkage);
@@ -235,19 +235,19 @@ impl Chain {
         held: Held<'_>,
         mode: Mode,
         (y, z): (&State<S>, S),
-        own: Option<(PinPose<S>, Touch)>,
+        own: Option<(PinPose<S>, Onset)>,
         extra: [S; 3],
     ) -> (Option<Contact<S>>, S) {
-        let Some((pose, touch)) = own else { return (None, S::cst(0.0)) };
+        let Some((pose, onset)) = own else { return (None, S::cst(0.0)) };
         let (Some(bristles), Some(sigma)) = (self.bristles, mode.sigma()) else {
             let forces = self.bay.forces_among(held, mode, y, &pose, Some(extra));
-            return (Some((pose, forces, touch)), S::cst(0.0));
+            return (Some((pose, forces, onset)), S::cst(0.0));
         };
         let v_t = self.bay.v_t_of(held, &pose, y);
-        let (ratio, z_dot) = bristles.bent((self.bay.mu, touch.piece), sigma, v_t, z);
-        let normal = self.bay.normal.force(pose.delta, pose.delta_dot, touch);
+        let (ratio, z_dot) = bristles.bent((self.bay.mu, onset.piece), sigma, v_t, z);
+        let normal = self.bay.normal.force(pose.delta, pose.delta_dot, onset);
         let forces = ContactForces { normal, tangential: -(normal * ratio) };
-        (Some((pose, forces, touch)), z_dot)
+        (Some((pose, forces, onset)), z_dot)
     }
 
     /// What its neighbours add to the accelerations of bay `k`.

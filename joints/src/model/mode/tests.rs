@@ -30,8 +30,8 @@ fn is_inside(block: &Block, mode: Mode, y: &State<f64>) -> bool {
     if block.stop_at_90 && block.torque.signum() * y[2] > FRAC_PI_2 {
         return false;
     }
-    let Some(touch) = mode.touch() else { return pose.delta < 0.0 };
-    let force = normal.force(pose.delta, pose.delta_dot, touch);
+    let Some(onset) = mode.onset() else { return pose.delta < 0.0 };
+    let force = normal.force(pose.delta, pose.delta_dot, onset);
     // A force that damping alone makes positive outside pushes the pin back in at once.
     let presses = force > 0.0 && (pose.delta > 0.0 || normal.hysteresis == 0.0);
     if let Mode::Relaxing(_) = mode {
@@ -42,7 +42,7 @@ fn is_inside(block: &Block, mode: Mode, y: &State<f64>) -> bool {
     let slides = match mode.sigma() {
         Some(sigma) => {
             let s = sigma * block.v_t(&pose, y);
-            let [low, high] = block.sliding.span(touch.piece);
+            let [low, high] = block.sliding.span(onset.piece);
             low < s && s < high
         }
         None => {
@@ -91,14 +91,14 @@ fn guards_are_positive_inside_their_mode_and_nowhere_else() {
 
 /// Compares the guards of every mode at `y` with what the mode means.
 fn check(block: &Block, y: &State<f64>, random: &mut Random) {
-    let mut touch = block.normal.touch(1e-3 * (1.0 + random.next()));
-    touch = block.sliding.begun_at((1e-2 * random.next()).abs(), touch);
-    let mut modes = vec![Mode::Apart, Mode::SlipPlus(touch), Mode::SlipMinus(touch)];
+    let mut onset = block.normal.onset(1e-3 * (1.0 + random.next()));
+    onset = block.sliding.begun_at((1e-2 * random.next()).abs(), onset);
+    let mut modes = vec![Mode::Apart, Mode::SlipPlus(onset), Mode::SlipMinus(onset)];
     if !block.normal.adhesion {
-        modes.push(Mode::Relaxing(touch));
+        modes.push(Mode::Relaxing(onset));
     }
     if block.sliding.sticks() {
-        modes.push(Mode::Stick(touch));
+        modes.push(Mode::Stick(onset));
     }
     for mode in modes {
         let (mut g, mut bounds) = ([0.0; N_GUARDS], [0.0; N_GUARDS]);
@@ -150,8 +150,8 @@ fn a_pin_that_begins_to_stick_is_within_the_guards_of_its_stick() {
             for _ in 0..10_000 {
                 let mut y = state(block, &mut random);
                 block.project_v_t(&mut y);
-                let slip = Mode::SlipPlus(Touch::PLAIN);
-                let stick = block.reversed(slip, Touch::PLAIN, &mut y, None);
+                let slip = Mode::SlipPlus(Onset::PLAIN);
+                let stick = block.reversed(slip, Onset::PLAIN, &mut y, None);
                 let pose = block.pose(&y);
                 if pose.delta < 0.0 || !stick.sticks() {
                     continue;

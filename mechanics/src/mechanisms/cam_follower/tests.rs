@@ -193,13 +193,13 @@ fn it_starts_with_the_force_of_a_rigid_contact_less_its_compliance() {
 #[test]
 fn a_dent_that_is_pressed_again_is_the_same_contact() {
     let cam = under_law(ContactLaw::Flores, false);
-    let touch = cam.normal.touch(0.3);
-    let relaxing = Mode::Relaxing(touch);
+    let onset = cam.normal.onset(0.3);
+    let relaxing = Mode::Relaxing(onset);
     let after = |mode, guard, delta: f64| cam.transition(mode, guard, 0.0, &mut [-delta, 0.0, 0.0]);
-    assert_eq!(after(relaxing, GUARD_CONTACT, 1e-6), Next::Mode(Mode::Contact(touch)));
+    assert_eq!(after(relaxing, GUARD_CONTACT, 1e-6), Next::Mode(Mode::Contact(onset)));
     assert_eq!(after(relaxing, GUARD_SURFACE, 0.0), Next::Mode(Mode::Free));
-    assert_eq!(after(Mode::Contact(touch), GUARD_RANGE, 1e-6), Next::Mode(relaxing));
-    assert_eq!(after(Mode::Contact(touch), GUARD_CONTACT, 0.0), Next::Mode(Mode::Free));
+    assert_eq!(after(Mode::Contact(onset), GUARD_RANGE, 1e-6), Next::Mode(relaxing));
+    assert_eq!(after(Mode::Contact(onset), GUARD_CONTACT, 0.0), Next::Mode(Mode::Free));
 }
 
 #[test]
@@ -209,7 +209,7 @@ fn guard_bounds_are_above_zero_at_rest_in_every_mode() {
         NormalLaw { elastic: Elastic::power(1e10, 1.5), damping: 0.0, ..default.normal.clone() };
     for normal in [default.normal.clone(), flat] {
         let cam = CamFollower { normal, ..default.clone() };
-        for mode in [Mode::Free, Mode::Relaxing(Touch::PLAIN), Mode::Contact(Touch::PLAIN)] {
+        for mode in [Mode::Free, Mode::Relaxing(Onset::PLAIN), Mode::Contact(Onset::PLAIN)] {
             let mut bounds = [0.0; 3];
             cam.guard_bounds(mode, 0.0, &[0.0; 3], &mut bounds);
             assert!(bounds.iter().all(|bound| *bound > 0.0), "{mode:?}: {bounds:?}");
