@@ -40,7 +40,7 @@ pub(super) fn fit<P: System>(p: &Polynomial, i: usize, watch: &GuardWatch<P>) ->
     let allowed = watch.bound(i).max(MOST_ERROR * size);
     // A series whose terms grow ends before the step does.
     let before = c[degree.saturating_sub(2)..degree].iter().fold(0.0, |a: f64, c| a.max(c.abs()));
-    if c[degree].abs() > before + NOISE * size {
+    if c[degree].abs() > before + watch.bound(i).max(NOISE * size) {
         return Some(Fit::Part((SAFETY * before / c[degree].abs()).max(SHORTER)));
     }
     if error <= allowed {
