@@ -13,6 +13,11 @@ use super::output::{Output, hash};
 use super::progress::Bar;
 use super::{Failure, RunArgs, default_only, or_cores, print, say};
 
+/// The record of an audit.
+const RECORD: &str = "audit.json";
+/// What stands beside it.
+const FILES: [&str; 4] = ["audit.html", "audit.md", "audit.csv", "courses.csv"];
+
 #[derive(Args)]
 pub(super) struct AuditArgs {
     #[command(flatten)]
@@ -27,6 +32,7 @@ pub(super) fn run(args: &AuditArgs, stop: &AtomicBool) -> Result<(), Failure> {
         one_bay(default_only(args.run.load()?, "the claims are those of the struts' paper")?)?;
     let dir = args.run.to.dir("deltazero-out/audit");
     let output = Output::open(&dir, hash("audit", &used(&config)?), args.run.to.force)?;
+    output.remove_of_another(RECORD, &FILES, &figures::OF_AUDITS)?;
     let bar = Bar::new(args.run.to.quiet);
     let audit = audit(&config, or_cores(args.threads), stop, &|progress| bar.show(progress));
     if stop.load(Ordering::Relaxed) {
@@ -93,5 +99,5 @@ fn write(output: &Output, config: &Config, audit: &Audit) -> Result<(), Failure>
     output.write("audit.md", report::audit::markdown(config, audit, &drawings).as_bytes())?;
     output
         .write("audit.html", report::html::audit_page(config, audit, pictures).html().as_bytes())?;
-    output.write_json("audit.json", &record)
+    output.write_json(RECORD, &record)
 }

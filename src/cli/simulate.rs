@@ -25,6 +25,11 @@ use super::progress::TimeBar;
 use super::rows::Rows;
 use super::{Failure, RunArgs, print, say, warn};
 
+/// The record of a run.
+const RECORD: &str = "run.json";
+/// What stands beside it.
+const FILES: [&str; 2] = ["trajectory.csv", "events.csv"];
+
 /// Runs up to this are run again without audit, to be timed.
 const REPLAY: Duration = Duration::from_secs(5);
 /// Those up to this so many times.
@@ -55,6 +60,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     let rows = Rows::new(&config, &setting)?;
     let dir = args.run.to.dir("deltazero-out/simulate");
     let output = Output::open(&dir, hash("simulate", &config.identity()), args.run.to.force)?;
+    output.remove_of_another(RECORD, &FILES, &[])?;
 
     let subject = config.mechanism.subject(&config);
     let bar = TimeBar::new(args.run.to.quiet);
@@ -86,7 +92,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     let sites: Vec<_> = parts.iter().flat_map(|part| &part.own.sites).collect();
     output.write_by("trajectory.csv", |out| trajectory_csv(out, &sites))?;
     output.write("events.csv", events_csv(&sites).as_bytes())?;
-    output.write_json("run.json", &summary)?;
+    output.write_json(RECORD, &summary)?;
 
     if args.run.to.json {
         print(&format!("{summary:#}\n"))?;

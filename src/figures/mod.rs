@@ -52,6 +52,19 @@ pub const OF_STUDIES: [&str; 14] = [
     "chosen_axes",
 ];
 
+/// The names of all figures that audits have.
+pub const OF_AUDITS: [&str; 9] = [
+    "fig07_ab_ideal",
+    "fig08_af_ideal",
+    "fig09_ab",
+    "fig10_x01",
+    "fig11_y01",
+    "fig12_f_n1",
+    "fig13_af",
+    "fig14_f_n2",
+    "torque_ratio",
+];
+
 /// A figure with what is said about it.
 #[derive(Clone, Debug)]
 pub struct Drawing {

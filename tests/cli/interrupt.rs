@@ -1,6 +1,7 @@
 //! Ctrl-C: exit 130, whole files, and the same command goes on, as after a kill; no other command writes into a
 //! directory meanwhile.
 
+use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Output};
 use std::thread::sleep;
@@ -29,10 +30,19 @@ impl Running {
         sleep(more);
     }
 
+    /// Waits until `path` exists no more.
+    fn until_gone(&self, path: &Path) {
+        let start = Instant::now();
+        while path.exists() {
+            assert!(start.elapsed() < PATIENCE, "{} is still there", path.display());
+            sleep(Duration::from_millis(5));
+        }
+    }
+
     /// The most memory that it had at once [B], where the system tells (Linux).
     pub(crate) fn peak_memory(&self) -> Option<u64> {
         let id = self.0.as_ref()?.id();
-        let status = std::fs::read_to_string(format!("/proc/{id}/status")).ok()?;
+        let status = fs::read_to_string(format!("/proc/{id}/status")).ok()?;
         let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
         Some(1024 * line.split_whitespace().nth(1)?.parse::<u64>().ok()?)
     }
@@ -157,6 +167,28 @@ fn an_interrupted_audit_writes_nothing_and_says_so() {
 }
 
 #[test]
+fn a_forced_command_leaves_no_file_of_another_run_beside_its_own() {
+    // Each takes minutes.
+    let simulate = ["simulate", "--set", "solver.method=rk4", "--set", "solver.step=1e-10"];
+    let of_audit = ["audit.csv", "courses.csv", "figures/torque_ratio.svg", "audit.json"];
+    for (args, files) in [
+        (&simulate[..], &["trajectory.csv", "events.csv", "run.json"][..]),
+        (&["audit", "--threads", "1"], &of_audit),
+    ] {
+        let scratch = Scratch::new();
+        fs::create_dir_all(scratch.path("out/figures")).unwrap();
+        for name in files.iter().chain(&["figures/mine.svg"]) {
+            fs::write(scratch.path("out").join(name), "{\"hash\": \"0\"}").unwrap();
+        }
+        let forced = [args, &["--quiet", "--out", "out", "--force"]].concat();
+        let run = Running::start(&scratch, &forced);
+        run.until_gone(&scratch.path("out").join(files[files.len() - 1]));
+        run.kill();
+        assert_eq!(scratch.files("out"), ["figures/mine.svg"], "{args:?}");
+    }
+}
+
+#[test]
 fn a_killed_study_keeps_its_finished_runs_and_the_same_command_goes_on() {
     let scratch = Scratch::new();
     // The last run takes a second or more, the others and the reference a tenth.
@@ -181,7 +213,7 @@ fn a_killed_study_keeps_its_finished_runs_and_the_same_command_goes_on() {
     // The mark tells what is not run again.
     let n_kept = rows.len();
     rows.iter_mut().for_each(|row| row["n_retaken"] = 12345.into());
-    std::fs::write(scratch.path("out/study.json"), kept.to_string()).unwrap();
+    fs::write(scratch.path("out/study.json"), kept.to_string()).unwrap();
     scratch.succeed(&args);
     let rows = scratch.table("out/study.csv").rows;
     assert_eq!(rows.iter().filter(|row| row["n_retaken"] == "12345").count(), n_kept);
