@@ -64,6 +64,7 @@ pub use runner::Runner;
 
 use columns::{Head, heads_of_rows};
 use layout::Layout;
+use parquet_file::Refused;
 use plan::Plan;
 
 /// The record of a sweep in its directory.
@@ -141,7 +142,8 @@ impl Sweep {
         let rows = BufReader::new(File::open(csv).map_err(FileError::of(csv, "read"))?);
         parquet_file::write(rows, &self.heads, metadata.to_string(), path).map_err(|refused| {
             match refused {
-                parquet_file::Refused::File(error) => SweepError::File(error),
+                Refused::File(error) => SweepError::File(error),
+                Refused::Unread(error) => SweepError::File(FileError::of(csv, "read")(error)),
                 row => SweepError::Row { path: csv.to_owned(), what: row.to_string() },
             }
         })

@@ -98,6 +98,9 @@ pub(super) enum Refused {
         /// What is wrong with it.
         why: String,
     },
+    /// The rows cannot be read.
+    #[error(transparent)]
+    Unread(io::Error),
     /// The file system.
     #[error(transparent)]
     File(#[from] FileError),
@@ -113,23 +116,23 @@ pub(super) fn write(
     metadata: String,
     path: &Path,
 ) -> std::result::Result<(), Refused> {
-    let mut wrong = None;
+    let mut refused = None;
     let written = whole::write_by(path, |out| {
-        to(out, csv, heads, metadata, &mut wrong).map_err(io::Error::other)
+        to(out, csv, heads, metadata, &mut refused).map_err(io::Error::other)
     });
-    match (written, wrong) {
-        (Err(_), Some(row)) => Err(row),
+    match (written, refused) {
+        (Err(_), Some(refused)) => Err(refused),
         (written, _) => Ok(written?),
     }
 }
 
-/// The same to `out`; a row that ends it is told in `wrong`.
+/// The same to `out`; what of the rows ends it is told in `refused`.
 fn to(
     out: impl Write + Send,
     csv: impl BufRead,
     heads: &[Head],
     metadata: String,
-    wrong: &mut Option<Refused>,
+    refused: &mut Option<Refused>,
 ) -> Result<()> {
     let schema = schema(heads)?;
     let metadata = Some(vec![KeyValue::new("deltazero".to_owned(), metadata)]);
@@ -139,10 +142,18 @@ fn to(
     let mut n = 0;
     // The first line is the header.
     for (line, text) in csv.lines().enumerate().skip(1) {
-        let text = text.map_err(|error| format!(": {error}"));
-        if let Err(why) = text.and_then(|text| add(&text, heads, &mut columns)) {
-            *wrong = Some(Refused::Row { line: line + 1, why });
-            return Err(ParquetError::General("a row is not as it was written".to_owned()));
+        let row = |why| Refused::Row { line: line + 1, why };
+        let added = match text {
+            Ok(text) => add(&text, heads, &mut columns).map_err(row),
+            // A row that is no text; else the file cannot be read.
+            Err(error) if error.kind() == io::ErrorKind::InvalidData => {
+                Err(row(format!(": {error}")))
+            }
+            Err(error) => Err(Refused::Unread(error)),
+        };
+        if let Err(why) = added {
+            *refused = Some(why);
+            return Err(ParquetError::General("the rows cannot be told by column".to_owned()));
         }
         n += 1;
         if n == GROUP {
@@ -208,10 +219,21 @@ fn group<W: Write + Send>(
 
 #[cfg(test)]
 mod tests {
+    use std::io::{BufReader, Read as _};
+
     use parquet::file::reader::{FileReader as _, SerializedFileReader};
     use parquet::record::RowAccessor as _;
 
     use super::*;
+
+    /// A disk that cannot be read.
+    struct Broken;
+
+    impl io::Read for Broken {
+        fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+            Err(io::Error::from(io::ErrorKind::TimedOut))
+        }
+    }
 
     fn head(name: &str, kind: CellKind) -> Head {
         Head { name: name.to_owned(), unit: String::new(), kind }
@@ -253,6 +275,11 @@ mod tests {
             let refused = write(csv.as_bytes(), &heads, String::new(), &path).unwrap_err();
             assert!(refused.to_string().contains(why), "{refused}");
         }
+        let refused = write(&b"n,x\n0,1\n\xff,1\n"[..], &heads, String::new(), &path).unwrap_err();
+        assert!(refused.to_string().starts_with("line 3: "), "{refused}");
+        let unread = "n,x\n0,1\n".as_bytes().chain(BufReader::new(Broken));
+        let refused = write(unread, &heads, String::new(), &path).unwrap_err();
+        assert!(matches!(refused, Refused::Unread(_)), "{refused}");
         // What was there before is still there.
         assert!(SerializedFileReader::new(std::fs::File::open(&path).unwrap()).is_ok());
     }
