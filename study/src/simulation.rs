@@ -160,7 +160,11 @@ fn not_a_number(sites: &[SiteMotion]) -> Vec<Warning> {
             let mut bad = site.samples().filter(|(.., values)| !values[i].is_finite());
             let Some((t, ..)) = bad.next() else { continue };
             let (name, n) = (&column.name, bad.count());
-            let more = if n == 0 { String::new() } else { format!(", nor at {n} more samples") };
+            let more = match n {
+                0 => String::new(),
+                1 => ", nor at 1 more sample".to_owned(),
+                _ => format!(", nor at {n} more samples"),
+            };
             let message = format!("{name} is no number at {t} s{more}; its cells are empty");
             warnings.push(Warning { code: Code::NotANumber, message });
         }
@@ -275,8 +279,10 @@ mod tests {
         };
         assert_eq!(not_a_number(&[site([0.0, 1.0, 2.0])]), []);
         let told = |q| not_a_number(&[site(q)]).remove(0).message;
-        let [once, twice] = [[0.0, f64::NAN, 2.0], [0.0, f64::INFINITY, f64::NAN]].map(told);
+        let [once, twice, always] =
+            [[0.0, f64::NAN, 2.0], [0.0, f64::INFINITY, f64::NAN], [f64::NAN; 3]].map(told);
         assert_eq!(once, "q is no number at 0.2 s; its cells are empty");
-        assert_eq!(twice, "q is no number at 0.2 s, nor at 1 more samples; its cells are empty");
+        assert_eq!(twice, "q is no number at 0.2 s, nor at 1 more sample; its cells are empty");
+        assert_eq!(always, "q is no number at 0.1 s, nor at 2 more samples; its cells are empty");
     }
 }
