@@ -25,9 +25,12 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     let mut axes = axes(&args.axis)?;
     let mut variants = variants(args, &axes)?;
     let mut config = variants.config().clone();
-    for (axis, varied) in axes.iter_mut().zip(variants.varied()) {
+    for (i, (axis, varied)) in axes.iter_mut().zip(variants.varied()).enumerate() {
+        let name = &axis.name;
+        if let Some(why) = variants.why_not(i) {
+            return Err(Failure::Usage(format!("--axis {name}: {why}")));
+        }
         if varied.key.is_some_and(is_of_runs) {
-            let name = &axis.name;
             let why = "is no number of the mechanism: every cell is run by the same settings";
             return Err(Failure::Usage(format!("--axis {name} {why}; give it by --set")));
         }

@@ -2,8 +2,7 @@
 
 use super::SweepError;
 use super::table::Table;
-use crate::config::{Config, Place, Variants, Varied};
-use crate::keys::one_joint;
+use crate::config::{Place, Variants};
 
 /// The keys that the tables name, and where.
 pub(super) fn named<'a>(
@@ -22,7 +21,7 @@ pub(super) fn named<'a>(
     Ok(keys)
 }
 
-/// Whether each key is named once, and is one that the mechanism uses.
+/// Whether each key is named once, and is one that can vary.
 pub(super) fn check(variants: &Variants, named: &[(&str, Place)]) -> Result<(), SweepError> {
     let varied = variants.varied();
     for (i, (own, (path, place))) in varied.iter().zip(named).enumerate() {
@@ -30,25 +29,11 @@ pub(super) fn check(variants: &Variants, named: &[(&str, Place)]) -> Result<(), 
             let reason = format!("it is swept already, at {}; give it once", named[first].1);
             return Err(not_swept(place, path, reason));
         }
-        is_of_mechanism(variants.config(), own, place)?;
+        if let Some(reason) = variants.why_not(i) {
+            return Err(not_swept(place, path, reason));
+        }
     }
     Ok(())
-}
-
-/// Whether the mechanism uses a key: one that it does not use would change nothing.
-fn is_of_mechanism(config: &Config, varied: &Varied, place: &Place) -> Result<(), SweepError> {
-    let (entry, path) = (config.mechanism.entry, &varied.path);
-    let reason = if varied.key.is_some_and(|key| !entry.has(key)) {
-        format!(
-            "mechanism = {} does not use it; `deltazero config --set mechanism={}` lists the keys that it uses",
-            entry.name, entry.name
-        )
-    } else if one_joint(path).is_some() && !entry.has_two_joints {
-        format!("mechanism = {} has one joint; give the key without joint1 or joint2", entry.name)
-    } else {
-        return Ok(());
-    };
-    Err(not_swept(place, path, reason))
 }
 
 fn not_swept(place: &Place, key: &str, reason: String) -> SweepError {

@@ -181,3 +181,18 @@ fn chains_have_a_map_without_blind_runs() {
     }
     assert!(scratch.text("out/regimes.md").contains("- No run is blind."));
 }
+
+#[test]
+fn an_axis_of_another_mechanism_is_refused() {
+    let scratch = Scratch::new();
+    for (mechanism, axis, why) in [
+        ("slider-crank", "strut.length", "mechanism = slider-crank does not use it"),
+        ("cam-follower", "joint2.contact.stiffness", "mechanism = cam-follower has one joint"),
+    ] {
+        let (set, axis_1) = (format!("mechanism={mechanism}"), format!("{axis}=1e8,1e9"));
+        let axes = ["--axis", &axis_1, "--axis", "contact.damping=1,2"];
+        let ran = scratch.run(&[&["regimes", "--set", &set], &axes[..]].concat());
+        let told = format!("error: --axis {axis}: {why}; ");
+        assert!(ran.code == Some(2) && ran.stderr.starts_with(&told), "{}", ran.stderr);
+    }
+}

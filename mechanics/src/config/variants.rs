@@ -107,6 +107,23 @@ impl Variants {
         &self.config
     }
 
+    /// Why the key number `i` cannot vary, if it cannot: the mechanism does not use it, so that it would change nothing.
+    pub fn why_not(&self, i: usize) -> Option<String> {
+        let (entry, Varied { path, key, .. }) = (self.config.mechanism.entry, &self.keys[i]);
+        let name = entry.name;
+        if key.is_some_and(|key| !entry.has(key)) {
+            return Some(format!(
+                "mechanism = {name} does not use it; `deltazero config --set mechanism={name}` lists the keys that it uses"
+            ));
+        }
+        if one_joint(path).is_some() && !entry.has_two_joints {
+            return Some(format!(
+                "mechanism = {name} has one joint; give the key without joint1 or joint2"
+            ));
+        }
+        None
+    }
+
     /// The value that `given` has as the key number `i`.
     ///
     /// # Errors

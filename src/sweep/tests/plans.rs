@@ -96,6 +96,16 @@ fn a_wrong_plan_is_refused_with_file_line_key_value_and_a_way_out() {
     let foreign = "[[axis]]\nkey = \"strut.length\"\nvalues = [1]\n";
     let error = scratch.sweep(foreign, &["mechanism=cam-follower"]).err().unwrap().to_string();
     assert!(error.contains("mechanism = cam-follower does not use it"), "{error}");
+    for (mechanism, key) in [
+        ("slider-crank", "strut.length"),
+        ("slider-crank", "run.stop_at_90"),
+        ("four-bar", "regimes.readings"),
+    ] {
+        let plan = format!("[[axis]]\nkey = \"{key}\"\nvalues = [1]\n");
+        let error = scratch.sweep(&plan, &[&format!("mechanism={mechanism}")]).err().unwrap();
+        let told = format!("plan.toml:2: {key} cannot be swept: mechanism = {mechanism} does not");
+        assert!(error.to_string().contains(&told), "{error}");
+    }
     let base = "config = \"base.toml\"\n[[axis]]\nkey = \"bays\"\nvalues = [1]\n";
     let error = scratch.sweep(base, &[]).err().unwrap().to_string();
     assert!(error.contains("base.toml: cannot read"), "{error}");
