@@ -143,6 +143,10 @@ fn what_is_wrong_with_a_model_or_its_values_is_said_with_its_place() {
         (&["--axis", "K=-1,2", "--axis", "zeta=0,1"], "out of range"),
         (&["--axis", "K=1,2", "--axis", "parameters.K=3,4"], "given twice"),
         (&["--axis", "K=1,2", "--axis", "run.t_end=1,2"], "every cell is run by the same settings"),
+        (
+            &["--axis", "K=1,2", "--axis", "zeta=0,1", "--set", "parameters.zeta=0.5"],
+            "--axis zeta: --set parameters.zeta=0.5 gives it one value",
+        ),
     ] {
         let ran = scratch.run(&[&["regimes", "--model", &file][..], axes].concat());
         assert_eq!(ran.code, Some(2), "{axes:?}: {}", ran.stderr);

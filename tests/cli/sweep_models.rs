@@ -147,6 +147,12 @@ fn a_plan_that_does_not_go_with_its_model_is_refused_with_its_place() {
         }
     }
     let axis = "[[axis]]\nkey = \"K\"\nvalues = [1e6]\n";
+    fs::write(scratch.path("plan.toml"), format!("{model}{axis}")).unwrap();
+    for set in ["K=2e6", "parameters.K=2e6"] {
+        let ran = scratch.run(&["sweep", "plan.toml", "--out", "refused", "--set", set]);
+        let told = format!("plan.toml:3: K cannot be swept: --set {set} gives it");
+        assert!(ran.code == Some(2) && ran.stderr.contains(&told), "{}", ran.stderr);
+    }
     let said = scratch.refused(&format!("model = \"none.toml\"\n{axis}"));
     assert!(said.contains("none.toml: cannot read"), "{said}");
     fs::write(scratch.path("stop.toml"), scratch.text("stop.toml").replacen("K*x", "k*x", 1))

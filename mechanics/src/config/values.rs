@@ -40,7 +40,7 @@ pub(super) enum Target<'a> {
 }
 
 /// Where the value of a parameter is kept.
-fn parameter_path(name: &str) -> String {
+pub(super) fn parameter_path(name: &str) -> String {
     format!("{PARAMETERS}.{name}")
 }
 

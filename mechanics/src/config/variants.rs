@@ -10,7 +10,7 @@ use super::check::check;
 use super::error::{ConfigError, Place};
 use super::given::{Datum, Given, excerpt};
 use super::model::{Model, kind_of};
-use super::values::{Target, Values, table, typed};
+use super::values::{Target, Values, parameter_path, table, typed};
 use crate::keys::{JOINT_TABLES, JOINTS, Key, Kind, one_joint};
 use crate::mechanisms::Chosen;
 use crate::mechanisms::text::TABLES;
@@ -107,7 +107,8 @@ impl Variants {
         &self.config
     }
 
-    /// Why the key number `i` cannot vary, if it cannot: the mechanism does not use it, so that it would change nothing.
+    /// Why the key number `i` cannot vary, if it cannot: the mechanism does not use it, so that it would change nothing, or
+    /// `--set` gives it a value, which would change nothing.
     pub fn why_not(&self, i: usize) -> Option<String> {
         let (entry, Varied { path, key, .. }) = (self.config.mechanism.entry, &self.keys[i]);
         let name = entry.name;
@@ -121,7 +122,13 @@ impl Variants {
                 "mechanism = {name} has one joint; give the key without joint1 or joint2"
             ));
         }
-        None
+        let own = if key.is_some() { path.clone() } else { parameter_path(path) };
+        match self.settings.place(&own) {
+            set @ Place::Set(_) => {
+                Some(format!("{set} gives it one value; leave one of the two away"))
+            }
+            _ => None,
+        }
     }
 
     /// The value that `given` has as the key number `i`.

@@ -118,6 +118,19 @@ fn a_wrong_plan_is_refused_with_file_line_key_value_and_a_way_out() {
 }
 
 #[test]
+fn a_key_that_the_plan_varies_takes_no_value_by_set() {
+    let scratch = Scratch::new();
+    let plan = "config = \"base.toml\"\n[[axis]]\nkey = \"contact.stiffness\"\nvalues = [1e6]\n";
+    scratch.write("base.toml", "contact.stiffness = 1e7\n");
+    assert!(scratch.sweep(plan, &["joint2.contact.stiffness=2e7"]).is_ok());
+    for set in ["contact.stiffness=1e8", "contact={ stiffness = 1e8 }"] {
+        let error = scratch.sweep(plan, &[set]).err().unwrap().to_string();
+        let told = format!("plan.toml:3: contact.stiffness cannot be swept: --set {set} gives it");
+        assert!(error.contains(&told) && error.contains("leave one of the two away"), "{error}");
+    }
+}
+
+#[test]
 fn the_values_of_an_axis_have_both_ends_and_even_distances_or_ratios() {
     let scratch = Scratch::new();
     let plan = "[[axis]]\nkey = \"contact.stiffness\"\nlog = [1e5, 1e10]\npoints = 6\n\
