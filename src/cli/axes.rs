@@ -2,8 +2,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use deltazero::config::{Config, Model, Place, Variants, is_of_runs};
-use deltazero::figures::map::{WINNERS, winners};
+use deltazero::config::{Config, ConfigError, Model, Place, Variants, is_of_runs};
+use deltazero::figures::map::{WINNERS, in_short, winners};
 use deltazero::report::regimes::map_csv;
 use deltazero::studied::{map_markdown, map_table};
 use deltazero::sweep::plan::Values;
@@ -42,7 +42,8 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
         if stop.load(Ordering::Relaxed) {
             return Err(Failure::Interrupted(RESUMED));
         }
-        let config = variants.set(&[variants.number(0, x)?, variants.number(1, y)?])?;
+        let config = variants.set(&[variants.number(0, x)?, variants.number(1, y)?]);
+        let config = config.map_err(|error| not_a_cell(&axes, [x, y], &error))?;
         subjects.push(config.mechanism.subject(config));
     }
     let dir = args.run.to.dir("deltazero-out/map");
@@ -64,6 +65,12 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     }
     write(&output, &config, &Map::of(axes, contests.into_iter().flatten()), args)?;
     Ok(chunks.clear()?)
+}
+
+/// The complaint about values that do not go together.
+fn not_a_cell(axes: &[MapAxis; 2], at: [f64; 2], error: &ConfigError) -> Failure {
+    let [x, y] = [0, 1].map(|i| format!("{} = {}", axes[i].name, in_short(at[i])));
+    Failure::Usage(format!("cell {x}, {y}: {error}"))
 }
 
 /// Writes the files of a finished map, and prints it.

@@ -196,3 +196,13 @@ fn an_axis_of_another_mechanism_is_refused() {
         assert!(ran.code == Some(2) && ran.stderr.starts_with(&told), "{}", ran.stderr);
     }
 }
+
+#[test]
+fn a_cell_of_which_nothing_can_be_made_is_named() {
+    let scratch = Scratch::new();
+    let axes = ["--axis", "contact.stiffness=1e6,1e7", "--axis", "friction.coefficient=0.1,0"];
+    let ran = scratch.run(&[&["regimes", "--set", "friction.law=lugre"], &axes[..]].concat());
+    let told = "error: cell contact.stiffness = 1e6, friction.coefficient = 0: ";
+    assert!(ran.code == Some(2) && ran.stderr.starts_with(told), "{}", ran.stderr);
+    assert!(ran.stderr.contains("does not go with friction.law = lugre"), "{}", ran.stderr);
+}
