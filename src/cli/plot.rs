@@ -29,7 +29,8 @@ pub(super) struct PlotArgs {
     /// Main and total Sobol indices of a column, of a plan with sampling = "saltelli"
     #[arg(long, value_name = "COL", conflicts_with_all = ["x", "y", "color"])]
     sobol: Option<String>,
-    /// Write FILE-STEM.png and FILE-STEM.svg; the default is a name of the columns in DIR/figures
+    /// Write FILE-STEM.png and FILE-STEM.svg; the default is a name of the columns in DIR/figures. One that ends with / is a
+    /// directory for files of that name
     #[arg(long, value_name = "FILE-STEM")]
     out: Option<PathBuf>,
     /// No messages but errors
@@ -63,7 +64,11 @@ pub(super) fn run(args: &PlotArgs) -> Result<(), Failure> {
             (sweep::drawing(&results, asked)?, None, asked.file_name())
         }
     };
-    let stem = args.out.clone().unwrap_or_else(|| args.dir.join("figures").join(name));
+    let stem = match &args.out {
+        None => args.dir.join("figures").join(name),
+        Some(dir) if has_no_name(dir) => dir.join(name),
+        Some(stem) => stem.clone(),
+    };
     let files = write(&drawing, &stem)?;
     let [png, svg] = files.each_ref().map(|path| path.display().to_string());
     if args.json {
@@ -79,6 +84,12 @@ pub(super) fn run(args: &PlotArgs) -> Result<(), Failure> {
         say(&format!("{} written: {png}, {svg}", drawing.name));
     }
     Ok(())
+}
+
+/// Whether a path does not end with the name of a file: `s3/`, `..`.
+fn has_no_name(path: &Path) -> bool {
+    let path_bytes = path.as_os_str().as_encoded_bytes();
+    path.file_name().is_none_or(|name| !path_bytes.ends_with(name.as_encoded_bytes()))
 }
 
 /// Draws both files, then writes each whole.

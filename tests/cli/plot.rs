@@ -103,6 +103,11 @@ fn columns_make_the_figure_that_they_ask_for() {
         assert_eq!(scratch.text("again.svg"), svg);
         assert_eq!(fs::read(scratch.path("again.png")).unwrap(), png);
     }
+    for out in ["s3/", "s3/."] {
+        assert_eq!(scratch.plot(&["--x", force, "--out", out]).code, Some(0));
+        assert_eq!(scratch.files("s3"), ["peak_force_n.png", "peak_force_n.svg"], "{out}");
+        fs::remove_dir_all(scratch.path("s3")).unwrap();
+    }
     let left: Vec<String> = scratch.files("out");
     assert!(!left.iter().any(|name| name.ends_with(".partial")), "{left:?}");
 }
