@@ -33,9 +33,9 @@ fn rounded_to(x: f64, digits: usize) -> f64 {
     format!("{x:.0$e}", digits - 1).parse().unwrap_or(x)
 }
 
-/// A number to `digits` significant digits; a dash for none.
+/// A number to `digits` significant digits; a dash for none, and for one that is not defined.
 fn rounded(x: Option<f64>, digits: usize) -> String {
-    x.map_or_else(|| "–".to_owned(), |x| format!("{x:.0$e}", digits - 1))
+    x.filter(|x| !x.is_nan()).map_or_else(|| "–".to_owned(), |x| format!("{x:.0$e}", digits - 1))
 }
 
 /// Columns of the answer.
@@ -105,14 +105,14 @@ pub fn study_markdown(about: &About, table: &WorkPrecision, drawings: &[Drawing]
     let mut text = format!(
         "# Which integrator, at which setting, for this contact?\n\n{}.\n\n{}\n\
          e is the worst sample's {}, up to the horizon of {} s.\n\
-         Reference: {}; a second run ({}) differs by e = {:.1e}{}, which is its error.\n",
+         Reference: {}; a second run ({}) differs by e = {}{}, which is its error.\n",
         about.subject,
         answer(table),
         reference.measure(),
         reference.horizons(),
         reference.method,
         reference.check,
-        reference.agreement,
+        reference.own_error(),
         reference
             .event_time_agreement_s
             .map_or_else(String::new, |t| format!(" and {t:.1e} s in event times")),

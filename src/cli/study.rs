@@ -203,9 +203,9 @@ fn summarise(output: &Output, table: &WorkPrecision) {
     let count = |status| table.rows.iter().filter(|row| row.status == status).count();
     let (ok, failed, cut) = (count(Status::Ok), count(Status::Failed), count(Status::Cut));
     say(&format!(
-        "{} runs: {ok} ok, {failed} failed, {cut} cut; reference good to e = {:.1e}",
+        "{} runs: {ok} ok, {failed} failed, {cut} cut; reference good to e = {}",
         table.rows.len(),
-        table.reference.agreement
+        table.reference.own_error()
     ));
     for limit in table.limits() {
         say(&format!("  {limit}"));

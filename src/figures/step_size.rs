@@ -85,8 +85,9 @@ fn of_first_part(histories: &[StepHistory]) -> impl Iterator<Item = &StepHistory
 fn panel(history: &StepHistory, window: (f64, f64), (sizes, look): (&Axis, StepLook)) -> Panel {
     let overlaps = |step: &&StepRow| step.end() > window.0 && step.t_s < window.1;
     let steps: Vec<&StepRow> = history.steps.iter().filter(overlaps).collect();
+    let e = if history.e.is_nan() { String::new() } else { format!(", e = {:.1e}", history.e) };
     Chart {
-        title: format!("{}, e = {:.1e}", history.title(), history.e),
+        title: history.title() + &e,
         t: Axis::linear("t [s]").within(window.0, window.1.max(window.0 + f64::MIN_POSITIVE)),
         h: sizes.clone(),
         accepted: steps.iter().map(|step| (step.t_s, step.h_s)).collect(),

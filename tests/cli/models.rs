@@ -3,7 +3,7 @@
 use deltazero_text::models::MODELS;
 use serde_json::{Value, json};
 
-use super::{Scratch, number};
+use super::{Scratch, number, with_sets};
 
 /// A directory that holds a model.
 fn with_model(name: &str) -> (Scratch, String) {
@@ -154,4 +154,31 @@ fn what_is_wrong_with_a_model_or_its_values_is_said_with_its_place() {
     }
     let ran = scratch.run(&["model", "new", "bouncing_bal"]);
     assert!(ran.code == Some(2) && ran.stderr.contains("bouncing_ball"), "{}", ran.stderr);
+}
+
+#[test]
+fn an_error_that_is_not_defined_is_a_dash_in_tables() {
+    let scratch = Scratch::new();
+    // A pendulum upside down, whose motion is lost before its only sample.
+    let model = "name = \"pendulum\"\nt_end = 1.0\n\
+                 [states]\n\
+                 x = { start = 3.14159, unit = \"rad\", scale = 1 }\n\
+                 v = { start = 0, unit = \"rad/s\", scale = 1 }\n\
+                 [rates]\nx = \"v\"\nv = \"-1e4*sin(x)\"\n\
+                 [modes.only]\n";
+    std::fs::write(scratch.path("pendulum.toml"), model).unwrap();
+    let sets = [
+        "run.sample=0.9",
+        "study.methods=[\"rk45\"]",
+        "study.rtol=[1e-4, 1e-6]",
+        "study.repeats=1",
+    ];
+    let args = with_sets(&["study", "--model", "pendulum.toml", "--out", "out"], &sets);
+    let ran = scratch.succeed(&args);
+    assert!(ran.stderr.contains("reference good to e = –\n"), "{}", ran.stderr);
+    let [text, page] = ["out/study.md", "out/report.html"].map(|name| scratch.text(name));
+    assert!(text.contains(" | ok | – | ") && !text.contains("NaN"), "{text}");
+    assert!(!page.contains("e = NaN") && !page.contains(">NaN<"), "NaN in report.html");
+    // Files for programs keep the number that is none.
+    assert_eq!(scratch.table("out/study.csv").rows[0]["e"], "NaN");
 }

@@ -193,9 +193,9 @@ fn cell(value: &Value) -> Markup {
     }
 }
 
-/// The shortest of its exact forms and three digits.
+/// The shortest of its exact forms and three digits; nothing for one that is not defined.
 fn number(x: Option<f64>) -> String {
-    let Some(x) = x else { return String::new() };
+    let Some(x) = x.filter(|x| !x.is_nan()) else { return String::new() };
     let forms = [x.to_string(), format!("{x:e}"), format!("{x:.2e}")];
     forms.into_iter().min_by_key(String::len).unwrap_or_default()
 }

@@ -157,7 +157,7 @@ fn reference(table: &WorkPrecision) -> Vec<Part> {
     let facts = vec![
         fact("Made by", reference.method.clone()),
         fact("Checked by", reference.check.clone()),
-        fact("Its own error", format!("e = {:.1e}, by the check", reference.agreement)),
+        fact("Its own error", format!("e = {}, by the check", reference.own_error())),
         fact(
             "Its event times",
             times.map_or_else(

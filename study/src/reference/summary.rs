@@ -101,6 +101,11 @@ impl ReferenceSummary {
         }
     }
 
+    /// Its own error to two digits; a dash where it is not defined.
+    pub fn own_error(&self) -> String {
+        if self.agreement.is_nan() { "–".to_owned() } else { format!("{:.1e}", self.agreement) }
+    }
+
     /// Those of the `warnings` of another run that are its own: that it is wrong, or what the reference does not have,
     /// as what both have is the motion's.
     pub fn not_shared(&self, mut warnings: Vec<Warning>) -> Vec<Warning> {
