@@ -183,27 +183,26 @@ fn ideal(audit: &Audit, joint: usize, file: &'static str) -> Drawing {
     let curves: Vec<Curve<'_>> = ideal_curve(audit, joint).into_iter().collect();
     let panel = |quantity| angle(audit, joint, quantity, f64::INFINITY).panel("", &curves);
     let panels = vec![panel(Quantity::Theta), panel(Quantity::Omega), panel(Quantity::Alpha)];
-    let fastest = curves.first().and_then(|curve| {
-        let by = |bin: &Bin| bin.of(Quantity::Alpha).most;
-        curve.course.bins.iter().max_by(|a, b| by(a).total_cmp(&by(b)))
-    });
-    let turn = fastest.map_or_else(String::new, |bin| {
-        let end = curves.first().and_then(|curve| curve.course.bins.last());
-        let end = end.map_or(f64::NAN, |bin| bin.of(Quantity::Alpha).least);
-        format!(
-            " θ̈{joint} grows to {:.3} rad/s² at {:.2} s, θ{joint} = {:.0}°, and falls to {end:.3} rad/s² at 90°: \
+    let turn = curves.first().and_then(|Curve { course, .. }| {
+        let alpha = |bin: &Bin| course.onward(bin, Quantity::Alpha);
+        let by = |a: &&Bin, b: &&Bin| alpha(a).most.total_cmp(&alpha(b).most);
+        let fastest = course.bins.iter().max_by(by)?;
+        Some(format!(
+            " θ̈{joint} grows to {:.3} rad/s² at {:.2} s, θ{joint} = {:.0}°, and falls to {:.3} rad/s² at 90°: \
              the paper says that it increases.",
-            bin.of(Quantity::Alpha).most,
-            bin.middle_s(),
-            bin.of(Quantity::Theta).mean.to_degrees()
-        )
+            alpha(fastest).most,
+            fastest.middle_s(),
+            course.onward(fastest, Quantity::Theta).mean.to_degrees(),
+            alpha(course.bins.last()?).least
+        ))
     });
     let caption = format!(
-        "{} without clearance (the paper's Fig. {}), {}: 90° after {} (paper: 13.5 s).{turn}",
+        "{} without clearance (the paper's Fig. {}), {}: 90° after {} (paper: 13.5 s).{}",
         name(joint),
         6 + joint,
         audit.method,
         seconds(curves.first().and_then(|curve| curve.course.run.reached_90_s)),
+        turn.unwrap_or_default()
     );
     let figure = Figure {
         title: format!("{} without clearance", name(joint)),

@@ -16,7 +16,7 @@ use deltazero_study::work_precision::Progress;
 use serde::{Deserialize, Serialize};
 
 use super::claims::{ClaimRow, claims};
-use super::course::{Bin, Binning, Quantity};
+use super::course::{Bin, Binning, Quantity, Range};
 use super::ideal::{IdealRow, RIGHT_ANGLE, ideal, time_to, without_clearance};
 use super::torque_ratio::{TorqueRatio, torque_ratio};
 use crate::config::Config;
@@ -86,7 +86,7 @@ pub struct RunRow {
     pub horizon_s: Option<f64>,
     /// When the run ended [s].
     pub end_s: f64,
-    /// Largest θ [rad].
+    /// Largest θ [rad], in the direction of the torque.
     pub theta_max_rad: f64,
     /// When that was [s].
     pub theta_max_at_s: f64,
@@ -135,6 +135,15 @@ impl Course {
             ..self.run.clone()
         };
         Self { run, bins: self.until(t).to_vec(), end: self.end, nudged: Vec::new() }
+    }
+
+    /// A quantity in one of its bins, counted in the direction that θ turned in.
+    pub fn onward(&self, bin: &Bin, quantity: Quantity) -> Range {
+        let range = bin.of(quantity);
+        if self.end[2] < 0.0 {
+            return Range { least: -range.most, most: -range.least, mean: -range.mean };
+        }
+        range
     }
 
     /// The part that lies before `t` [s].
@@ -242,9 +251,11 @@ fn followed(
 
     let bins = binning.bins;
     let balance = balance.at(&run.mode, run.t, &run.y).unwrap_or_default();
-    let furthest = bins
-        .iter()
-        .max_by(|a, b| a.of(Quantity::Theta).most.total_cmp(&b.of(Quantity::Theta).most));
+    let turned = |bin: &Bin| {
+        let theta = bin.of(Quantity::Theta);
+        if block.torque < 0.0 { -theta.least } else { theta.most }
+    };
+    let furthest = bins.iter().max_by(|a, b| turned(a).total_cmp(&turned(b)));
     let changes = mode_changes(&trajectory);
     let events = counted(&changes, block.starts_on_surface());
     let row = RunRow {
@@ -254,7 +265,7 @@ fn followed(
         moved_s: None,
         horizon_s: None,
         end_s: run.t,
-        theta_max_rad: furthest.map_or(0.0, |bin| bin.of(Quantity::Theta).most),
+        theta_max_rad: furthest.map_or(0.0, turned),
         theta_max_at_s: furthest.map_or(0.0, Bin::middle_s),
         n_events: events.len(),
         separations: events.iter().filter(|event| event.t <= 2.0 && event.after == 0).count(),

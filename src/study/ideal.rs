@@ -7,9 +7,9 @@
 //! t(θ) = ∫₀^θ √(I(φ)/(2 M φ)) dφ = 2 ∫₀^√θ √(I(s²)/(2M)) ds
 //! ```
 //!
-//! At rest the integrand is singular as 1/√φ, which φ = s² takes away. At 90° there is no singularity:
-//! I falls to I_0 > 0, a ninth (joint 1) or a fifth (joint 2) of its start. The inertia that falls by
-//! five orders is that of a strut whose pin is free, [`BlockInertia::schur`](crate::model::inertia::BlockInertia::schur).
+//! I is even: −M turns to −θ in the same time. At rest the integrand is singular as 1/√φ, which φ = s² takes away.
+//! At 90° there is no singularity: I falls to I_0 > 0, a ninth (joint 1) or a fifth (joint 2) of its start. The inertia that
+//! falls by five orders is that of a strut whose pin is free, [`BlockInertia::schur`](crate::model::inertia::BlockInertia::schur).
 
 use deltazero_solvers::Method;
 use deltazero_study::quadrature::GAUSS;
@@ -32,17 +32,19 @@ const INTEGRATED_BY: (&str, f64) = ("vern98", 1e-12);
 /// Runs to compare with last this many times the time by quadrature.
 const MARGIN: f64 = 1.1;
 
-/// Time of struts from rest at θ = 0 to `theta` [rad] with the pin held [s]; none without a torque that opens.
+/// Time of struts from rest at θ = 0 until the torque has turned them by `theta` [rad] with the pin held [s]; none without
+/// a torque.
 ///
 /// The Gauss rule on twice as many panels until a sum repeats itself to rounding.
 pub fn time_to(block: &Block, theta: f64) -> Option<f64> {
     let Body::Struts(inertia) = &block.body else { return None };
-    if block.torque <= 0.0 {
+    let torque = block.torque.abs();
+    if torque == 0.0 {
         return None;
     }
     let integrand = |s: f64| {
         let (sin, cos) = libm::sincos(s * s);
-        (inertia.about_pin(sin, cos) / (2.0 * block.torque)).sqrt()
+        (inertia.about_pin(sin, cos) / (2.0 * torque)).sqrt()
     };
     let end = theta.sqrt();
     let sum = |panels: u32| {

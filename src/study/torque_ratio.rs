@@ -162,7 +162,7 @@ impl<'a> Arrivals<'a> {
     fn ratio(&self) -> Option<f64> {
         let [ab, af] = &self.blocks;
         let theta1_90 = self.theta1_90_s?;
-        let own = ab.torque / af.torque;
+        let own = (ab.torque / af.torque).abs();
         // AF arrives as √ratio, nearly.
         let ahead = theta1_90 / self.theta2_90(own)?;
         let guess = own * ahead * ahead;

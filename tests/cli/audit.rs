@@ -137,6 +137,10 @@ fn threads_change_nothing_and_every_figure_has_data() {
         scratch.succeed(&args)
     };
     let (one, two) = (run("one", "1"), run("two", "2"));
+    // The other way round it is the same motion.
+    let sets = ["drive.m1=-30", "drive.m4=-9"];
+    scratch.succeed(&with_sets(&["audit", "--out", "reversed", "--quiet"], &sets));
+    assert_eq!(scratch.text("reversed/audit.csv"), scratch.text("one/audit.csv"));
     assert_eq!((one.stdout == two.stdout, one.stderr.as_str()), (true, ""));
     let files = scratch.files("one");
     assert_eq!(files, scratch.files("two"));

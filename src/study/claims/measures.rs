@@ -21,10 +21,11 @@ pub(super) fn largest(course: &Course, quantity: Quantity) -> Option<f64> {
     course.bins.iter().map(|bin| bin.of(quantity).magnitude()).reduce(f64::max)
 }
 
-/// θ̈ at 90° over its largest value.
+/// θ̈ at 90° over its largest value, in the direction that it turned in.
 pub(super) fn last_over_largest(course: &Course) -> Option<f64> {
     course.run.reached_90_s?;
-    Some(course.bins.last()?.of(Quantity::Alpha).least / largest(course, Quantity::Alpha)?)
+    let last = course.onward(course.bins.last()?, Quantity::Alpha);
+    Some(last.least / largest(course, Quantity::Alpha)?)
 }
 
 /// The bins of a joint beside the ideal ones, until one of both is at 90° or until `t` [s].
