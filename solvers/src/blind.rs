@@ -4,6 +4,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 use crate::error::Error;
+use crate::integrate::of_its_length;
 use crate::phase::Point;
 use crate::real::Real;
 use crate::record::{Accepted, Event, Grazing, Needs, Record};
@@ -100,7 +101,7 @@ pub struct Unblind<'a, P: System, R> {
 impl<'a, P: ModeOfState, R: Record<P>> Unblind<'a, P, R> {
     /// A recorder for a run of `Blind(problem)` from `(t, y)`, which shows the run to `record`.
     pub fn new(problem: &'a P, t: f64, y: &P::State<f64>, record: R) -> Self {
-        Self { problem, mode: problem.mode_of_state(t, y), record }
+        Self { problem, mode: problem.mode_of_state(t, &of_its_length(problem, y)), record }
     }
 }
 

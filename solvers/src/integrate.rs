@@ -1,5 +1,6 @@
 //! The driver: it runs one phase after the other, with transitions between them.
 
+use std::borrow::Cow;
 use std::collections::VecDeque;
 
 use crate::error::{Error, Outcome};
@@ -39,7 +40,7 @@ pub struct Integration<'a, P: System> {
 impl<'a, P: System> Integration<'a, P> {
     /// An integration that starts at `(t, y)` in the mode that the system gives it.
     pub fn new(problem: &'a P, t: f64, y: P::State<f64>) -> Self {
-        let mode = problem.initial_mode(t, &y);
+        let mode = problem.initial_mode(t, &of_its_length(problem, &y));
         Self::at(problem, Point { t, y, mode })
     }
 
@@ -93,6 +94,7 @@ impl<'a, P: System> Integration<'a, P> {
         t_end: f64,
         record: &mut dyn Record<P>,
     ) -> Result<Option<Outcome>, Error> {
+        check_length(self.problem, &self.point.y)?;
         record.begin(&self.point, t_end)?;
         match self.transitions.begin(self.problem, &self.point, t_end)? {
             Some(guard) => self.pass(PhaseEnd::Guard(guard), record),
@@ -117,6 +119,30 @@ impl<'a, P: System> Integration<'a, P> {
             }
         }
     }
+}
+
+/// A start as `problem` may be asked for its mode: one with more or fewer states than it has, which is an error of the first
+/// run, is cut or filled up with zeros.
+pub(crate) fn of_its_length<'y, P: System>(
+    problem: &P,
+    y: &'y P::State<f64>,
+) -> Cow<'y, P::State<f64>> {
+    let is_of_type = <P::State<f64> as Vector<f64>>::LENGTH > 0;
+    if is_of_type || check_length(problem, y).is_ok() {
+        return Cow::Borrowed(y);
+    }
+    let each = |i: usize| y.as_ref().get(i).copied().unwrap_or(0.0);
+    Cow::Owned(Vector::from_fn(problem.dim(), each))
+}
+
+/// Whether a start has as many states as `problem` has.
+pub(crate) fn check_length<P: System>(problem: &P, y: &P::State<f64>) -> Result<(), Error> {
+    let n = y.as_ref().len();
+    if n == problem.dim() {
+        return Ok(());
+    }
+    let allowed = "a start has as many states as the system says that it has";
+    Err(Error::BadArgument { name: "number of states", value: n as f64, allowed })
 }
 
 /// Time, state and mode of a run between two phases, in plain or extended precision.
@@ -166,11 +192,6 @@ impl<P: System> Transitions<P> {
         if !t_end.is_finite() {
             let allowed = "the end of a run must be finite";
             return Err(Error::BadArgument { name: "t_end", value: t_end, allowed });
-        }
-        let n = point.y.as_ref().len();
-        if n != problem.dim() {
-            let allowed = "a start has as many states as the system says that it has";
-            return Err(Error::BadArgument { name: "number of states", value: n as f64, allowed });
         }
         check_finite(point, &point.y)?;
         self.t_end = t_end;

@@ -6,7 +6,8 @@ mod common;
 use common::at_most;
 use deltazero_solvers::taylor::ExtendedIntegration;
 use deltazero_solvers::{
-    Control, Error, Integration, METHODS, Method, Next, Real, Stats, System, Tolerance,
+    Blind, Control, Error, Integration, METHODS, Method, ModeOfState, Next, Real, Sensitive, Stats,
+    System, Tolerance, Unblind,
 };
 
 /// Heat in a rod, `ẏ_i = (n + 1)² (y_(i−1) − 2 y_i + y_(i+1))` between ends at zero.
@@ -124,7 +125,9 @@ impl System for Carts {
         2 * self.n
     }
 
-    fn initial_mode(&self, _t: f64, _y: &Vec<f64>) {}
+    fn initial_mode(&self, t: f64, y: &Vec<f64>) {
+        self.mode_of_state(t, y);
+    }
 
     fn rhs<S: Real>(&self, (): (), t: S, y: &Vec<S>, dydt: &mut Vec<S>) {
         let force = |i: usize| {
@@ -160,6 +163,12 @@ impl System for Carts {
                 }
             }
         }
+    }
+}
+
+impl ModeOfState for Carts {
+    fn mode_of_state<S: Real>(&self, _t: S, y: &Vec<S>) {
+        assert_eq!(y.len(), self.dim(), "a model may look at each of its states");
     }
 }
 
@@ -227,8 +236,16 @@ fn a_start_with_other_states_than_the_system_has_is_refused() {
             let mut run = Integration::new(&carts, 0.0, vec![0.0; n]);
             assert!(is_refused(run.run(1.0, &mut *solver, &mut ())), "{} with {n}", method.name);
         }
+        let (blind, start) = (Blind(&carts), vec![0.0; n]);
+        let mut unblind = Unblind::new(&carts, 0.0, &start, ());
+        let mut solver = METHODS[0].solver(&blind, Control::Fixed(0.01)).unwrap();
+        let mut run = Integration::new(&blind, 0.0, start);
+        assert!(is_refused(run.run(1.0, &mut *solver, &mut unblind)), "blind with {n}");
         let mut run = ExtendedIntegration::new(&carts, 0.0, &vec![0.0; n], tolerance.clone());
         assert!(is_refused(run.run(1.0, &mut ())), "extended with {n}");
+        let system = Sensitive::new(&carts, vec![vec![1.0; 6]], tolerance.clone()).unwrap();
+        let refused = system.start(0.0, &vec![0.0; n]).unwrap_err();
+        assert!(matches!(refused, Error::BadArgument { name: "number of states", .. }));
     }
 }
 

@@ -51,6 +51,7 @@ use std::fmt;
 use num_dual::Dual64;
 
 use crate::error::Error;
+use crate::integrate::check_length;
 use crate::real::Real;
 use crate::system::{Next, System, Vector};
 use crate::tolerance::Tolerance;
@@ -159,8 +160,10 @@ impl<'a, P: System> Sensitive<'a, P> {
     /// The start of a run at `t` from the state `y` of the model.
     ///
     /// # Errors
-    /// [`Error::BadArgument`] with the index of a direction along which the run starts in another mode.
+    /// [`Error::BadArgument`] for more or fewer states than the model has, and with the index of a direction along which the
+    /// run starts in another mode.
     pub fn start(&self, t: f64, y: &P::State<f64>) -> Result<Vec<f64>, Error> {
+        check_length(self.problem, y)?;
         let mode = self.problem.initial_mode(t, y);
         let mut all = y.as_ref().to_vec();
         for (index, direction) in self.directions.iter().enumerate() {

@@ -15,7 +15,7 @@ use crate::double_double::DoubleDouble;
 use crate::erk::InMode;
 use crate::error::{Error, Outcome};
 use crate::event_location::{GuardCrossing, GuardWatch};
-use crate::integrate::{Instant, Transitions, rounded};
+use crate::integrate::{Instant, Transitions, check_length, of_its_length, rounded};
 use crate::phase::{PhaseEnd, Point, check_finite};
 use crate::real::Real;
 use crate::record::{Accepted, Record, reject};
@@ -72,7 +72,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         method.step.y[0] = Vector::from_fn(n, |i| DoubleDouble::from(y.as_ref()[i]));
         Self {
             problem,
-            mode: problem.initial_mode(t, y),
+            mode: problem.initial_mode(t, &of_its_length(problem, y)),
             stats: Stats::default(),
             tolerance,
             method,
@@ -104,6 +104,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     /// As [`Integration::run`](crate::Integration::run).
     pub fn run(&mut self, t_end: f64, record: &mut dyn Record<P>) -> Result<Outcome, Error> {
         self.tolerance.check(self.problem.dim())?;
+        check_length(self.problem, &self.rounded())?;
         record.begin(&self.point(), t_end)?;
         let mut guard = self.transitions.begin(self.problem, &self.point(), t_end)?;
         loop {
