@@ -34,6 +34,7 @@ fn entry(entry: Option<&Entry>, accuracy: f64, reason: &str) -> Value {
         "expected_e": entry.map(|entry| entry.e),
         "expected_e_spread": entry.map(|entry| entry.e_spread),
         "expected_wall_s": entry.map(|entry| entry.wall_s),
+        "expected_cpu_s": entry.and_then(|entry| entry.cpu_s),
         "reason": reason,
     })
 }

@@ -19,7 +19,8 @@ const NEAR: f64 = 1.3;
 const CONTEST: &str = "accuracy,status,t_end_s,horizon_s,n_events,method,events,rtol,step,e,e_least,e_most,missed,spurious,\
                        wall_s,n_rhs,n_accepted,second,second_events,second_wall_s,explicit,explicit_wall_s,implicit,\
                        implicit_wall_s,located,located_wall_s,blind,blind_wall_s,auto_over_winner,failures,error,cpu_s,\
-                       second_cpu_s,within_noise";
+                       second_cpu_s,within_noise,explicit_cpu_s,implicit_cpu_s,located_cpu_s,\
+                       blind_cpu_s";
 
 /// `regimes.csv`: one row a cell.
 pub fn csv(cells: &[Cell]) -> String {
@@ -69,12 +70,13 @@ fn contest_fields(contest: &Contested) -> Vec<String> {
         second.map_or_else(String::new, |entry| entry.events.to_string()),
         exact(second.map(|entry| entry.wall_s)),
     ];
-    for best in [
+    let bests = [
         contest.best(|entry| !entry.implicit),
         contest.best(|entry| entry.implicit),
         contest.best(|entry| entry.events == Events::Located),
         contest.best(|entry| entry.events == Events::Blind),
-    ] {
+    ];
+    for best in bests {
         fields.push(best.map_or_else(String::new, name));
         fields.push(exact(best.map(|entry| entry.wall_s)));
     }
@@ -89,6 +91,7 @@ fn contest_fields(contest: &Contested) -> Vec<String> {
     fields.push(exact(second.and_then(|entry| entry.cpu_s)));
     let near: Vec<String> = contest.within_noise().into_iter().map(name).collect();
     fields.push(field(&near.join("; ")));
+    fields.extend(bests.map(|best| exact(best.and_then(|entry| entry.cpu_s))));
     fields
 }
 

@@ -34,10 +34,11 @@ pub(super) fn runs(rows: &[Row]) -> String {
          median [ms] | max [ms] |\n\
          |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
     );
-    let milliseconds = |wall: Option<f64>| {
-        wall.map_or_else(|| "–".to_owned(), |wall| format!("{:.2}", 1e3 * wall))
+    let milliseconds = |time: Option<f64>| {
+        time.map_or_else(|| "–".to_owned(), |time| format!("{:.2}", 1e3 * time))
     };
     for row in rows {
+        let [least, median, most] = row.times_s().map(milliseconds);
         let status = match &row.error {
             None => row.status.name().to_owned(),
             Some(error) => format!("{}: {error}", row.status.name()),
@@ -60,9 +61,9 @@ pub(super) fn runs(rows: &[Row]) -> String {
             row.n_jac,
             row.n_factorisations,
             row.n_lin_solves,
-            milliseconds(row.wall_s_min),
-            milliseconds(row.wall_s_median),
-            milliseconds(row.wall_s_max),
+            least,
+            median,
+            most,
         );
     }
     text

@@ -140,6 +140,14 @@ impl Row {
         self.cpu_s_min.or(self.wall_s_min)
     }
 
+    /// Shortest, median and longest of the times of which that is the shortest [s].
+    pub fn times_s(&self) -> [Option<f64>; 3] {
+        match self.cpu_s_min {
+            Some(_) => [self.cpu_s_min, self.cpu_s_median, spread(&self.cpus_s)[2]],
+            None => [self.wall_s_min, self.wall_s_median, self.wall_s_max],
+        }
+    }
+
     /// How uncertain that is, as a factor: the median of the repeats over the shortest.
     pub fn noise(&self) -> f64 {
         let median = self.cpu_s_min.and(self.cpu_s_median).or(self.wall_s_median);
@@ -156,12 +164,8 @@ impl Row {
         }
         self.walls_s.push(took.wall.as_secs_f64());
         self.cpus_s.push(took.cpu.as_secs_f64());
-        let of = |times: &[f64]| {
-            let mut times = times.to_vec();
-            [0.0, 0.5, 1.0].map(|fraction| quantile(&mut times, fraction))
-        };
-        [self.wall_s_min, self.wall_s_median, self.wall_s_max] = of(&self.walls_s);
-        [self.cpu_s_min, self.cpu_s_median, _] = of(&self.cpus_s);
+        [self.wall_s_min, self.wall_s_median, self.wall_s_max] = spread(&self.walls_s);
+        [self.cpu_s_min, self.cpu_s_median, _] = spread(&self.cpus_s);
     }
 
     /// Whether it is of the same run as another row.
@@ -177,4 +181,10 @@ impl Row {
             && self.rtol == setting.rtol()
             && self.step == setting.step()
     }
+}
+
+/// Least, median and largest of these times.
+fn spread(times: &[f64]) -> [Option<f64>; 3] {
+    let mut times = times.to_vec();
+    [0.0, 0.5, 1.0].map(|fraction| quantile(&mut times, fraction))
 }
