@@ -136,11 +136,11 @@ pub(super) fn is_bare_key(text: &str) -> bool {
     !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c))
 }
 
-/// One segment of a key as it enters a path: quoted where TOML needs quotes, so that `"a.b"` is
-/// not taken for `a.b`; shortened, which makes no key of it that is none.
+/// One segment of a key as it enters a path: quoted where TOML needs quotes, so that `"a.b"` is not taken for `a.b`, and
+/// shortened there, which makes no key of it that is none. A bare one is whole: a parameter may have a long name.
 pub(super) fn key_text(segment: &str) -> String {
     if is_bare_key(segment) {
-        excerpt(segment)
+        segment.to_owned()
     } else {
         excerpt(&format!("'{}'", segment.escape_debug()))
     }

@@ -30,6 +30,16 @@ fn settings_of_a_model_stand_under_those_that_are_set() {
 }
 
 #[test]
+fn a_parameter_with_a_long_name_is_set_and_read_again() {
+    let name = "g".repeat(100);
+    let text = BALL.replace("g = {", &format!("{name} = {{")).replace("-g", &format!("-{name}"));
+    let config = load(&text, &[&format!("{name}=1.6")]).unwrap();
+    assert_eq!(config.mechanism.tables["parameters"][&name], 1.6);
+    let json = serde_json::to_value(&config).unwrap();
+    assert_eq!(Config::from_json(&json).unwrap(), config);
+}
+
+#[test]
 fn a_wrong_setting_of_a_model_is_told_with_its_line() {
     let refused = load(&format!("{BALL}[solver]\nmethod = \"none\"\n"), &[]);
     let refused = refused.unwrap_err().to_string();
