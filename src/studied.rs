@@ -12,7 +12,7 @@ use deltazero_study::recommend::{Recommendation, recommend};
 use deltazero_study::reference::ReferenceError;
 use deltazero_study::selection::Rules;
 use deltazero_study::steps::StepTables;
-use deltazero_study::work_precision::WorkPrecision;
+use deltazero_study::work_precision::{WorkPrecision, in_doubt};
 use deltazero_study::{Plan, Subject, work_precision};
 
 use crate::figures::map::in_short;
@@ -98,13 +98,15 @@ pub fn map_table(map: &Map) -> String {
     text += "|---|---|---|---|---|---|---|\n";
     for cell in &map.cells {
         let ([x, y], contest) = (cell.at.map(in_short), &cell.contest);
+        let near = contest.within_noise();
         let _ = write!(text, "| {x} | {y} | {:e} | ", contest.accuracy);
         let _ = match contest.winner() {
             Some(first) => writeln!(
                 text,
-                "{} {} | {} | {:.1e} | {:.3} |",
+                "{} {}{} | {} | {:.1e} | {:.3} |",
                 first.method,
                 first.events,
+                in_doubt(near.iter().map(|entry| (&*entry.method, entry.events))),
                 first.setting(),
                 first.e,
                 1e3 * first.time_s()

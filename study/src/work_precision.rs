@@ -22,7 +22,7 @@ use crate::setting::Digits;
 
 pub(crate) use others::ENOUGH;
 
-pub use cheapest::{ACCURACIES, cheapest, cheapest_right, doubt, within_noise};
+pub use cheapest::{ACCURACIES, cheapest, cheapest_right, doubt, in_doubt, within_noise};
 pub use row::{Row, Status};
 
 /// A run with all that is measured takes this many times as long as one for its time: 6.5 s for 2.2 s, all runs of

@@ -1,6 +1,7 @@
 //! The cheapest run at an accuracy.
 
 use super::Row;
+use crate::setting::Events;
 
 /// Errors at which a study names the cheapest run.
 pub const ACCURACIES: [f64; 3] = [1e-3, 1e-6, 1e-9];
@@ -46,10 +47,14 @@ pub fn within_noise(rows: &[Row], e: f64) -> Vec<&Row> {
 /// Who else may be the cheapest at an accuracy, where the times do not tell: ` (within the noise: also taylor located)`.
 pub fn doubt(rows: &[Row], e: f64) -> String {
     let near = within_noise(rows, e);
-    if near.is_empty() {
+    in_doubt(near.iter().map(|row| (&*row.method, row.events)))
+}
+
+/// The same of these methods; nothing where there are none.
+pub fn in_doubt<'a>(near: impl Iterator<Item = (&'a str, Events)>) -> String {
+    let names: Vec<String> = near.map(|(method, events)| format!("{method} {events}")).collect();
+    if names.is_empty() {
         return String::new();
     }
-    let names: Vec<String> =
-        near.iter().map(|row| format!("{} {}", row.method, row.events)).collect();
     format!(" (within the noise: also {})", names.join(", "))
 }
