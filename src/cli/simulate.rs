@@ -64,10 +64,10 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
 
     let subject = config.mechanism.subject(&config);
     let bar = TimeBar::new(args.run.to.quiet);
-    let tell = |warning: &Warning| warn(std::slice::from_ref(warning), args.run.to.quiet);
     let (n, t_end) = (subject.parts.len(), config.run.t_end);
     let simulated = subject.parts.iter().enumerate().map(|(i, part)| {
         let grid = Grid::uniform(config.run.sample, t_end);
+        let tell = |warning: &Warning| warn(&[of_part(part, warning)], args.run.to.quiet);
         let asked = Asked { setting: &setting, t_end, grid, tell: &tell };
         let mut watch = Limits::none(stop).watch(Price::of_setting(&setting));
         let mut brake = rows.over(bar.over(&mut watch, (i, n), &part.name, t_end));
@@ -122,8 +122,20 @@ fn warnings(config: &Config, parts: &[Simulated<'_>], horizon: Option<Horizon>) 
         );
         all.push(Warning { code: Code::Horizon, message });
     }
-    all.extend(parts.iter().flat_map(|part| part.own.warnings.iter().cloned()));
+    for Simulated { part, own, .. } in parts {
+        all.extend(own.warnings.iter().map(|warning| of_part(part, warning)));
+    }
     all
+}
+
+/// A warning of a part's run, with its name.
+fn of_part(part: &Part, Warning { code, message }: &Warning) -> Warning {
+    Warning { code: *code, message: format!("{}{message}", place(&part.name)) }
+}
+
+/// `joint 1: `; nothing of what has no name.
+fn place(name: &str) -> String {
+    if name.is_empty() { String::new() } else { format!("{name}: ") }
 }
 
 /// The time of the integration alone.
@@ -321,6 +333,8 @@ fn contact_line(Simulated { own, .. }: &Simulated<'_>) -> Option<String> {
     let own = ContactSummary::of(own.contacts.iter().flatten().flatten());
     let (force, at) = own.peak_force_n.zip(own.peak_force_at_s)?;
     let speeds = own.smallest_impact_speed_m_s.zip(own.largest_impact_speed_m_s);
+    // A contact without penetration has no rate of it.
+    let speeds = speeds.filter(|(_, most)| *most > 0.0);
     let speeds = speeds.map_or_else(String::new, |(least, most)| {
         format!(", impacts at {least:.3e} to {most:.3e} m/s")
     });
@@ -339,9 +353,8 @@ fn contact_line(Simulated { own, .. }: &Simulated<'_>) -> Option<String> {
 fn failure(parts: &[Simulated<'_>]) -> String {
     let failed = parts.iter().find_map(|part| Some((&part.part.name, error(part)?)));
     let Some((name, error)) = failed else { return String::new() };
-    let place = if name.is_empty() { String::new() } else { format!("{name}: ") };
     let message = error["message"].as_str().unwrap_or_default();
-    format!("{place}{message}; what was computed until then is written")
+    format!("{}{message}; what was computed until then is written", place(name))
 }
 
 fn report_lines(summary: &Value, parts: &[Simulated<'_>], horizon: Option<Horizon>) -> String {
