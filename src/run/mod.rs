@@ -102,7 +102,7 @@ fn one<P: Jointed>(
 pub fn mode_changes(trajectory: &BlockTrajectory) -> Vec<ModeChange> {
     let change = |switch: &Switch<Mode>| match switch.after {
         Next::Mode(after) if after.code() != switch.before.code() => {
-            Some(ModeChange { t: switch.t, before: switch.before.code(), after: after.code() })
+            Some(ModeChange::new(switch.t, switch.before.code(), after.code()))
         }
         _ => None,
     };

@@ -121,7 +121,7 @@ impl TightRuns {
 
 /// The first time at which two sequences differ in what changes, whenever it does [s].
 pub fn parting(a: &[ModeChange], b: &[ModeChange]) -> Option<f64> {
-    let is_same = |(a, b): &(&ModeChange, &ModeChange)| (a.before, a.after) == (b.before, b.after);
+    let is_same = |(a, b): &(&ModeChange, &ModeChange)| a.is_like(b);
     let same = a.iter().zip(b).take_while(is_same).count();
     [a.get(same), b.get(same)].into_iter().flatten().map(|change| change.t).reduce(f64::min)
 }
@@ -424,9 +424,7 @@ mod tests {
     }
 
     fn events(list: &[(f64, i8)]) -> Vec<ModeChange> {
-        list.iter()
-            .map(|(t, after)| ModeChange { t: *t, before: 1 - after, after: *after })
-            .collect()
+        list.iter().map(|(t, after)| ModeChange::new(*t, 1 - after, *after)).collect()
     }
 
     #[test]

@@ -62,8 +62,7 @@ impl Motion {
 /// Where a site is in contact and where not, from its samples alone: events of other sites change that too.
 fn sampled(site: &SiteMotion) -> Vec<ModeChange> {
     let contact = |i: usize| i8::from(site.touches[i].0);
-    let change =
-        |i: usize| ModeChange { t: site.times[i], before: contact(i - 1), after: contact(i) };
+    let change = |i: usize| ModeChange::new(site.times[i], contact(i - 1), contact(i));
     let all = (1..site.touches.len()).map(change);
     all.filter(|change| change.before != change.after).collect()
 }

@@ -228,6 +228,11 @@ pub trait Problem: System<Mode: Send + Sync> + Send + Sync {
         self.role(mode, site).code()
     }
 
+    /// The number of a mode, where its code does not tell it from the others: runs are compared by both.
+    fn mode_number(&self, _mode: &Self::Mode) -> u16 {
+        0
+    }
+
     /// Whether an event that leads from one mode to another at a site is one that runs are compared by.
     fn is_counted(&self, _before: &Self::Mode, _after: &Self::Mode, _site: usize) -> bool {
         true
@@ -462,7 +467,8 @@ pub fn change<P: Problem>(
     let Next::Mode(after) = after else { return None };
     let site = problem.site_of_guard(before, guard);
     let [from, to] = [before, after].map(|mode| problem.code(mode, site));
-    let change = ModeChange { t, before: from, after: to };
+    let numbers = [before, after].map(|mode| problem.mode_number(mode));
+    let change = ModeChange { t, before: from, after: to, numbers };
     problem.is_counted(before, after, site).then_some((site, change))
 }
 

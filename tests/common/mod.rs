@@ -31,7 +31,7 @@ impl Golden {
             golden.states[joint as usize - 1].push((t, mode as i8, y));
         }
         for [joint, t, before, after] in rows::<4>(&format!("{name}.events.csv")) {
-            let change = ModeChange { t, before: before as i8, after: after as i8 };
+            let change = ModeChange::new(t, before as i8, after as i8);
             golden.events[joint as usize - 1].push(change);
         }
         golden
@@ -79,7 +79,7 @@ impl GoldenChain {
             golden.states[bay as usize - 1].push((t, mode as i8, y));
         }
         for [bay, t, before, after] in rows::<4>(&format!("{name}.events.csv")) {
-            let change = ModeChange { t, before: before as i8, after: after as i8 };
+            let change = ModeChange::new(t, before as i8, after as i8);
             golden.events[bay as usize - 1].push(change);
         }
         golden

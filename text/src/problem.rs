@@ -7,6 +7,7 @@ use deltazero_study::problem::{
     EndName, Energy, Group, GroupScale, Laws, Power, Problem, Quantity, Role, Touch,
 };
 use deltazero_study::run::{OwnRun, extended};
+use num_dual::Dual64;
 
 use crate::compile::role;
 use crate::evaluate::Inputs;
@@ -70,18 +71,26 @@ impl<F: Family> Problem for TextModel<F> {
         role(self.0.modes[usize::from(mode.number)].role)
     }
 
+    fn mode_number(&self, mode: &Mode) -> u16 {
+        mode.number
+    }
+
     /// The span of a run where it is shorter than a second.
     fn unit_of_time(&self) -> f64 {
         self.0.unit_of_time
     }
 
+    /// Whether a guard that does not rise is zero at the start.
     fn starts_on_surface(&self) -> bool {
         let (start, n) = (self.start(), self.n_guards());
-        let mode = self.initial_mode(0.0, &start);
-        let [mut g, mut bounds] = [(); 2].map(|()| vec![0.0; n]);
-        self.guards(mode, 0.0, &start, &mut g);
+        let (mode, mut rates) = (self.initial_mode(0.0, &start), start.clone());
+        self.rhs(mode, 0.0, &start, &mut rates);
+        let (y, f) = (start.as_ref(), rates.as_ref());
+        let along = F::State::<Dual64>::from_fn(y.len(), |i| Dual64::new(y[i], f[i]));
+        let (mut g, mut bounds) = (vec![Dual64::from_re(0.0); n], vec![0.0; n]);
+        self.guards(mode, Dual64::new(0.0, 1.0), &along, &mut g);
         self.guard_bounds(mode, 0.0, &start, &mut bounds);
-        g.iter().zip(&bounds).any(|(g, bound)| g.abs() <= *bound)
+        g.iter().zip(&bounds).any(|(g, bound)| g.re.abs() <= *bound && g.eps <= 0.0)
     }
 
     /// Where the file has a table `contact`.

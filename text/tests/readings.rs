@@ -4,8 +4,9 @@
 mod common;
 
 use common::model;
-use deltazero_solvers::{Next, System};
-use deltazero_study::Problem;
+use deltazero_solvers::{Grid, Method, Next, System, Trajectory};
+use deltazero_study::problem::{self, Problem};
+use deltazero_study::run::{Accuracy, Events, Setting, integrate};
 use deltazero_text::ModelFile;
 
 /// A ball between a floor, which names no rest, and a ceiling, which does.
@@ -127,4 +128,44 @@ fn a_speed_at_rest_has_the_slope_zero() {
             assert_eq!(entry, if (i, j) == (1, 0) { expected } else { 0.0 }, "{kink}: {i}, {j}");
         });
     }
+}
+
+#[test]
+fn the_first_event_is_the_starts_own_where_a_guard_falls_from_zero() {
+    let falling = |velocity: f64, guard: &str| {
+        model(&format!(
+            "[states]\ny = 0\nw = {velocity}\n[rates]\ny = \"w\"\nw = \"-1\"\n[modes.up]\n\
+             events = [{{ when = \"{guard}\", to = \"down\" }}]\n[modes.down]\n"
+        ))
+    };
+    for (velocity, guard, is_own) in
+        [(5.0, "y < 0", false), (0.0, "y < 0", true), (-5.0, "y < 0", true), (5.0, "t > 3", false)]
+    {
+        assert_eq!(falling(velocity, guard).starts_on_surface(), is_own, "{velocity} {guard}");
+    }
+}
+
+/// Where to is a matter of the last digit; both modes are free.
+#[test]
+fn a_run_that_goes_to_another_mode_of_the_same_role_has_other_events() {
+    let model = model(
+        "[parameters]\nlimit = 0.36788\n[states]\ny = 1\n[rates]\ny = \"-y\"\n\
+         [modes.a]\nevents = [{ when = \"t > 1\", to = \"choice\" }]\n\
+         [modes.choice]\nevents = [{ when = \"y > limit\", to = \"high\" }, { when = \"y < limit\", to = \"low\" }]\n\
+         [modes.high]\n[modes.low]\n",
+    );
+    let changes = |start: f64| {
+        let mut trajectory = Trajectory::on(Grid::Steps);
+        let accuracy = Accuracy::Rtol(1e-9, None);
+        let setting =
+            Setting { method: Method::named("rk45").unwrap(), events: Events::Located, accuracy };
+        let mut y0 = model.start();
+        y0[0] = start;
+        let run = integrate(&model, &setting, y0, 2.0, &mut trajectory);
+        assert!(run.outcome.is_ok());
+        problem::changes(&model, &trajectory.events).remove(0)
+    };
+    let [low, high] = [1.0, 1.0001].map(changes);
+    assert_eq!((low.len(), high.len()), (2, 2));
+    assert!(low[0].is_like(&high[0]) && !low[1].is_like(&high[1]), "{low:?} {high:?}");
 }

@@ -66,7 +66,7 @@ impl Problem {
             }
         }
         for [joint, t, before, after] in rows::<4>(EVENTS)? {
-            let change = ModeChange { t, before: before as i8, after: after as i8 };
+            let change = ModeChange::new(t, before as i8, after as i8);
             golden[joint as usize - 1].events.push(change);
         }
         let angles = golden.iter().flat_map(|track| &track.samples).map(|y| y[2].abs());
@@ -143,7 +143,7 @@ impl Watch {
     pub(crate) fn look(&mut self, block: &Block, t: f64, y: &State<f64>) {
         let after = block.mode_of_state(t, y);
         if after != self.mode {
-            self.events.push(ModeChange { t, before: self.mode.code(), after: after.code() });
+            self.events.push(ModeChange::new(t, self.mode.code(), after.code()));
             self.mode = after;
         }
     }

@@ -95,7 +95,7 @@ fn read(text: &str) -> Result<[Track; 2], Box<dyn Error>> {
         match (kind, numbers.as_slice()) {
             ("s", &[j, a, b, c, d, e, f]) => tracks[joint(j)].samples.push([a, b, c, d, e, f]),
             ("e", &[j, t, before, after]) => {
-                let change = ModeChange { t, before: before as i8, after: after as i8 };
+                let change = ModeChange::new(t, before as i8, after as i8);
                 tracks[joint(j)].events.push(change);
             }
             _ => return Err(format!("neither sample nor event: {line}").into()),
@@ -145,7 +145,7 @@ fn delivery(tracks: &[Track; 2]) -> Result<String, std::fmt::Error> {
         for [a, b, c, d, e, f] in &track.samples {
             writeln!(text, "s,{joint},{a:e},{b:e},{c:e},{d:e},{e:e},{f:e}")?;
         }
-        for ModeChange { t, before, after } in &track.events {
+        for ModeChange { t, before, after, .. } in &track.events {
             writeln!(text, "e,{joint},{t:e},{before},{after}")?;
         }
     }
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn what_is_handed_over_is_read_back() {
-        let event = ModeChange { t: 0.25, before: 1, after: -1 };
+        let event = ModeChange::new(0.25, 1, -1);
         let track = |x| Track { samples: vec![[x; 6]], events: vec![event], n_rhs: None };
         let tracks = [track(0.1), track(-1e-300)];
         let read = read(&delivery(&tracks).unwrap()).unwrap();

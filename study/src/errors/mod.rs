@@ -147,7 +147,7 @@ pub fn match_events(run: &[ModeChange], reference: &[ModeChange], window: f64) -
         for (j, other) in reference.iter().enumerate() {
             let above = row[j + 1];
             let apart = (event.t - other.t).abs();
-            let same = (event.before, event.after) == (other.before, other.after);
+            let same = event.is_like(other);
             let skip = better(above, row[j]);
             row[j + 1] = if same && apart <= window {
                 better((diagonal.0 + 1, diagonal.1.max(apart)), skip)
@@ -187,7 +187,7 @@ mod tests {
     const WINDOW: f64 = 1e-3;
 
     fn events(list: &[(f64, i8, i8)]) -> Vec<ModeChange> {
-        list.iter().map(|&(t, before, after)| ModeChange { t, before, after }).collect()
+        list.iter().map(|&(t, before, after)| ModeChange::new(t, before, after)).collect()
     }
 
     #[test]

@@ -28,6 +28,22 @@ pub struct ModeChange {
     pub before: i8,
     /// Code of the mode after.
     pub after: i8,
+    /// [Numbers](Problem::mode_number) of both.
+    #[serde(default)]
+    pub numbers: [u16; 2],
+}
+
+impl ModeChange {
+    /// Between modes that their codes tell.
+    pub fn new(t: f64, before: i8, after: i8) -> Self {
+        Self { t, before, after, numbers: [0; 2] }
+    }
+
+    /// Whether another is the same but for its time.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let what = |own: &Self| (own.before, own.after, own.numbers);
+        what(self) == what(other)
+    }
 }
 
 /// What became of a run, with states `Y` and modes `M`.

@@ -64,7 +64,7 @@ pub(crate) fn run<P: Pair>(
     let mut mode = joint.first_mode(&start);
     let t_end = times[times.len() - 1];
     let slope = joint.rhs(mode, &start);
-    let mut events = vec![ModeChange { t: 0.0, before: 0, after: mode.code() }];
+    let mut events = vec![ModeChange::new(0.0, 0, mode.code())];
     let mut samples = Vec::with_capacity(times.len());
     let mut drive = Drive {
         joint,
@@ -128,7 +128,7 @@ pub(crate) fn run<P: Pair>(
             }
             Some(guard) => {
                 let after = joint.after(mode, guard, &y1);
-                events.push(ModeChange { t, before: mode.code(), after: after.code() });
+                events.push(ModeChange::new(t, mode.code(), after.code()));
                 mode = after;
                 let slope = joint.rhs(mode, &y1);
                 drive.n_rhs += 1;

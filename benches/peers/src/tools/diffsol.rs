@@ -255,7 +255,7 @@ fn located(
             let Next::Mode(after) = block.transition(before, guard, common.t, &mut y) else {
                 return Err("the struts line up".into());
             };
-            events.push(ModeChange { t: common.t, before: before.code(), after: after.code() });
+            events.push(ModeChange::new(common.t, before.code(), after.code()));
             before = after;
             let g = guards_of(block, f64::from(before.code()), &y);
             match g.iter().position(|g| *g < 0.0) {
