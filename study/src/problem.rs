@@ -31,9 +31,14 @@ impl Quantity {
         Self { name: name.into(), unit: unit.into(), scale }
     }
 
-    /// What is above its column in a table: `v1_m_s` of v1 in m/s.
+    /// What is above its column in a table: `v1_m_s` of v1 in m/s, `x_Mm` of x in megametres, which are no millimetres.
     pub fn header(&self) -> String {
-        let unit: String = self.unit.to_lowercase().replace('²', "2").replace(['/', ' '], "_");
+        let lower = |word: &str| match word.strip_prefix('M') {
+            Some(rest) if !rest.is_empty() => format!("M{}", rest.to_lowercase()),
+            _ => word.to_lowercase(),
+        };
+        let unit = self.unit.replace('²', "2");
+        let unit = unit.split(['/', ' ']).map(lower).collect::<Vec<_>>().join("_");
         if unit.is_empty() { self.name.to_string() } else { format!("{}_{unit}", self.name) }
     }
 }

@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 
-use crate::declarations::{Declarations, Definition, Equation, Follows, ModeDeclaration};
+use crate::declarations::{Declarations, Definition, Equation, Follows, ModeDeclaration, ModeRole};
 use crate::document::At;
 use crate::expression::{Expression, Kind, Operator};
 use crate::names::{Meaning, Names};
@@ -54,6 +54,31 @@ pub(crate) fn unread_units(file: &Declarations) -> impl Iterator<Item = Complain
         Complaint::new(*span, message)
             .help("a product has spaces, one `/` stands before a symbol or parentheses: `N s/m`, `J/(kg K)`")
     })
+}
+
+/// Warns of a contact that is not told in metres and newtons: tables and figures call it so.
+pub(crate) fn contact_units(file: &Declarations, names: &Names) -> Vec<Complaint> {
+    let mut check = Check { file, names, mode: None, known: HashMap::new(), depth: 0 };
+    let mut all = Vec::new();
+    let modes = file.modes.iter().enumerate().filter(|(_, mode)| mode.role != ModeRole::Free);
+    for (i, _) in modes {
+        check.mode = Some(i);
+        check.known.clear();
+        let told = file.contact.iter().flatten().zip([("depth", "m"), ("force", "N")]);
+        for (formula, (what, symbol)) in told {
+            let (own, found) = (Unit::parse(symbol), check.unit(formula));
+            if let (Some(own), Ok(Some(found))) = (own, found)
+                && !found.is(own)
+            {
+                let message =
+                    format!("the {what} of a contact is told in {symbol}, and this {found}");
+                all.push(Complaint::new(formula.span, message).help(
+                    "take units of which it is one, or read numbers of contacts in the file's own units",
+                ));
+            }
+        }
+    }
+    all
 }
 
 /// All units that a file gives.

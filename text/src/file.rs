@@ -7,7 +7,7 @@ use deltazero_study::{Part, Subject};
 use crate::columns::check_columns;
 use crate::compile::{Compiled, compile};
 use crate::declarations::{Declarations, PartDeclaration, declarations};
-use crate::dimensions::{check_units, unread_units};
+use crate::dimensions::{check_units, contact_units, unread_units};
 use crate::names::Names;
 use crate::report::{Checked, Complaint, Report, Source, Span};
 use crate::shape::parameters_of_shape;
@@ -96,7 +96,9 @@ impl ModelFile {
         let of_parts = checked.compiled(&[], checked.file.t_end)?;
         check_units(&checked.file, &checked.names)?;
         let of_parts = of_parts.into_iter().flat_map(|part| part.warnings);
-        checked.warnings = of_parts.chain(unread_units(&checked.file)).collect();
+        let of_units = contact_units(&checked.file, &checked.names).into_iter();
+        let of_units = of_units.chain(unread_units(&checked.file));
+        checked.warnings = of_parts.chain(of_units).collect();
         checked.warnings.sort_by_key(|warning| warning.place());
         checked.warnings.dedup_by_key(|warning| warning.place());
         Ok(checked)

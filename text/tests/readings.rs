@@ -5,7 +5,7 @@ mod common;
 
 use common::model;
 use deltazero_solvers::{Grid, Method, Next, System, Trajectory};
-use deltazero_study::problem::{self, Problem};
+use deltazero_study::problem::{self, Problem, Quantity};
 use deltazero_study::run::{Accuracy, Events, Setting, integrate};
 use deltazero_text::ModelFile;
 
@@ -89,6 +89,28 @@ fn a_contact_that_no_mode_has_is_warned_of() {
 }
 
 #[test]
+fn a_contact_in_other_units_than_tables_have_is_warned_of() {
+    let warnings = |length: &str, force: &str| {
+        let text = format!(
+            "[parameters]\nK = {{ value = 1, unit = \"{force}/{length}\" }}\n[states]\n\
+             x = {{ start = 1, unit = \"{length}\" }}\nv = 0\n[definitions]\nF = {{ value = \"K*x\", unit = \"{force}\" }}\n[rates]\nx = \"v\"\nv = \"0\"\n\
+             [modes.a]\nrole = \"contact\"\n[contact]\ndepth = \"x\"\nforce = \"F\"\n"
+        );
+        let file =
+            ModelFile::parse("model.toml", &text).unwrap_or_else(|report| panic!("{report}"));
+        file.warnings().iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    assert!(warnings("m", "N").is_empty());
+    let told = warnings("mm", "mN").concat();
+    for own in [
+        "depth of a contact is told in m, and this is in 0.001 m",
+        "force of a contact is told in N",
+    ] {
+        assert!(told.contains(own), "{told}");
+    }
+}
+
+#[test]
 fn one_number_has_no_index() {
     let model = model(
         "[parameters]\ni = 5\n[states]\nx = { start = \"i\", scale = \"2*i\" }\n[modes.a]\nrates = { x = \"-i\" }\n",
@@ -168,4 +190,11 @@ fn a_run_that_goes_to_another_mode_of_the_same_role_has_other_events() {
     let [low, high] = [1.0, 1.0001].map(changes);
     assert_eq!((low.len(), high.len()), (2, 2));
     assert!(low[0].is_like(&high[0]) && !low[1].is_like(&high[1]), "{low:?} {high:?}");
+}
+
+#[test]
+fn a_column_of_megametres_is_not_named_as_one_of_millimetres() {
+    let header = |unit: &'static str| Quantity::new("x", unit, 1.0).header();
+    let all = ["Mm", "mm", "MN/Mm", "N m/s²", ""].map(header);
+    assert_eq!(all, ["x_Mm", "x_mm", "x_Mn_Mm", "x_n_m_s2", "x"]);
 }
