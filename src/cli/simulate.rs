@@ -400,7 +400,7 @@ fn part_line(Simulated { part, own, .. }: &Simulated<'_>) -> String {
                 Some((label, value)) if part.sites.len() > 1 => format!("{label} {value} "),
                 _ => String::new(),
             };
-            format!("{place}{} at {t:.6} s", part.end_name.words)
+            format!("{place}{} at {t:.6} s, {}", part.end_name.words, own.end)
         }
         None => format!("{} at t = {t:e} s", own.end),
     };
