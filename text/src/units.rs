@@ -150,7 +150,7 @@ impl fmt::Display for Unit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut words = Vec::new();
         if (self.factor - 1.0).abs() > CLOSE {
-            words.push(format!("{}", self.factor));
+            words.push(short(self.factor));
         }
         for (symbol, power) in BASE.iter().zip(self.powers) {
             match power {
@@ -164,6 +164,12 @@ impl fmt::Display for Unit {
             words => write!(f, "is in {}", words.join(" ")),
         }
     }
+}
+
+/// A factor to six digits.
+fn short(factor: f64) -> String {
+    let rounded: f64 = format!("{factor:.5e}").parse().unwrap_or(factor);
+    if (1e-3..1e4).contains(&rounded) { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
 #[cfg(test)]
@@ -192,6 +198,9 @@ mod tests {
         assert!(!is("mm", "m") && !is("N", "J"));
         assert_eq!(Unit::parse("N/m s"), None);
         assert_eq!(Unit::parse("furlong"), None);
-        assert_eq!(Unit::parse("N mm").unwrap().to_string(), "is in 0.001 m^2 kg s^-2");
+        let told = |unit: &str| Unit::parse(unit).unwrap().to_string();
+        assert_eq!(told("N mm"), "is in 0.001 m^2 kg s^-2");
+        assert_eq!(told("mg/h"), "is in 2.77778e-10 kg s^-1");
+        assert_eq!(told("deg"), "is in 0.0174533");
     }
 }
