@@ -34,6 +34,9 @@ impl Size {
     pub const PAGE: Self = Self { width: 900, height: 1100 };
 }
 
+/// Height that a stack of panels has for each, and for what surrounds them [px].
+const STACKED: (u32, u32) = (120, 130);
+
 /// Panels on a grid, drawn the same as SVG and as PNG.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
@@ -77,13 +80,16 @@ impl Figure {
         Self { title: title.into(), panels: vec![panel.into()], ..Self::default() }
     }
 
-    /// Panels on top of each other that share the x axis.
+    /// Panels on top of each other that share the x axis: a page of them, higher where they are many.
     pub fn stacked(title: impl Into<String>, panels: Vec<Panel>) -> Self {
+        let (each, around) = STACKED;
+        let n = u32::try_from(panels.len()).unwrap_or(u32::MAX);
+        let least = n.saturating_mul(each).saturating_add(around);
         Self {
             title: title.into(),
             rows: panels.len().max(1),
             panels,
-            size: Size::PAGE,
+            size: Size { height: Size::PAGE.height.max(least), ..Size::PAGE },
             share_x: true,
             ..Self::default()
         }

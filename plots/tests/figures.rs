@@ -155,6 +155,19 @@ fn panels_that_share_x_show_its_labels_once() {
 }
 
 #[test]
+fn a_stack_of_many_panels_is_higher_than_a_page() {
+    let stack = |n: i32| {
+        let panel = |i: i32| Panel::from(history(vec![(f64::from(i), 1e-3)]));
+        Figure::stacked("many", (0..n).map(panel).collect())
+    };
+    assert_eq!(stack(7).size, Size::PAGE);
+    for n in [9, 14, 30] {
+        assert!(stack(n).size.height > Size::PAGE.height);
+        stack(n).svg().unwrap();
+    }
+}
+
+#[test]
 fn stairs_are_as_long_as_the_steps() {
     let stairs = StepHistory {
         t: Axis::linear("").within(0.0, 1.0),

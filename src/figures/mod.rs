@@ -19,7 +19,7 @@ mod work_precision;
 
 pub use work_precision::chosen_axes;
 
-use deltazero_plots::{Axis, Error, Figure, Marker, Series};
+use deltazero_plots::{Axis, Error, Figure, Marker, Panel, Series, Size};
 use deltazero_solvers::METHODS;
 use deltazero_study::motion::Motion;
 use deltazero_study::parallel::{cores, in_parallel};
@@ -171,6 +171,23 @@ fn size_axis(histories: &[StepHistory]) -> Axis {
     match (at(1e-3).reduce(f64::min), at(1.0).reduce(f64::max)) {
         (Some(least), Some(most)) => axis.within(least / SIZE_ROOM.0, most * SIZE_ROOM.1),
         _ => axis,
+    }
+}
+
+/// Panels that share both axes, three in a row; three rows are as high as a screen, more are higher.
+fn in_threes(title: &str, panels: Vec<Panel>) -> Figure {
+    let cols = panels.len().clamp(1, 3);
+    let rows = panels.len().div_ceil(cols).max(1);
+    let least = u32::try_from(rows).unwrap_or(u32::MAX).saturating_mul(200).saturating_add(120);
+    Figure {
+        title: title.into(),
+        rows,
+        cols,
+        panels,
+        size: Size { width: 1100, height: least.max(720) },
+        share_x: true,
+        share_y: true,
+        ..Figure::default()
     }
 }
 

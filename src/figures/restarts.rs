@@ -1,10 +1,10 @@
 //! The first steps after an event, a panel a method.
 
-use deltazero_plots::{Axis, Figure, Level, LineChart, Marker, Panel, Series, Size};
+use deltazero_plots::{Axis, Level, LineChart, Marker, Panel, Series};
 use deltazero_study::steps::restarts::{FIRST, RestartCost, RestartRow};
 use deltazero_study::steps::step_size::ModeKind;
 
-use super::{Drawing, kind_color};
+use super::{Drawing, in_threes, kind_color};
 
 /// Shift of what follows events into flight, so that whiskers do not hide each other.
 const ASIDE: f64 = 0.25;
@@ -36,17 +36,7 @@ pub(super) fn drawing(rows: &[RestartRow], costs: &[RestartCost]) -> Drawing {
          algebra: {}.",
         findings.join("; ")
     );
-    let cols = 3.min(panels.len().max(1));
-    let figure = Figure {
-        title: "After a restart".into(),
-        rows: panels.len().div_ceil(cols).max(1),
-        cols,
-        panels,
-        size: Size { width: 1100, height: 720 },
-        share_x: true,
-        share_y: true,
-        ..Figure::default()
-    };
+    let figure = in_threes("After a restart", panels);
     Drawing { name: "restarts", caption, figure }
 }
 

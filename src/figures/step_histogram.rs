@@ -1,10 +1,10 @@
 //! Histogram of step sizes by mode, a panel a method.
 
-use deltazero_plots::{Axis, Figure, Group, Histogram, Panel, Size};
+use deltazero_plots::{Axis, Group, Histogram, Panel};
 use deltazero_study::steps::step_histogram::BinRow;
 use deltazero_study::steps::step_size::{ModeKind, StepHistory};
 
-use super::{Drawing, kind_color, size_axis};
+use super::{Drawing, in_threes, kind_color, size_axis};
 
 /// Step sizes of each method in flight, slip and stick, all joints together.
 pub(super) fn drawing(histories: &[StepHistory], rows: &[BinRow]) -> Drawing {
@@ -42,17 +42,7 @@ pub(super) fn drawing(histories: &[StepHistory], rows: &[BinRow]) -> Drawing {
          what is shown. {}.",
         findings.join("; ")
     );
-    let cols = 3.min(panels.len().max(1));
-    let figure = Figure {
-        title: "How large are the steps".into(),
-        rows: panels.len().div_ceil(cols).max(1),
-        cols,
-        panels,
-        size: Size { width: 1100, height: 720 },
-        share_x: true,
-        share_y: true,
-        ..Figure::default()
-    };
+    let figure = in_threes("How large are the steps", panels);
     Drawing { name: "step_histogram", caption, figure }
 }
 

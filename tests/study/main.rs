@@ -277,6 +277,25 @@ fn rk4_finds_events_that_are_none_beyond_the_limit_of_stability() {
 }
 
 #[test]
+fn every_figure_of_a_study_of_all_methods_can_be_drawn() {
+    let names: Vec<&str> = METHODS.iter().map(|method| method.name).collect();
+    let sets = [
+        "run.t_end=0.02",
+        "study.repeats=1",
+        "study.rtol=[1e-4, 1e-8]",
+        "study.steps=[1e-4]",
+        &format!("study.methods={names:?}"),
+    ];
+    let (config, stop) = (config(&sets), AtomicBool::new(false));
+    let table = work_precision(&config, &[], &stop, &|_| {}).unwrap();
+    let subject = config.mechanism.subject(&config);
+    let steps = StepTables::new(&subject, &plan(&config), &table, Limits::none(&stop));
+    for drawing in figures::of_study(&table, &steps, None, &[1e-4; 2], None) {
+        drawing.figure.svg().unwrap_or_else(|error| panic!("{}: {error}", drawing.name));
+    }
+}
+
+#[test]
 fn every_figure_of_a_study_without_a_finished_run_can_be_drawn() {
     let table = study(&["study.max_rhs=600000", "study.steps=[1e-7]", "study.methods=[\"rk4\"]"]);
     for drawing in figures::of_study(&table, &StepTables::default(), None, &[1e-4; 2], None) {
