@@ -16,9 +16,10 @@ pub(super) fn drawing(stability: &Stability) -> Drawing {
         let curve = |points| {
             Series::filled(format!("joint {}", row.joint), color, Marker::cycle(color), points)
         };
-        let error = |run: &StepErrorRow| Some((over(run.h_s), run.e?));
-        errors.push(curve(runs(row.joint).filter_map(error).collect()));
-        let count = |run: &StepErrorRow| (over(run.h_s), run.n_events as f64);
+        // What is not a number ends a line: a run that broke off is a gap.
+        let error = |run: &StepErrorRow| (over(run.h_s), run.e.unwrap_or(f64::NAN));
+        errors.push(curve(runs(row.joint).map(error).collect()));
+        let count = |run: &StepErrorRow| (over(run.h_s), finished_events(run));
         events.push(curve(runs(row.joint).map(count).collect()));
         // Joints that differ by less than a tenth of the time scale share a line.
         let label = format!("stability limit {:.1} √(m/K)", over(row.limit_s));
@@ -33,8 +34,9 @@ pub(super) fn drawing(stability: &Stability) -> Drawing {
         .collect();
     let caption = format!(
         "Error e of rk4 against its step, events located, in units of √(m/K) = 1/ω, ω the highest \
-         natural frequency of the undamped contact over the run. {}.",
-        findings.join("; ")
+         natural frequency of the undamped contact over the run. {}.{}",
+        findings.join("; "),
+        gaps(&stability.runs)
     );
     let panel = |y: Axis, series: Vec<Series>, uprights: Vec<Upright>| -> Panel {
         let x = Axis::log("step over time scale of the contact, h / √(m/K)");
@@ -50,6 +52,20 @@ pub(super) fn drawing(stability: &Stability) -> Drawing {
         ..Figure::stacked("rk4: where stability binds", panels)
     };
     Drawing { name: "rk4_stability", caption, figure }
+}
+
+/// The events of a run that came to its end.
+fn finished_events(run: &StepErrorRow) -> f64 {
+    run.e.map_or(f64::NAN, |_| run.n_events as f64)
+}
+
+/// How many runs are not shown.
+fn gaps(runs: &[StepErrorRow]) -> String {
+    match runs.iter().filter(|run| run.e.is_none()).count() {
+        0 => String::new(),
+        1 => format!(" Of {} runs 1 broke off and is a gap.", runs.len()),
+        n => format!(" Of {} runs {n} broke off and are gaps.", runs.len()),
+    }
 }
 
 fn finding(row: &StiffnessRow, runs: &[&StepErrorRow]) -> String {
@@ -77,4 +93,31 @@ fn finding(row: &StiffnessRow, runs: &[&StepErrorRow]) -> String {
         at(runs.iter().rfind(|run| run.h_s <= row.limit_s)),
         at(runs.iter().find(|run| run.h_s > row.limit_s)),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_broke_off_is_a_gap() {
+        let run = |h_s: f64, e: Option<f64>| StepErrorRow { joint: 1, h_s, e, n_events: 1 };
+        let stability = Stability {
+            stiffness: vec![StiffnessRow {
+                joint: 1,
+                n_samples: 1,
+                omega_rad_s: (1e3, 1e3),
+                time_scale_s: 1e-3,
+                limit_s: 3e-3,
+            }],
+            runs: vec![run(1e-3, Some(1e-6)), run(2e-3, Some(1e-5)), run(4e-3, None)],
+        };
+        let Drawing { figure, caption, .. } = drawing(&stability);
+        for panel in &figure.panels {
+            let Panel::Line(LineChart { series, .. }) = panel else { panic!("{panel:?}") };
+            let shown: Vec<bool> = series[0].points.iter().map(|(_, y)| !y.is_nan()).collect();
+            assert_eq!(shown, [true, true, false]);
+        }
+        assert!(caption.ends_with("Of 3 runs 1 broke off and is a gap."), "{caption}");
+    }
 }
