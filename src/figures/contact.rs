@@ -24,7 +24,7 @@ pub(super) fn drawing(motion: &Motion) -> Option<Drawing> {
     if whole.is_empty() || zoom.is_empty() {
         return None;
     }
-    let (title, shown) = if motion.zooms_on_flight {
+    let (title, shown) = if motion.flight.is_some() {
         ("one flight and impact", "one flight and the impact after it")
     } else {
         ("the start", "the start, for there is no flight")

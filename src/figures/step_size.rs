@@ -42,12 +42,11 @@ fn of_part(shown: &[&StepHistory]) -> String {
     if sites > 1 { format!("{name}, {sites} of them together") } else { name }
 }
 
-/// The same around the first flight.
-pub(super) fn zoom(histories: &[StepHistory]) -> Drawing {
+/// The same around the flight that the motion is shown at.
+pub(super) fn zoom(histories: &[StepHistory], flight: Option<(f64, f64)>) -> Drawing {
     let shown: Vec<&StepHistory> = of_first_part(histories).collect();
-    let best = shown.iter().min_by(|a, b| a.e.total_cmp(&b.e));
-    let flight = best.and_then(|history| first_flight(&history.steps));
-    let end = best.and_then(|history| history.steps.last()).map_or(1.0, StepRow::end);
+    let ends = shown.iter().filter_map(|history| history.steps.last()).map(StepRow::end);
+    let end = ends.reduce(f64::max).unwrap_or(1.0);
     let window = flight.map_or((0.0, FIRST_PART * end), |(from, to)| {
         let (middle, margin) = (0.5 * (from + to), MARGIN * (to - from));
         ((middle - margin).max(0.0), (middle + margin).min(end))
@@ -110,14 +109,6 @@ fn bands(steps: &[&StepRow]) -> Vec<Band> {
         Some(Band { x, color: kind_color(kind), label: kind.name().into() })
     };
     runs.filter_map(band).collect()
-}
-
-/// The first flight between two contacts.
-fn first_flight(steps: &[StepRow]) -> Option<(f64, f64)> {
-    let begin = steps.iter().position(|step| step.kind().is_contact())?;
-    let from = begin + steps[begin..].iter().position(|step| !step.kind().is_contact())?;
-    let to = from + steps[from..].iter().position(|step| step.kind().is_contact())?;
-    Some((steps[from].t_s, steps[to].t_s))
 }
 
 fn spread(history: &StepHistory) -> String {

@@ -25,8 +25,8 @@ pub struct Motion {
     /// The first of them around its first flight: the end of a contact, the flight, and the contact after it; the first
     /// part of the run if there is none.
     pub zoom: SiteMotion,
-    /// Whether the zoom is on a flight.
-    pub zooms_on_flight: bool,
+    /// When that flight begins and ends [s], if there is one.
+    pub flight: Option<(f64, f64)>,
     /// How it was computed.
     pub method: String,
 }
@@ -47,15 +47,15 @@ impl Motion {
             subject.parts.iter().filter_map(|part| run(part, &times, t_end)).collect();
         let (part, first) = (subject.parts.first()?, sites.first()?);
         let changes: Vec<ModeChange> = first.changes.iter().map(|change| change.by_code).collect();
-        let flight = flight_window(counted(&changes, part.starts_on_surface), t_end)
-            .or_else(|| flight_window(&sampled(first), t_end));
-        let (from, to) = flight.unwrap_or((0.0, FIRST_PART * t_end));
+        let flight = first_flight(counted(&changes, part.starts_on_surface))
+            .or_else(|| first_flight(&sampled(first)));
+        let (from, to) = flight.map_or((0.0, FIRST_PART * t_end), |flight| around(flight, t_end));
         let spacing = (to - from) / f64::from(ZOOM_POINTS);
         let times: Vec<f64> = (0..=ZOOM_POINTS).map(|k| from + spacing * f64::from(k)).collect();
         let mut zoom = run(part, &times, to)?;
         zoom.changes.retain(|change| from <= change.t && change.t <= to);
         let method = setting.to_string();
-        Some(Self { zoom, zooms_on_flight: flight.is_some(), method, sites })
+        Some(Self { zoom, flight, method, sites })
     }
 }
 
@@ -67,9 +67,14 @@ fn sampled(site: &SiteMotion) -> Vec<ModeChange> {
     all.filter(|change| change.before != change.after).collect()
 }
 
-/// From before the first flight to after it, if there is one.
-fn flight_window(events: &[ModeChange], t_end: f64) -> Option<(f64, f64)> {
+/// The first flight from one event to the next, if there is one.
+fn first_flight(events: &[ModeChange]) -> Option<(f64, f64)> {
     let flight = events.windows(2).find(|pair| pair[0].after == 0 && pair[1].before == 0)?;
-    let margin = MARGIN * (flight[1].t - flight[0].t);
-    Some(((flight[0].t - margin).max(0.0), (flight[1].t + 2.0 * margin).min(t_end)))
+    Some((flight[0].t, flight[1].t))
+}
+
+/// From before a flight to after it.
+fn around((from, to): (f64, f64), t_end: f64) -> (f64, f64) {
+    let margin = MARGIN * (to - from);
+    ((from - margin).max(0.0), (to + 2.0 * margin).min(t_end))
 }

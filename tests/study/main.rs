@@ -15,6 +15,7 @@ use deltazero::{figures, report};
 use deltazero_solvers::METHODS;
 use deltazero_study::columns::{Column, Value};
 use deltazero_study::horizon::{Horizon, Span, tight_runs};
+use deltazero_study::motion::Motion;
 use deltazero_study::run::Limits;
 use deltazero_study::setting::Events;
 use deltazero_study::steps::StepTables;
@@ -292,6 +293,28 @@ fn every_figure_of_a_study_of_all_methods_can_be_drawn() {
     let steps = StepTables::new(&subject, &plan(&config), &table, Limits::none(&stop));
     for drawing in figures::of_study(&table, &steps, None, &[1e-4; 2], None) {
         drawing.figure.svg().unwrap_or_else(|error| panic!("{}: {error}", drawing.name));
+    }
+}
+
+#[test]
+fn both_figures_of_one_flight_show_the_same_one() {
+    // The contacts of an impact oscillator take no time: from one impact to the next is a flight.
+    for (t_end, told) in [("1.5", "first flight, "), ("0.1", "for there is no flight")] {
+        let t_end = format!("run.t_end={t_end}");
+        let sets = ["mechanism=impact-oscillator", &t_end, "study.repeats=1", "study.rtol=[1e-6]"];
+        let config = config(&[&sets[..], &["study.methods=[\"rk45\"]"]].concat());
+        let stop = AtomicBool::new(false);
+        let table = work_precision(&config, &[], &stop, &|_| {}).unwrap();
+        let (subject, limits) = (config.mechanism.subject(&config), Limits::none(&stop));
+        let steps = StepTables::new(&subject, &plan(&config), &table, limits);
+        let motion = Motion::new(&subject, config.run.t_end, limits).unwrap();
+        let drawings = figures::of_study(&table, &steps, Some(&motion), &[], None);
+        let caption =
+            |name| &drawings.iter().find(|drawing| drawing.name == name).expect("is drawn").caption;
+        let both = [caption("step_size_zoom"), caption("gap_and_force")];
+        assert!(both[0].contains(told), "{both:?}");
+        let is_at_start = both.map(|caption| caption.contains("the start, for there is no flight"));
+        assert_eq!(is_at_start[0], is_at_start[1], "{both:?}");
     }
 }
 
