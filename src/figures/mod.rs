@@ -26,13 +26,16 @@ use deltazero_study::parallel::{cores, in_parallel};
 use deltazero_study::quantile::quantile;
 use deltazero_study::setting::Events;
 use deltazero_study::steps::StepTables;
-use deltazero_study::steps::step_size::{ModeKind, StepHistory};
+use deltazero_study::steps::step_size::{ModeKind, StepHistory, StepRow};
 use deltazero_study::work_precision::{Row, WorkPrecision};
 
 use crate::study::stability::Stability;
 
 /// Room left at both ends of an axis of step sizes, as factors: above, for the ticks of events.
 const SIZE_ROOM: (f64, f64) = (1.5, 3.0);
+
+/// A step that lands on an event in a smaller part of the run is not told from none.
+const LANDING: f64 = 1e-9;
 
 /// The names of all figures that studies have.
 pub const OF_STUDIES: [&str; 14] = [
@@ -158,13 +161,15 @@ fn kind_color(kind: ModeKind) -> usize {
     }
 }
 
-/// An axis for the step sizes of all methods but their smallest per mille: a step cut short by an
+/// An axis for the step sizes of all methods but their smallest per mille, and but [`LANDING`]: a step cut short by an
 /// event may be as small as time resolves.
 fn size_axis(histories: &[StepHistory]) -> Axis {
     let axis = Axis::log("h [s]");
     let at = |fraction: f64| {
         histories.iter().filter_map(move |history| {
-            let mut sizes: Vec<f64> = history.steps.iter().map(|step| step.h_s).collect();
+            let least = LANDING * history.steps.last().map_or(0.0, StepRow::end);
+            let told = history.steps.iter().filter(|step| !step.lands || step.h_s >= least);
+            let mut sizes: Vec<f64> = told.map(|step| step.h_s).collect();
             quantile(&mut sizes, fraction)
         })
     };
@@ -223,6 +228,33 @@ mod tests {
     use deltazero_solvers::Method;
 
     use super::*;
+
+    #[test]
+    fn a_step_that_lands_at_once_does_not_stretch_the_axis_of_step_sizes() {
+        let row = |i: u32| StepRow {
+            t_s: 1e-3 * f64::from(i),
+            h_s: if i == 3 { 1e-21 } else { 1e-3 },
+            mode: 1,
+            since_restart: 1,
+            n_rejected: 0,
+            lands: i == 3,
+        };
+        let history = StepHistory {
+            method: "bdf".into(),
+            setting: String::new(),
+            e: 0.0,
+            part: 1,
+            name: String::new(),
+            n_sites: 1,
+            steps: (0..10).map(row).collect(),
+            events: Vec::new(),
+            n_rhs: 0,
+            n_rhs_restart: 0,
+            n_rhs_location: 0,
+        };
+        let range = size_axis(&[history]).range;
+        assert_eq!(range, Some((1e-3 / SIZE_ROOM.0, 1e-3 * SIZE_ROOM.1)));
+    }
 
     #[test]
     fn every_method_has_a_look_of_its_own() {

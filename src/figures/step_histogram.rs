@@ -4,7 +4,7 @@ use deltazero_plots::{Axis, Group, Histogram, Panel};
 use deltazero_study::steps::step_histogram::BinRow;
 use deltazero_study::steps::step_size::{ModeKind, StepHistory};
 
-use super::{Drawing, in_threes, kind_color, size_axis};
+use super::{Drawing, LANDING, in_threes, kind_color, size_axis};
 
 /// Step sizes of each method in flight, slip and stick, all joints together.
 pub(super) fn drawing(histories: &[StepHistory], rows: &[BinRow]) -> Drawing {
@@ -38,8 +38,8 @@ pub(super) fn drawing(histories: &[StepHistory], rows: &[BinRow]) -> Drawing {
     let findings: Vec<String> = methods.iter().map(|own| finding(own)).collect();
     let caption = format!(
         "Accepted steps by size, in tenths of a decade; the settings are those of the \
-         step sizes over time. The smallest steps of each method, a thousandth of them, may lie left of \
-         what is shown. {}.",
+         step sizes over time. The smallest steps of each method, a thousandth of them, and those that land on an \
+         event in less than {LANDING:e} of the run, may lie left of what is shown. {}.",
         findings.join("; ")
     );
     let figure = in_threes("How large are the steps", panels);

@@ -4,7 +4,7 @@ use deltazero_plots::{Axis, Band, Figure, Panel, StepHistory as Chart, StepLook}
 use deltazero_study::quantile::quantile;
 use deltazero_study::steps::step_size::{ACCURACY, StepHistory, StepRow};
 
-use super::{Drawing, kind_color, number, size_axis};
+use super::{Drawing, LANDING, kind_color, number, size_axis};
 
 /// Joint that is shown.
 const PART: usize = 1;
@@ -25,8 +25,8 @@ pub(super) fn whole(histories: &[StepHistory]) -> Drawing {
     let caption = format!(
         "Accepted steps{}, events located (ticks), each method at the setting of least work with \
          e ≤ {ACCURACY:e} and all events, or its most accurate (work: n_rhs and 5 for each linear system, a series of order p \
-         for 2 p); all on one scale, the smallest thousandth of the steps \
-         may lie below. {}.",
+         for 2 p); all on one scale, the smallest thousandth of the steps, and steps that land on an event \
+         in less than {LANDING:e} of the run, may lie below. {}.",
         of_part(&shown),
         spreads.join("; ")
     );
