@@ -30,7 +30,7 @@ pub(super) fn drawing(data: &Data<'_>, y: &Field<'_>, color: &Field<'_>) -> Opti
     let most_runs = of_cell.iter().map(Vec::len).max().unwrap_or(0);
     let (cells, texts, finding) = match color.column {
         Column::Numbers(numbers) => values(color, numbers, &of_cell),
-        Column::Words { .. } => words(&color.classes()?, &of_cell),
+        Column::Words { .. } => words(&color.levels(), &color.classes()?, &of_cell),
     };
     let how = match (most_runs > 1, color.has_words()) {
         (false, _) => String::new(),
@@ -93,13 +93,15 @@ fn three_digits(x: f64) -> String {
     super::super::map::in_short(format!("{x:.2e}").parse().unwrap_or(x))
 }
 
-/// The most frequent word of each cell, of several the first, and how many cells each has.
-fn words(classes: &Levels, cells: &[Vec<usize>]) -> (Cells, Vec<String>, String) {
+/// The class of the most frequent word of each cell, of several the first, and how many cells each has.
+fn words(levels: &Levels, classes: &Levels, cells: &[Vec<usize>]) -> (Cells, Vec<String>, String) {
     let most_frequent = |rows: &Vec<usize>| {
-        let mut counts = vec![0_usize; classes.names.len()];
-        rows.iter().filter_map(|row| classes.of_row[*row]).for_each(|class| counts[class] += 1);
+        // Words are counted one by one: those that share a class are not one word.
+        let mut counts = vec![0_usize; levels.names.len()];
+        rows.iter().filter_map(|row| levels.of_row[*row]).for_each(|word| counts[word] += 1);
         let most = counts.iter().copied().max().filter(|most| *most > 0)?;
-        counts.iter().position(|count| *count == most)
+        let word = counts.iter().position(|count| *count == most)?;
+        Some(word.min(classes.names.len() - 1))
     };
     let indices: Vec<Option<usize>> = cells.iter().map(most_frequent).collect();
     let count = |class: usize| indices.iter().filter(|own| **own == Some(class)).count();
@@ -107,4 +109,22 @@ fn words(classes: &Levels, cells: &[Vec<usize>]) -> (Cells, Vec<String>, String)
     let counts: Vec<String> = counts.map(|(i, name)| format!("{name} {}", count(i))).collect();
     let finding = format!("cells of each: {}.", counts.join(", "));
     (Cells::Categories { names: classes.names.clone(), indices }, Vec::new(), finding)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pool_of_words_is_not_more_frequent_than_one_of_them() {
+        let levels = |n: usize, of_row: [usize; 4]| Levels {
+            names: (0..n).map(|i| i.to_string()).collect(),
+            places: Vec::new(),
+            of_row: of_row.map(Some).to_vec(),
+        };
+        // Twice the first word, and two others once each, which share a class.
+        let (cells, ..) =
+            words(&levels(3, [0, 1, 0, 2]), &levels(2, [0, 1, 0, 1]), &[vec![0, 1, 2, 3]]);
+        assert!(matches!(cells, Cells::Categories { indices, .. } if indices == [Some(0)]));
+    }
 }
