@@ -193,6 +193,7 @@
 //! rests 3.8e-5 s early, after 120 events of which 105 are told; those before are off by 4.0e-6 s. *Not promised:* that spurious events of a loose
 //! tolerance are told from true ones by the other methods.
 //! `bounces_too_low_to_resolve_are_told` of `tests/grazing`, `accumulation::a_ball_whose_bounces_accumulate_comes_to_rest`,
+//! `accumulation::bounces_end_though_the_rounding_bound_grows_with_the_speed`,
 //! `accumulation::events_that_accumulate_to_no_limit_are_an_event_storm`,
 //! `accumulation::two_modes_that_hand_over_without_moving_are_chatter`,
 //! `accumulation::two_modes_that_push_against_each_other_are_an_error_and_not_a_hang`. The documents

@@ -12,7 +12,7 @@ mod lu;
 mod stepper;
 
 use crate::error::Error;
-use crate::event_location::GuardWatch;
+use crate::event_location::{GuardCrossing, GuardWatch};
 use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
 use crate::record::{Accepted, Record};
 use crate::stats::Stats;
@@ -212,14 +212,26 @@ impl<P: System> DiffsolSolver<P> {
         self.watch.rates(problem, mode(), step.t1, &step.y1, &step.slope1);
         // A dip of the interpolant cannot be checked by retaking the step, so the tolerance decides whether it counts.
         let doubt = Some(&self.tolerance);
-        let crossing = self.watch.first_to_fall(problem, mode(), step, f64::EPSILON, doubt)?;
-        let Some(crossing) = crossing else { return Ok(None) };
-        let mut y = step.y1.clone();
-        step.interpolate(crossing.t, &mut y);
-        check_finite(point, &y)?;
-        (step.t1, step.y1) = (crossing.t, y);
-        stepper.interpolate_slope(crossing.t, step.slope1.as_mut())?;
-        Ok(Some(crossing.guard))
+        let mut landed_on = None;
+        while let Some(GuardCrossing { guard, t, .. }) =
+            self.watch.first_to_fall(problem, mode(), step, f64::EPSILON, doubt)?
+        {
+            let mut y = step.y1.clone();
+            step.interpolate(t, &mut y);
+            check_finite(point, &y)?;
+            let is_much_shorter = (t - step.t0).abs() < 0.5 * (step.t1 - step.t0).abs();
+            (step.t1, step.y1) = (t, y);
+            stepper.interpolate_slope(t, step.slope1.as_mut())?;
+            landed_on = Some(guard);
+            // The search takes the rounding bound at the end of the step. Where that is larger than the one at the event,
+            // the event may come too late by much more than the arc that it ends, and is searched for again before there.
+            self.watch.violated(problem, mode(), t, &step.y1)?;
+            if !(is_much_shorter && self.watch.is_violated(guard)) {
+                break;
+            }
+            self.watch.rates(problem, mode(), t, &step.y1, &step.slope1);
+        }
+        Ok(landed_on)
     }
 }
 

@@ -1,11 +1,14 @@
 //! Events without rest: at one time, around one time, towards one time.
 
 use deltazero_solvers::problems::{BouncingBall, BouncingMode};
-use deltazero_solvers::{Error, Next, Outcome, Real, System};
+use deltazero_solvers::{Error, Integration, Next, Outcome, Real, System};
 
 use crate::common::{at_most, steps_itself};
-use crate::log::{run, settings};
+use crate::log::{Log, run, settings};
 use crate::script::{Guard, Script, chain, floor};
+
+/// Events within which bounces of a restitution up to 0.7 end.
+const MOST_BOUNCES: usize = 400;
 
 #[test]
 fn two_modes_that_hand_over_without_moving_are_chatter() {
@@ -54,6 +57,81 @@ fn a_ball_whose_bounces_accumulate_comes_to_rest() {
         // arcs below its atol.
         let bound = if steps_itself(setting.0, &ball) { 2e-4 } else { 4e-14 };
         at_most(name, (t - ball.accumulation_time()).abs(), bound);
+    }
+}
+
+/// A ball whose rounding bound grows with its speed, as far as it moves while the time is rounded. So the bound at the end of
+/// a step past an impact is larger than that at the impact, and than a low arc is high. It may have a mode to rest in.
+struct TimedBall {
+    ball: BouncingBall,
+    rests: bool,
+}
+
+impl System for TimedBall {
+    type Mode = BouncingMode;
+    type State<S: Real> = [S; 2];
+    type Guards<S: Real> = [S; 1];
+
+    fn initial_mode(&self, t: f64, y: &[f64; 2]) -> BouncingMode {
+        self.ball.initial_mode(t, y)
+    }
+
+    fn rhs<S: Real>(&self, mode: BouncingMode, t: S, y: &[S; 2], dydt: &mut [S; 2]) {
+        self.ball.rhs(mode, t, y, dydt);
+    }
+
+    fn guards<S: Real>(&self, mode: BouncingMode, t: S, y: &[S; 2], g: &mut [S; 1]) {
+        self.ball.guards(mode, t, y, g);
+    }
+
+    fn guard_bounds(&self, _: BouncingMode, t: f64, &[y, v]: &[f64; 2], bounds: &mut [f64; 1]) {
+        *bounds = [f64::EPSILON * (2.0 * (y.abs() + 1e-14) + 0.5 * (t * v).abs())];
+    }
+
+    fn transition<S: Real>(
+        &self,
+        mode: BouncingMode,
+        guard: usize,
+        t: S,
+        y: &mut [S; 2],
+    ) -> Next<BouncingMode> {
+        self.ball.transition(mode, guard, t, y)
+    }
+
+    fn accumulation(
+        &self,
+        mode: BouncingMode,
+        guard: usize,
+        t: f64,
+        y: &mut [f64; 2],
+    ) -> Option<BouncingMode> {
+        if self.rests { self.ball.accumulation(mode, guard, t, y) } else { None }
+    }
+}
+
+#[test]
+fn bounces_end_though_the_rounding_bound_grows_with_the_speed() {
+    for restitution in [0.2, 0.3, 0.4, 0.5, 0.6, 0.7] {
+        let ball = BouncingBall { restitution, gravity: 9.8, height: 1.0 };
+        for ((method, control), rests) in
+            settings().into_iter().flat_map(|setting| [(setting.clone(), true), (setting, false)])
+        {
+            let (name, system) = (method.name, TimedBall { ball, rests });
+            let mut solver = method.solver(&system, control).unwrap();
+            let mut integration = Integration::new(&system, 0.0, ball.start());
+            let mut log = Log { break_at: (usize::MAX, MOST_BOUNCES), ..Log::default() };
+            let outcome = integration.run(5.0, &mut *solver, &mut log);
+            let t = log.times().last().copied().unwrap();
+            match outcome {
+                Ok(Outcome::Finished) => assert!(rests, "{name}"),
+                Err(Error::EventStorm { n: 100, .. }) => assert!(!rests, "{name}"),
+                other => {
+                    panic!("{name}, {restitution}: {other:?} after {} events", log.events.len())
+                }
+            }
+            let bound = if steps_itself(method, &system) { 2e-4 } else { 4e-13 };
+            at_most(name, (t - ball.accumulation_time()).abs(), bound);
+        }
     }
 }
 
