@@ -167,7 +167,7 @@ fn a_run_with_far_more_events_than_the_reference_is_broken_off_where_they_must_b
             accuracy: Accuracy::Rtol(1e-3, None),
         };
         let run = |chatter| {
-            let limit = TrialLimit { work: f64::INFINITY, chatter };
+            let limit = TrialLimit { chatter, ..TrialLimit::NONE };
             Trial::new(&benchmark, &setting, Start::Exact, limit, &AtomicBool::new(false))
         };
         let [whole, short] = [false, true].map(run);

@@ -6,7 +6,8 @@ use deltazero_solvers::Grid;
 
 use crate::part::{Subject, Timing};
 use crate::plan::sample_times;
-use crate::reference::{Reference, ReferenceError};
+use crate::quadrature::GAUSS;
+use crate::reference::{PartReference, Reference, ReferenceError};
 use crate::run::{Limits, Setting};
 
 /// Where the first events alone are asked for, a reference is made of this part of the time first, then of twice as much, and
@@ -149,9 +150,19 @@ impl Benchmark {
         self
     }
 
-    /// The time that a run covers, its parts added [s].
-    pub(super) fn whole(&self) -> f64 {
-        self.t_end * self.subject.parts.len() as f64
+    /// How far a run is that came to `t` [s] in its part `at`: the part of its time, or of the steps of the reference that
+    /// begin before, whichever is larger.
+    ///
+    /// Work is spread over time as the steps of the reference are, which are dense in a contact and far apart in a flight;
+    /// that of a method whose steps stability binds, evenly.
+    pub(super) fn course(&self, at: usize, t: f64) -> f64 {
+        let parts = &self.reference.parts;
+        let of_time = (at as f64 * self.t_end + t) / (self.t_end * parts.len() as f64);
+        let nodes = |parts: &[PartReference]| parts.iter().map(|part| part.nodes.len()).sum();
+        let before = parts[at].nodes.partition_point(|node| node.t <= t);
+        let begun: usize = nodes(&parts[..at]) + before + GAUSS.len();
+        let all: usize = nodes(parts);
+        of_time.max((begun as f64 / all as f64).min(1.0))
     }
 
     /// The time that its run at `setting` takes; none where that is broken off.

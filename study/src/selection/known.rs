@@ -66,8 +66,8 @@ mod tests {
     fn a_run_that_was_broken_off_serves_where_it_would_be_again() {
         let candidate =
             Candidate { method: Method::named("rk45").unwrap(), events: Events::Located };
-        let wide = |work| TrialLimit { work, chatter: false };
-        let narrow = |work| TrialLimit { work, chatter: true };
+        let wide = |work| TrialLimit::work(work);
+        let narrow = |work| TrialLimit { chatter: true, ..TrialLimit::work(work) };
         for (end, made_under, serves, not) in [
             (TrialEnd::Reached, wide(1e3), vec![wide(1e2), narrow(1e9)], vec![]),
             (TrialEnd::Cut, wide(1e3), vec![wide(1e3), narrow(1e2)], vec![wide(2e3)]),

@@ -390,7 +390,7 @@ impl Contest<'_> {
                     let of_others = least.limit(search.candidate);
                     let most = self.max_work.min(of_others);
                     let limit = budget.min(most);
-                    match search.advance(limit, least.of_note()) {
+                    match search.advance(limit, &least) {
                         Step::Over => {
                             least.arrived(search.candidate, search.work());
                             progress(search.candidate.method.name);

@@ -6,7 +6,7 @@ use deltazero_solvers::Error;
 
 use super::ladder::{self, A_DECADE};
 use super::trial::{CHATTER, EARLY, ON_COURSE, Start, Trial, TrialEnd, TrialLimit};
-use super::{Candidate, Contest, Entry, Failure, FailureKind, Known, MARGIN, mean_step};
+use super::{Candidate, Contest, Entry, Failure, FailureKind, Known, Least, MARGIN, mean_step};
 use crate::run::Setting;
 
 /// Longest move between two rungs that are looked at: two decades. Where they do not halve the error, tighter settings are
@@ -45,6 +45,8 @@ pub(super) struct Search<'a> {
     last: i32,
     /// Work beyond which its setting need not be found to a quarter of a decade.
     of_note: f64,
+    /// The least work of those that arrived; zero where none did.
+    least: f64,
     pub(super) n_trials: usize,
 }
 
@@ -69,6 +71,7 @@ impl<'a> Search<'a> {
             verdict: None,
             last: 0,
             of_note: f64::INFINITY,
+            least: 0.0,
             n_trials: 0,
         }
     }
@@ -99,17 +102,19 @@ impl<'a> Search<'a> {
         self.verdict = Some(Err(failure));
     }
 
-    /// Goes on until it is over or `limit` of work cuts it; up to `of_note` it may be among the fastest.
-    pub(super) fn advance(&mut self, limit: f64, of_note: f64) -> Step {
-        self.of_note = of_note;
+    /// Goes on until it is over or `limit` of work, which follows from the `least` of the others, cuts it.
+    pub(super) fn advance(&mut self, limit: f64, least: &Least) -> Step {
+        let of_all = least.of_all();
+        self.of_note = least.of_note();
+        self.least = if of_all.is_finite() { of_all } else { 0.0 };
         // What was on course for more than this limit, too, is not run again: an explicit method whose steps stability binds
         // goes on as it began. Another one may take long steps once the first impacts have rung out.
-        let whole = self.contest.benchmark.whole();
         let method = self.candidate.method;
         let may_calm = method.is_implicit() || method.chooses();
+        let early = self.early(limit);
         let is_hopeless = |trial: &Trial| {
-            let is_judged = !may_calm || trial.work > EARLY * limit;
-            is_judged && trial.needs(whole) > ON_COURSE * limit
+            let is_judged = !may_calm || trial.work > early;
+            is_judged && trial.needs() > ON_COURSE * limit
         };
         self.trials.retain(|_, trial| trial.end != TrialEnd::Cut || is_hopeless(trial));
         let found = self.bracket(limit).and_then(|rung| self.confirm(rung, limit));
@@ -245,10 +250,14 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// The work from which on a run is judged by its course: one that needs less than those that arrived comes to its end.
+    fn early(&self, limit: f64) -> f64 {
+        self.least.max(EARLY * limit)
+    }
+
     /// The work that the run of a rung needs to its end.
     fn needs(&self, rung: i32) -> f64 {
-        let whole = self.contest.benchmark.whole();
-        self.trials.get(&rung).map_or(f64::INFINITY, |trial| trial.needs(whole))
+        self.trials.get(&rung).map_or(f64::INFINITY, Trial::needs)
     }
 
     /// The factor by which the loosest setting that may still reach the accuracy, two decades from
@@ -270,8 +279,7 @@ impl<'a> Search<'a> {
         let trial = &self.trials[&rung];
         let goal = MARGIN * contest.accuracy;
         let (times, more) = CHATTER;
-        let so_far = trial.covered / contest.benchmark.whole();
-        let n_events = contest.benchmark.reference.n_all_events() as f64 * so_far;
+        let n_events = contest.benchmark.reference.n_all_events() as f64 * trial.course;
         let most_events = times as f64 * n_events + more as f64;
         match &trial.end {
             TrialEnd::Chatters => Kind::Misses(LONGEST),
@@ -312,7 +320,7 @@ impl<'a> Search<'a> {
         let Contest { benchmark, accuracy, right_events, stop, .. } = *self.contest;
         let setting = self.contest.setting(self.candidate, rung);
         let chatter = right_events.must_be_right(accuracy, self.candidate.events);
-        let limit = TrialLimit { work: limit, chatter };
+        let limit = TrialLimit { work: limit, early: self.early(limit), chatter };
         let make = || Trial::new(benchmark, &setting, start, limit, stop);
         let (trial, is_made) = self.known.or_make((self.candidate, rung, start), limit, make);
         self.n_trials += usize::from(is_made);

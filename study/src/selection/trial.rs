@@ -8,8 +8,6 @@ use deltazero_solvers::{Error, Grid, Method, Outcome, Stats, Work};
 use super::CUT;
 use super::benchmark::Benchmark;
 use crate::errors::worse;
-use crate::part::Part;
-use crate::reference::PartReference;
 use crate::run::{Brake, Clock, Price, Setting, Took};
 
 pub use crate::part::Start;
@@ -49,8 +47,10 @@ pub enum TrialEnd {
 /// Where a run is broken off.
 #[derive(Clone, Copy, Debug)]
 pub struct TrialLimit {
-    /// [`work`] beyond which it is cut, or where it is on course for twice that.
+    /// [`work`] beyond which it is cut.
     pub work: f64,
+    /// Work beyond which it is cut where it is on course for far more than [`work`](Self::work).
+    pub early: f64,
     /// Whether one that [chatters](TrialEnd::Chatters) is broken off: where events must be right, it has lost.
     pub chatter: bool,
 }
@@ -61,7 +61,7 @@ impl TrialLimit {
 
     /// At so much work alone.
     pub const fn work(work: f64) -> Self {
-        Self { work, chatter: false }
+        Self { work, early: EARLY * work, chatter: false }
     }
 }
 
@@ -87,6 +87,8 @@ pub struct Trial {
     pub work: f64,
     /// Time that the parts came far, added [s].
     pub covered: f64,
+    /// [How far](Benchmark::course) it is of its work.
+    pub(super) course: f64,
     /// Time that it took.
     pub took: Took,
 }
@@ -101,8 +103,8 @@ impl Trial {
         stop: &AtomicBool,
     ) -> Self {
         let mut trial = Self::begun();
-        for (part, reference) in benchmark.subject.parts.iter().zip(&benchmark.reference.parts) {
-            trial.add((part, reference), (benchmark, setting, start), limit, stop);
+        for at in 0..benchmark.subject.parts.len() {
+            trial.add(at, (benchmark, setting, start), limit, stop);
             if trial.end != TrialEnd::Reached {
                 break;
             }
@@ -121,26 +123,28 @@ impl Trial {
             stats: Stats::default(),
             work: 0.0,
             covered: 0.0,
+            course: 0.0,
             took: Took::default(),
         }
     }
 
-    /// Runs one part, which has this reference.
+    /// Runs the part at this place.
     fn add(
         &mut self,
-        (part, reference): (&Part, &PartReference),
+        at: usize,
         (benchmark, setting, start): (&Benchmark, &Setting, Start),
         limit: TrialLimit,
         stop: &AtomicBool,
     ) {
+        let (part, reference) = (&benchmark.subject.parts[at], &benchmark.reference.parts[at]);
         let (times, more) = CHATTER;
         let most_events = times * reference.n_all_events + more;
         let mut brake = WorkLimit {
             setting,
+            benchmark,
+            at,
             work_before: self.work,
-            t_before: self.covered,
-            whole: benchmark.whole(),
-            limit: limit.work,
+            limit,
             most_events: limit.chatter.then_some(most_events),
             stop,
             clock: Clock::of(benchmark.max_seconds - self.took.wall.as_secs_f64()),
@@ -154,6 +158,7 @@ impl Trial {
         self.stats += run.stats;
         self.work += work(setting.method, setting.rtol(), &run.stats.work);
         self.covered += run.t;
+        self.course = benchmark.course(at, run.t);
         self.took = self.took + run.took;
         self.end = match run.outcome {
             Err(error) => TrialEnd::Failed(error),
@@ -172,9 +177,9 @@ impl Trial {
         }
     }
 
-    /// The work to its end, all parts covering `whole` seconds, by what it needed so far.
-    pub(super) fn needs(&self, whole: f64) -> f64 {
-        self.work * whole / self.covered
+    /// The work to its end, by what it needed so far.
+    pub(super) fn needs(&self) -> f64 {
+        self.work / self.course
     }
 
     /// Whether its sequence of events is that of the reference.
@@ -183,16 +188,16 @@ impl Trial {
     }
 }
 
-/// Breaks a run off at a limit of work, or once an [early part](EARLY) of that shows that it is on course for twice the
-/// limit; with too many events; at the limit of time; or from outside.
+/// Breaks a run off at a limit of work, or once an [early part](EARLY) of that shows that it is on course for far more;
+/// with too many events; at the limit of time; or from outside.
 struct WorkLimit<'a> {
+    benchmark: &'a Benchmark,
     setting: &'a Setting,
-    /// Work and time of the parts before.
+    /// Place of the part that it runs.
+    at: usize,
+    /// Work of the parts before.
     work_before: f64,
-    t_before: f64,
-    /// Time of all parts.
-    whole: f64,
-    limit: f64,
+    limit: TrialLimit,
     /// Events of this part beyond which it chatters.
     most_events: Option<u64>,
     stop: &'a AtomicBool,
@@ -210,9 +215,9 @@ impl WorkLimit<'_> {
     fn judge(&mut self, stats: &Stats, besides: f64, is_late: bool) -> ControlFlow<()> {
         let own = work(self.setting.method, self.setting.rtol(), &stats.work);
         let done = self.work_before + own + besides;
-        let part = (self.t_before + self.reached) / self.whole;
-        let is_hopeless = done > EARLY * self.limit && done > ON_COURSE * self.limit * part;
-        if done > self.limit || is_hopeless {
+        let on_course = || self.benchmark.course(self.at, self.reached) * ON_COURSE;
+        let is_hopeless = || done > self.limit.early && done > self.limit.work * on_course();
+        if done > self.limit.work || is_hopeless() {
             self.cut = Some(TrialEnd::Cut);
         } else if is_late {
             self.cut = Some(TrialEnd::OutOfTime);
@@ -223,11 +228,11 @@ impl WorkLimit<'_> {
     }
 }
 
-/// From this part of its limit on a run is broken off where it is on course for [so many times](ON_COURSE) the limit. At a
-/// limit of [`CUT`] times the least work a run that needs less than that is at its end by then: it is not given up for what
-/// its first impacts need.
+/// From this part of its limit on, and from the least work of those that arrived on, a run is broken off where it is on course
+/// for [so many times](ON_COURSE) the limit. A run that needs less than the least is at its end by then: it is not given up
+/// for what its first impacts need.
 pub(super) const EARLY: f64 = 1.0 / CUT;
-/// See [`EARLY`].
+/// See [`EARLY`]. Its margin is for methods whose work is not spread as that of the reference is; see [`Benchmark::course`].
 pub(super) const ON_COURSE: f64 = 2.0;
 
 impl Brake for WorkLimit<'_> {
@@ -248,5 +253,61 @@ impl Brake for WorkLimit<'_> {
         }
         self.cut = Some(TrialEnd::Chatters);
         ControlFlow::Break(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use deltazero_solvers::problems::{CompliantBall, Exit};
+
+    use super::super::{Candidate, Contest, FINAL, Rules};
+    use super::*;
+    use crate::part::Subject;
+    use crate::plan::sample_times;
+    use crate::run::{Events, Limits};
+
+    /// A ball that hits a stiff damped wall after 1 ms, for 0.1 ms, and flies on for the rest of 50 ms.
+    const STRUCK_BALL: CompliantBall = CompliantBall {
+        mass: 0.1,
+        stiffness: 1e8,
+        damping: 1e3,
+        exit: Exit::Penetration,
+        gap: 0.1,
+        start: [1e-3, -1.0],
+    };
+
+    /// The work of each of `methods` that reaches 1e-6 in a contest on [`STRUCK_BALL`], in this order.
+    fn works(methods: &[&'static str]) -> BTreeMap<String, f64> {
+        let (t_end, stop) = (0.05, AtomicBool::new(false));
+        let (subject, times) = (Subject::of(STRUCK_BALL), sample_times(None, t_end));
+        let benchmark = Benchmark::new(subject, t_end, times, Limits::none(&stop)).unwrap();
+        let candidate = |name: &&str| Candidate {
+            method: Method::named(name).unwrap(),
+            events: Events::Located,
+        };
+        let candidates: Vec<_> = methods.iter().map(candidate).collect();
+        let rules = Rules { repeats: 0, ..Rules::default() };
+        let standings = Contest::new(&benchmark, 1e-6, &rules, &stop).run(&candidates, &|_| ());
+        standings.entries.into_iter().map(|entry| (entry.method, entry.work)).collect()
+    }
+
+    #[test]
+    fn a_short_contact_early_in_a_flight_cuts_no_method_in_any_order() {
+        let mut methods = ["rk43", "rk45", "dop853", "radau5"];
+        let alone: BTreeMap<_, _> = methods.iter().flat_map(|method| works(&[method])).collect();
+        let least = alone.values().copied().fold(f64::INFINITY, f64::min);
+        for (method, work) in &alone {
+            let most = if method == "radau5" { CUT } else { FINAL };
+            assert!(*work < most * least, "{alone:?}");
+        }
+        assert_eq!(alone.len(), methods.len());
+        let forward = works(&methods);
+        methods.reverse();
+        let backward = works(&methods);
+        let names = |works: &BTreeMap<String, f64>| works.keys().cloned().collect::<Vec<_>>();
+        assert_eq!(names(&forward), names(&alone));
+        assert_eq!(names(&backward), names(&alone));
     }
 }
