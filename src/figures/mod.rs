@@ -132,7 +132,7 @@ pub fn of_study(
         work_precision::against_time(table),
         work_precision::against_rhs(table),
         step_size::whole(&steps.histories),
-        step_size::zoom(&steps.histories, motion.and_then(|motion| motion.flight)),
+        step_size::zoom(&steps.histories, motion),
         step_histogram::drawing(&steps.histories, &steps.histogram),
         stays::drawing(&steps.stays),
         restarts::drawing(&steps.restarts, &steps.restart_costs),

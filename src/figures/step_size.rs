@@ -1,6 +1,7 @@
 //! Step size over time, a panel a method: the whole run, and around the first flight.
 
 use deltazero_plots::{Axis, Band, Figure, Panel, StepHistory as Chart, StepLook};
+use deltazero_study::motion::Motion;
 use deltazero_study::quantile::quantile;
 use deltazero_study::steps::step_size::{ACCURACY, StepHistory, StepRow};
 
@@ -43,7 +44,8 @@ fn of_part(shown: &[&StepHistory]) -> String {
 }
 
 /// The same around the flight that the motion is shown at.
-pub(super) fn zoom(histories: &[StepHistory], flight: Option<(f64, f64)>) -> Drawing {
+pub(super) fn zoom(histories: &[StepHistory], motion: Option<&Motion>) -> Drawing {
+    let flight = motion.and_then(|motion| motion.flight);
     let shown: Vec<&StepHistory> = of_first_part(histories).collect();
     let ends = shown.iter().filter_map(|history| history.steps.last()).map(StepRow::end);
     let end = ends.reduce(f64::max).unwrap_or(1.0);
@@ -60,11 +62,18 @@ pub(super) fn zoom(histories: &[StepHistory], flight: Option<(f64, f64)>) -> Dra
             let begins = |step: &&StepRow| window.0 <= step.t_s && step.t_s < window.1;
             let inside = || history.steps.iter().filter(begins);
             let free = inside().filter(|step| !step.kind().is_contact()).count();
-            format!("{} {} ({free} in flight)", history.method, inside().count())
+            // A step of several sites has the mode of the leading one, which need not be the one that flies.
+            let free = match history.n_sites {
+                1 => format!(" ({free} in flight)"),
+                _ => String::new(),
+            };
+            format!("{} {}{free}", history.method, inside().count())
         })
         .collect();
     let shows = match flight {
-        Some((from, to)) => format!("the first flight, {:.2} ms long", 1e3 * (to - from)),
+        Some((from, to)) => {
+            format!("the first flight{}, {:.2} ms long", of_site(motion), 1e3 * (to - from))
+        }
         None => "the start, for there is no flight".to_owned(),
     };
     let caption = format!(
@@ -75,6 +84,12 @@ pub(super) fn zoom(histories: &[StepHistory], flight: Option<(f64, f64)>) -> Dra
     );
     let figure = Figure { share_y: true, ..Figure::stacked("Step size around one flight", panels) };
     Drawing { name: "step_size_zoom", caption, figure }
+}
+
+/// ` of joint 1`, the site that is shown.
+fn of_site(motion: Option<&Motion>) -> String {
+    let name = motion.map_or("", |motion| motion.zoom.name.as_str());
+    if name.is_empty() { String::new() } else { format!(" of {name}") }
 }
 
 fn of_first_part(histories: &[StepHistory]) -> impl Iterator<Item = &StepHistory> {

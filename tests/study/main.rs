@@ -299,7 +299,7 @@ fn every_figure_of_a_study_of_all_methods_can_be_drawn() {
 #[test]
 fn both_figures_of_one_flight_show_the_same_one() {
     // The contacts of an impact oscillator take no time: from one impact to the next is a flight.
-    for (t_end, told) in [("1.5", "first flight, "), ("0.1", "for there is no flight")] {
+    for (t_end, told) in [("1.5", "the first flight"), ("0.1", "for there is no flight")] {
         let t_end = format!("run.t_end={t_end}");
         let sets = ["mechanism=impact-oscillator", &t_end, "study.repeats=1", "study.rtol=[1e-6]"];
         let config = config(&[&sets[..], &["study.methods=[\"rk45\"]"]].concat());
