@@ -32,7 +32,8 @@ pub(super) fn drawing(motion: &Motion) -> Option<Drawing> {
     let most = |of: fn(&Point) -> f64| whole.iter().map(of).fold(0.0_f64, f64::max);
     let (deepest, widest, hardest) = (most(|p| p.1), most(|p| -p.1), most(|p| p.2));
     // A gap a hundred times as wide as the deepest penetration is what is seen; else the penetration is.
-    let unit = match deepest.max(1e-2 * widest) {
+    let seen = if widest > 100.0 * deepest { widest } else { deepest };
+    let unit = match seen {
         1.0.. => ("m", 1.0),
         1e-3.. => ("mm", 1e3),
         1e-6.. => ("µm", 1e6),
