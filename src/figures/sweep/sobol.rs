@@ -11,6 +11,8 @@ use crate::sweep::sobol::{OfKey, Point, Sobol};
 
 /// Sum of the main indices from which on interactions are no more than their error.
 const ADDITIVE: f64 = 0.95;
+/// Sum beyond which the error is too large to tell how the keys act.
+const SURPLUS: f64 = 1.05;
 /// Most grid points, a panel each.
 pub const MOST: usize = 12;
 /// Half the width of a bar and of the gap between two, in places of the axis.
@@ -46,10 +48,10 @@ impl Point {
         let most = most.map_or_else(String::new, |own| {
             format!("{} explains most (total {:.2})", own.key, own.total.value)
         });
-        let rest = if sum < ADDITIVE {
-            "the rest to 1 is in interactions"
-        } else {
-            "so the keys act nearly one by one"
+        let rest = match sum {
+            ..ADDITIVE => "the rest to 1 is in interactions",
+            ..=SURPLUS => "so the keys act nearly one by one",
+            _ => "and what is above 1 is the error of few samples",
         };
         format!("{most}; main indices add up to {sum:.2}, {rest}.")
     }
