@@ -102,7 +102,8 @@ pub fn drawing_of(
         n: table.n_rows(),
         failed: table.failed,
     };
-    if !data.has_points() {
+    let has_number = |field: &Field<'_>| field.places().iter().any(|x| x.is_finite());
+    if !data.has_points() || !data.color.as_ref().is_none_or(has_number) {
         return Err(nothing());
     }
     data.drawing()
