@@ -95,6 +95,12 @@ impl Figure {
         }
     }
 
+    /// Whether no panel has data; a figure that cannot be drawn is not empty.
+    pub fn is_empty(&self) -> bool {
+        let is_empty = |panel: &Panel| panel.content().is_ok_and(|content| content.is_empty());
+        self.panels.iter().all(is_empty)
+    }
+
     /// The figure as an SVG document.
     ///
     /// # Errors

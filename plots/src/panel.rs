@@ -55,6 +55,9 @@ pub(crate) trait Content {
     /// Entries for the figure's legend.
     fn legend(&self) -> Vec<Entry>;
 
+    /// Whether it has no data.
+    fn is_empty(&self) -> bool;
+
     /// Both axes, x first, if other panels can share them.
     fn rulers(&mut self) -> Option<&mut [Ruler; 2]> {
         None

@@ -187,6 +187,10 @@ impl Content for Plane<'_> {
         series.chain(bars).chain(bands).chain(ticks).collect()
     }
 
+    fn is_empty(&self) -> bool {
+        self.empty
+    }
+
     fn rulers(&mut self) -> Option<&mut [Ruler; 2]> {
         Some(&mut self.rulers)
     }

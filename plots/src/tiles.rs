@@ -110,6 +110,11 @@ impl Content for Tiles<'_> {
         frame.draw(plot, canvas, fonts);
     }
 
+    fn is_empty(&self) -> bool {
+        let has_no_color = self.colors.iter().all(Option::is_none);
+        has_no_color && self.map.texts.iter().all(String::is_empty)
+    }
+
     fn legend(&self) -> Vec<Entry> {
         let Cells::Categories { names, indices } = &self.map.cells else {
             return Vec::new();

@@ -97,8 +97,10 @@ fn a_figure_without_data_says_so() {
         Figure::single("", Heatmap::default()),
     ] {
         assert!(figure.svg().unwrap().contains("no data"));
+        assert!(figure.is_empty());
         figure.png().unwrap();
     }
+    assert!(!every_kind().is_empty());
 }
 
 #[test]
