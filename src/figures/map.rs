@@ -48,10 +48,8 @@ pub fn winners(map: &Map) -> Drawing {
     let counts: Vec<String> = wins.iter().map(|(name, n)| format!("{name} {n}")).collect();
     let [x, y] = map.axes.each_ref().map(|axis| axis.name.as_str());
     let caption = format!(
-        "The fastest method that reaches e, over {x} and {y}. Cells won: {}; {} of {} without a winner (grey).",
-        counts.join(", "),
-        map.cells.iter().filter(|cell| cell.contest.winner().is_none()).count(),
-        map.cells.len()
+        "The fastest method that reaches e, over {x} and {y}. {}",
+        cells_won(&counts, map.cells.iter().map(|cell| &cell.contest))
     );
     let figure = Figure {
         title: "The fastest method".into(),
@@ -63,6 +61,22 @@ pub fn winners(map: &Map) -> Drawing {
         ..Figure::default()
     };
     Drawing { name: WINNERS, caption, figure }
+}
+
+/// How many cells each method won, as `counts` tell it, and how many nobody did.
+pub(super) fn cells_won<'a>(
+    counts: &[String],
+    cells: impl Iterator<Item = &'a Contested>,
+) -> String {
+    let (mut n, mut without) = (0, 0);
+    for contest in cells {
+        n += 1;
+        without += usize::from(contest.winner().is_none());
+    }
+    match counts {
+        [] => format!("No cell of {n} has a winner (grey)."),
+        _ => format!("Cells won: {}; {without} of {n} without a winner (grey).", counts.join(", ")),
+    }
 }
 
 /// A value of an axis, as one would write it.

@@ -120,7 +120,7 @@ pub fn pictures(drawings: &[Drawing]) -> Result<Vec<Picture>, (&'static str, Err
 }
 
 /// The figures of a study: of its motion, of the pins in joints of these clearances, and of the limit of stability where
-/// there is one.
+/// there is one; those without any data are left out.
 pub fn of_study(
     table: &WorkPrecision,
     steps: &StepTables,
@@ -143,6 +143,7 @@ pub fn of_study(
     drawings.push(rk4_order::drawing(table));
     drawings.extend(stability.map(stability::drawing));
     drawings.push(proportionality::drawing(table, &steps.proportionality));
+    drawings.retain(|drawing| !drawing.figure.is_empty());
     drawings
 }
 

@@ -7,7 +7,7 @@ use deltazero_study::quantile::quantile;
 use deltazero_study::selection::{CUT, FINAL};
 
 use super::Drawing;
-use super::map::{WINNERS, winner_colors, winner_word};
+use super::map::{WINNERS, cells_won, winner_colors, winner_word};
 use crate::keys::ReadingName;
 use crate::study::regimes::{Cell, maps, of_map};
 
@@ -15,13 +15,17 @@ use crate::study::regimes::{Cell, maps, of_map};
 pub const ALL: [&str; 3] = [WINNERS, MARGIN, COST];
 const MARGIN: &str = "margin";
 const COST: &str = "cost";
+/// The second is close to the first within this factor.
+const CLOSE: f64 = 1.1;
 
-/// The figures of a map.
+/// The figures of a map; those without any data are left out.
 pub fn drawings(cells: &[Cell]) -> Vec<Drawing> {
     if cells.is_empty() {
         return Vec::new();
     }
-    vec![winners(cells), margin(cells), cost(cells)]
+    let mut drawings = vec![winners(cells), margin(cells), cost(cells)];
+    drawings.retain(|drawing| !drawing.figure.is_empty());
+    drawings
 }
 
 /// The values of one axis of the map, ascending.
@@ -109,23 +113,20 @@ fn winners(cells: &[Cell]) -> Drawing {
             format!("{name} {}", own.count())
         })
         .collect();
-    let without = cells.iter().filter(|cell| cell.winner().is_none()).count();
     let caption = format!(
-        "The fastest method that reaches e, over contact stiffness and damping ratio. Cells won: {}; \
-         {without} of {} without a winner (grey).",
-        counts.join(", "),
-        cells.len()
+        "The fastest method that reaches e, over contact stiffness and damping ratio. {}",
+        cells_won(&counts, cells.iter().map(|cell| &cell.contest))
     );
     Drawing { name: WINNERS, caption, figure }
 }
 
 fn margin(cells: &[Cell]) -> Drawing {
-    let most = cells.iter().filter_map(|cell| cell.margin()).fold(1.1_f64, f64::max);
+    let most = cells.iter().filter_map(|cell| cell.margin()).fold(1.0_f64, f64::max);
     let colors = |grid: Vec<Option<&Cell>>| {
         let value = |cell: &Option<&Cell>| cell.and_then(|cell| cell.margin()).unwrap_or(f64::NAN);
         let label = "time of the second over the first".to_owned();
         Cells::Values {
-            bar: Axis::log(label).within(1.0, most),
+            bar: Axis::log(label).within(1.0, most.max(CLOSE)),
             values: grid.iter().map(value).collect(),
         }
     };
@@ -134,7 +135,7 @@ fn margin(cells: &[Cell]) -> Drawing {
         of_maps("How far ahead the fastest is", cells, |which| map(cells, which, colors, text));
     let mut margins: Vec<f64> = cells.iter().filter_map(|cell| cell.margin()).collect();
     let median = quantile(&mut margins, 0.5).unwrap_or(f64::NAN);
-    let close = margins.iter().filter(|margin| **margin < 1.1).count();
+    let close = margins.iter().filter(|margin| **margin < CLOSE).count();
     let open = cells.iter().filter(|cell| !cell.within_noise().is_empty()).count();
     let caption = format!(
         "Time of the second over that of the first, median {median:.2}, largest {most:.2}; in {close} of {} \

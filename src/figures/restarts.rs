@@ -28,10 +28,13 @@ pub(super) fn drawing(rows: &[RestartRow], costs: &[RestartCost]) -> Drawing {
     };
     let panels: Vec<Panel> = costs.iter().map(panel).collect();
     let findings: Vec<String> = costs.iter().map(finding).collect();
-    let n_events = costs.iter().map(|cost| cost.n_events).max().unwrap_or(0);
+    let over = match costs.iter().map(|cost| cost.n_events).max() {
+        Some(most) if most > LEAST => format!("{LEAST} to {most}"),
+        _ => LEAST.to_string(),
+    };
     let caption = format!(
         "Step size after an event over the settled one (median of the steps more than ten after an \
-         event): median and quartiles over {LEAST} to {n_events} events, steps that land on \
+         event): median and quartiles over {over} events, steps that land on \
          the next event left out. Right-hand sides that an event costs, without Jacobians and linear \
          algebra: {}.",
         findings.join("; ")

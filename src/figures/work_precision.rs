@@ -17,10 +17,13 @@ pub(super) fn against_time(table: &WorkPrecision) -> Drawing {
         .filter(|e| table.can_decide(**e))
         .map(|e| winner(&table.rows, *e))
         .collect();
+    let cheapest = match winners[..] {
+        [] => String::new(),
+        _ => format!("Cheapest {}. ", winners.join("; ")),
+    };
     let caption = format!(
-        "Error e against the shortest time of each run; down and left is better. Cheapest {}. \
-         Filled: events located; hollow: event-blind. Times depend on the machine, their ratios less.",
-        winners.join("; ")
+        "Error e against the shortest time of each run; down and left is better. {cheapest}\
+         Filled: events located; hollow: event-blind. Times depend on the machine, their ratios less."
     );
     let figure = Figure { size: Size::WIDE, ..Figure::single("Work and precision: time", chart) };
     Drawing { name: "work_precision_time", caption, figure }
