@@ -31,7 +31,7 @@ pub(super) fn against_time(table: &WorkPrecision) -> Drawing {
 
 /// `e` against evaluations of the right-hand side.
 pub(super) fn against_rhs(table: &WorkPrecision) -> Drawing {
-    let x = Axis::log("right-hand sides of a block, n_rhs");
+    let x = Axis::log("right-hand sides of a part, n_rhs");
     let chart = chart(table, x, Axis::log("error e"), |row| Some(row.n_rhs as f64).zip(row.e));
     let located_wrong = table.rows.iter().filter(|row| row.e.is_some() && !row.events_are_right());
     let caption = format!(
