@@ -242,38 +242,38 @@ fn a_contest_on_a_ball_between_walls_takes_the_trials_that_it_took() {
 }
 
 const CONTESTS: &str = r#"
-1e-3: 40 trials
-dop853 blind: cut, step 2.36e-3
+1e-3: 48 trials
+dop853 blind: cut, step 3.56e-3
 dop853 located rtol 5.6e-5: 4.3e-4 of 2.4e-4 to 4.3e-4 (0, 0), work 950, growth 1.00e0 ["timed"]
-radau5 blind: cut, step 4.52e-3
+radau5 blind: cut, step 6.98e-3
 radau5 located rtol 1e-5: 4.7e-4 of 3.7e-4 to 4.7e-4 (0, 0), work 3075, growth 1.07e0 []
-rk4 blind: cut, step 1.30e-4
+rk4 blind: cut, step 2.40e-4
 rk4 located h 4.2e-4 s: 9.8e-6 of 5.6e-6 to 9.8e-6 (0, 0), work 3943, growth - []
 rk45 blind: cut, step 2.41e-3
 rk45 located rtol 1e-6: 4.3e-4 of 2.5e-4 to 4.3e-4 (0, 0), work 684, growth 1.46e0 ["timed"]
-rodas5p blind: cut, step 7.47e-3
+rodas5p blind: cut, step 1.08e-2
 rodas5p located rtol 3.2e-5: 5.6e-4 of 3.0e-4 to 5.6e-4 (0, 0), work 3931, growth 1.10e0 []
-1e-6: 49 trials
-dop853 blind: cut, step 2.66e-3
+1e-6: 48 trials
+dop853 blind: cut, step 3.07e-3
 dop853 located rtol 5.6e-7: 6.5e-7 of 4.2e-7 to 6.5e-7 (0, 0), work 868, growth 1.00e0 ["timed"]
 radau5 blind: cut, step 4.52e-3
 radau5 located rtol 1.8e-9: 5.7e-7 of 3.5e-7 to 5.7e-7 (0, 0), work 5872, growth 1.41e0 []
-rk4 blind: cut, step 1.30e-4
+rk4 blind: cut, step 2.40e-4
 rk4 located h 1.3e-4 s: 7.2e-7 of 5.4e-7 to 7.2e-7 (0, 0), work 12415, growth - []
 rk45 blind: cut, step 1.55e-3
 rk45 located rtol 1.8e-9: 6.9e-7 of 3.8e-7 to 6.9e-7 (0, 0), work 1518, growth 1.57e0 ["timed"]
-rodas5p blind: cut, step 5.74e-3
+rodas5p blind: cut, step 3.00e-3
 rodas5p located rtol 3.2e-8: 1.8e-7 of 9.2e-8 to 1.8e-7 (0, 0), work 6281, growth 1.44e0 []
-1e-10: 55 trials
-dop853 blind: cut, step 7.78e-4
+1e-10: 53 trials
+dop853 blind: cut, step 1.51e-3
 dop853 located rtol 1e-11: 7.8e-11 of 3.6e-11 to 7.9e-11 (0, 0), work 1611, growth 1.22e0 ["timed"]
-radau5 blind: cut, step 2.01e-3
-radau5 located: cut, step 7.41e-4
+radau5 blind: cut, step 3.31e-3
+radau5 located: cut, step 5.44e-4
 rk4 blind: cut, step 3.70e-4
 rk4 located: cut, step 1.30e-5
-rk45 blind: cut, step 3.47e-4
+rk45 blind: cut, step 5.90e-4
 rk45 located rtol 1e-13: 4.6e-11 of 2.5e-11 to 4.6e-11 (0, 0), work 8286, growth 1.58e0 []
-rodas5p blind: cut, step 6.67e-3
+rodas5p blind: cut, step 1.67e-3
 rodas5p located: cut, step 1.43e-3
 "#;
 
