@@ -34,6 +34,7 @@ fn what_is_recommended_goes_into_simulate_and_reaches_the_accuracy() {
     let asked = [
         "accuracy",
         "events",
+        "expected_cpu_s",
         "expected_e",
         "expected_e_spread",
         "expected_wall_s",
