@@ -23,7 +23,6 @@ use deltazero_plots::{Axis, Error, Figure, Marker, Panel, Series, Size};
 use deltazero_solvers::METHODS;
 use deltazero_study::motion::Motion;
 use deltazero_study::parallel::{cores, in_parallel};
-use deltazero_study::quantile::quantile;
 use deltazero_study::setting::Events;
 use deltazero_study::steps::StepTables;
 use deltazero_study::steps::step_size::{ModeKind, StepHistory, StepRow};
@@ -171,7 +170,8 @@ fn size_axis(histories: &[StepHistory]) -> Axis {
             let least = LANDING * history.steps.last().map_or(0.0, StepRow::end);
             let told = history.steps.iter().filter(|step| !step.lands || step.h_s >= least);
             let mut sizes: Vec<f64> = told.map(|step| step.h_s).collect();
-            quantile(&mut sizes, fraction)
+            sizes.sort_unstable_by(f64::total_cmp);
+            sizes.get((fraction * sizes.len().checked_sub(1)? as f64) as usize).copied()
         })
     };
     match (at(1e-3).reduce(f64::min), at(1.0).reduce(f64::max)) {

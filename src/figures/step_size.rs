@@ -74,6 +74,7 @@ pub(super) fn zoom(histories: &[StepHistory], motion: Option<&Motion>) -> Drawin
         Some((from, to)) => {
             format!("the first flight{}, {:.2} ms long", of_site(motion), 1e3 * (to - from))
         }
+        None if motion.is_none() => "the start".to_owned(),
         None => "the start, for there is no flight".to_owned(),
     };
     let caption = format!(

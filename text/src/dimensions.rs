@@ -56,7 +56,7 @@ pub(crate) fn unread_units(file: &Declarations) -> impl Iterator<Item = Complain
     })
 }
 
-/// Warns of a contact that is not told in metres and newtons: tables and figures call it so.
+/// Warns of a contact whose depth is not in metres or whose force is not in newtons: tables and figures label them m and N.
 pub(crate) fn contact_units(file: &Declarations, names: &Names) -> Vec<Complaint> {
     let mut check = Check { file, names, mode: None, known: HashMap::new(), depth: 0 };
     let mut all = Vec::new();
@@ -73,7 +73,7 @@ pub(crate) fn contact_units(file: &Declarations, names: &Names) -> Vec<Complaint
                 let message =
                     format!("the {what} of a contact is told in {symbol}, and this {found}");
                 all.push(Complaint::new(formula.span, message).help(
-                    "take units of which it is one, or read numbers of contacts in the file's own units",
+                    "give lengths in m and forces in N; else columns named m and N hold the file's own units",
                 ));
             }
         }

@@ -150,14 +150,19 @@ impl Benchmark {
         self
     }
 
-    /// How far a run is that came to `t` [s] in its part `at`: the part of its time, or of the steps of the reference that
-    /// begin before, whichever is larger.
+    /// The time that a run covers, its parts added [s].
+    pub(super) fn whole(&self) -> f64 {
+        self.t_end * self.subject.parts.len() as f64
+    }
+
+    /// How far a run is that came to `t` [s] in its part `at`: the part of its time, or of the nodes of the reference up to
+    /// there with those of one step more, whichever is larger.
     ///
     /// Work is spread over time as the steps of the reference are, which are dense in a contact and far apart in a flight;
     /// that of a method whose steps stability binds, evenly.
     pub(super) fn course(&self, at: usize, t: f64) -> f64 {
         let parts = &self.reference.parts;
-        let of_time = (at as f64 * self.t_end + t) / (self.t_end * parts.len() as f64);
+        let of_time = (at as f64 * self.t_end + t) / self.whole();
         let nodes = |parts: &[PartReference]| parts.iter().map(|part| part.nodes.len()).sum();
         let before = parts[at].nodes.partition_point(|node| node.t <= t);
         let begun: usize = nodes(&parts[..at]) + before + GAUSS.len();

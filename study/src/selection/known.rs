@@ -13,8 +13,8 @@ type Key = (&'static str, Events, i32, Start);
 /// What the contests so far on a benchmark found out; they are held from the smallest error to the largest.
 #[derive(Debug, Default)]
 pub(crate) struct Known {
-    /// Each run with the limit of work that it was made under.
-    runs: RefCell<HashMap<Key, (Trial, f64)>>,
+    /// Each run with the limit that it was made under.
+    runs: RefCell<HashMap<Key, (Trial, TrialLimit)>>,
     /// The last rung at which each method, by what it does about events, reached an accuracy.
     reached: RefCell<HashMap<(&'static str, Events), i32>>,
 }
@@ -32,7 +32,10 @@ impl Known {
         if let Some((trial, own)) = self.runs.borrow().get(&key) {
             let serves = match trial.end {
                 TrialEnd::Reached | TrialEnd::Failed(_) | TrialEnd::OutOfTime => true,
-                TrialEnd::Cut => limit.work <= *own,
+                // Not by its course, where it would be judged by that later.
+                TrialEnd::Cut => {
+                    limit.work <= own.work && (limit.early <= own.early || trial.work > limit.early)
+                }
                 TrialEnd::Chatters => limit.chatter,
                 TrialEnd::Interrupted => false,
             };
@@ -41,7 +44,7 @@ impl Known {
             }
         }
         let trial = make();
-        self.runs.borrow_mut().insert(key, (trial.clone(), limit.work));
+        self.runs.borrow_mut().insert(key, (trial.clone(), limit));
         (trial, true)
     }
 
@@ -68,9 +71,10 @@ mod tests {
             Candidate { method: Method::named("rk45").unwrap(), events: Events::Located };
         let wide = |work| TrialLimit::work(work);
         let narrow = |work| TrialLimit { chatter: true, ..TrialLimit::work(work) };
+        let later = |work| TrialLimit { early: work, ..TrialLimit::work(work) };
         for (end, made_under, serves, not) in [
             (TrialEnd::Reached, wide(1e3), vec![wide(1e2), narrow(1e9)], vec![]),
-            (TrialEnd::Cut, wide(1e3), vec![wide(1e3), narrow(1e2)], vec![wide(2e3)]),
+            (TrialEnd::Cut, wide(1e3), vec![wide(1e3), narrow(1e2)], vec![wide(2e3), later(1e3)]),
             (TrialEnd::Chatters, narrow(1e3), vec![narrow(1e9)], vec![wide(1e3)]),
             (TrialEnd::Interrupted, wide(1e3), vec![], vec![wide(1e3)]),
         ] {

@@ -111,11 +111,9 @@ impl<'a> Search<'a> {
         // goes on as it began. Another one may take long steps once the first impacts have rung out.
         let method = self.candidate.method;
         let may_calm = method.is_implicit() || method.chooses();
-        let early = self.early(limit);
-        let is_hopeless = |trial: &Trial| {
-            let is_judged = !may_calm || trial.work > early;
-            is_judged && trial.needs() > ON_COURSE * limit
-        };
+        let judged_from = if may_calm { self.early(limit) } else { self.least };
+        let is_hopeless =
+            |trial: &Trial| trial.work > judged_from && trial.needs() > ON_COURSE * limit;
         self.trials.retain(|_, trial| trial.end != TrialEnd::Cut || is_hopeless(trial));
         let found = self.bracket(limit).and_then(|rung| self.confirm(rung, limit));
         // Where events are right at few settings, the search may pass by the one that is known.
@@ -279,7 +277,8 @@ impl<'a> Search<'a> {
         let trial = &self.trials[&rung];
         let goal = MARGIN * contest.accuracy;
         let (times, more) = CHATTER;
-        let n_events = contest.benchmark.reference.n_all_events() as f64 * trial.course;
+        let n_events = contest.benchmark.reference.n_all_events() as f64 * trial.covered
+            / contest.benchmark.whole();
         let most_events = times as f64 * n_events + more as f64;
         match &trial.end {
             TrialEnd::Chatters => Kind::Misses(LONGEST),
