@@ -16,7 +16,7 @@ use deltazero_study::run::{Limits, Price, Setting};
 use deltazero_study::selection::work;
 use deltazero_study::setting::Events;
 use deltazero_study::simulation::{Asked, Simulation, SiteMotion};
-use deltazero_study::warning::{Code, Warning};
+use deltazero_study::warning::{Code, Warning, place};
 use deltazero_study::{Part, Subject};
 use serde_json::{Map, Value, json};
 
@@ -67,7 +67,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     let (n, t_end) = (subject.parts.len(), config.run.t_end);
     let simulated = subject.parts.iter().enumerate().map(|(i, part)| {
         let grid = Grid::uniform(config.run.sample, t_end);
-        let tell = |warning: &Warning| warn(&[of_part(part, warning)], args.run.to.quiet);
+        let tell = |warning: &Warning| warn(&[warning.of(&part.name)], args.run.to.quiet);
         let asked = Asked { setting: &setting, t_end, grid, tell: &tell };
         let mut watch = Limits::none(stop).watch(Price::of_setting(&setting));
         let mut brake = rows.over(bar.over(&mut watch, (i, n), &part.name, t_end));
@@ -123,19 +123,9 @@ fn warnings(config: &Config, parts: &[Simulated<'_>], horizon: Option<Horizon>) 
         all.push(Warning { code: Code::Horizon, message });
     }
     for Simulated { part, own, .. } in parts {
-        all.extend(own.warnings.iter().map(|warning| of_part(part, warning)));
+        all.extend(own.warnings.iter().map(|warning| warning.of(&part.name)));
     }
     all
-}
-
-/// A warning of a part's run, with its name.
-fn of_part(part: &Part, Warning { code, message }: &Warning) -> Warning {
-    Warning { code: *code, message: format!("{}{message}", place(&part.name)) }
-}
-
-/// `joint 1: `; nothing of what has no name.
-fn place(name: &str) -> String {
-    if name.is_empty() { String::new() } else { format!("{name}: ") }
 }
 
 /// The time of the integration alone.

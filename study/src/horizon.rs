@@ -105,16 +105,14 @@ impl TightRuns {
             let until = until.min(reached - AT_END * part.unit_of_time);
             let t = parting(own, tight).filter(|t| *t < until)?;
             let count = |all: &[ModeChange]| all.iter().filter(|change| change.t < until).count();
-            let name = &part.sites[site];
-            let place = if name.is_empty() { String::new() } else { format!("{name}: ") };
             let message = format!(
-                "{place}from t = {t:.6e} s on the run has another sequence of events than runs at rounding ({} for {} up \
+                "from t = {t:.6e} s on the run has another sequence of events than runs at rounding ({} for {} up \
                  to {until:.6e} s): it has lost a contact or made one up, or one grazes; take a tighter tolerance or \
                  another method",
                 count(own),
                 count(tight)
             );
-            Some(Warning { code: Code::Events, message })
+            Some(Warning { code: Code::Events, message }.of(&part.sites[site]))
         })
     }
 }

@@ -66,6 +66,18 @@ pub struct Warning {
     pub message: String,
 }
 
+impl Warning {
+    /// The same of what is called `name`.
+    pub fn of(&self, name: &str) -> Self {
+        Self { code: self.code, message: format!("{}{}", place(name), self.message) }
+    }
+}
+
+/// Where a message is about: `joint 1: `; nothing of what has no name.
+pub fn place(name: &str) -> String {
+    if name.is_empty() { String::new() } else { format!("{name}: ") }
+}
+
 #[cfg(test)]
 mod tests {
     use super::Code;
