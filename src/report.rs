@@ -28,11 +28,6 @@ fn count(n: Option<usize>) -> String {
     n.map_or_else(String::new, |n| n.to_string())
 }
 
-/// Rounded to so many significant digits.
-fn rounded_to(x: f64, digits: usize) -> f64 {
-    format!("{x:.0$e}", digits - 1).parse().unwrap_or(x)
-}
-
 /// A number to `digits` significant digits; a dash for none, and for one that is not defined.
 fn rounded(x: Option<f64>, digits: usize) -> String {
     x.filter(|x| !x.is_nan()).map_or_else(|| "–".to_owned(), |x| format!("{x:.0$e}", digits - 1))

@@ -5,6 +5,7 @@ use std::io;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use deltazero_study::digits::in_short;
 use deltazero_study::map::Map;
 use deltazero_study::motion::Motion;
 use deltazero_study::plan::sample_times;
@@ -15,7 +16,6 @@ use deltazero_study::steps::StepTables;
 use deltazero_study::work_precision::{WorkPrecision, in_doubt};
 use deltazero_study::{Plan, Subject, work_precision};
 
-use crate::figures::map::in_short;
 use crate::figures::{self, Drawing, Picture};
 use crate::report::simulation::motion_csv;
 use crate::report::{self, About};

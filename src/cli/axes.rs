@@ -3,10 +3,11 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use deltazero::config::{Config, ConfigError, Model, Place, Variants, is_of_runs};
-use deltazero::figures::map::{WINNERS, in_short, winners};
+use deltazero::figures::map::{WINNERS, winners};
 use deltazero::report::regimes::map_csv;
 use deltazero::studied::{map_markdown, map_table};
 use deltazero::sweep::plan::Values;
+use deltazero_study::digits::in_short;
 use deltazero_study::map::{Map, MapAxis, pairs};
 use serde_json::json;
 

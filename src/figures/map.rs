@@ -2,6 +2,7 @@
 
 use deltazero_plots::{Cells, Figure, Heatmap, Legend, Panel, Size};
 use deltazero_solvers::METHODS;
+use deltazero_study::digits::in_short;
 use deltazero_study::map::{CellStatus, Contested, Map, MapCell};
 use deltazero_study::setting::Events;
 
@@ -76,15 +77,6 @@ pub(super) fn cells_won<'a>(
     match counts {
         [] => format!("No cell of {n} has a winner (grey)."),
         _ => format!("Cells won: {}; {without} of {n} without a winner (grey).", counts.join(", ")),
-    }
-}
-
-/// A value of an axis, as one would write it.
-pub fn in_short(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e4).contains(&value.abs()) {
-        value.to_string()
-    } else {
-        format!("{value:e}")
     }
 }
 

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::rounded_to;
+use deltazero_study::digits::rounded_to;
+
 use crate::config::Config;
 use crate::csv::exact;
 use crate::figures::Drawing;

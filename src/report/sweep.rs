@@ -1,6 +1,7 @@
 //! What a report of a sweep is made from, read once, and its findings in words.
 
-use super::rounded_to;
+use deltazero_study::digits::rounded_to;
+
 use crate::figures::Drawing;
 use crate::figures::sweep::{self, PlotError, chosen, drawing_of};
 use crate::sweep::plan::{Plan, Random, Values};

@@ -24,6 +24,7 @@ mod account;
 pub mod brief;
 pub mod check;
 pub mod columns;
+pub mod digits;
 pub mod energy_balance;
 pub mod errors;
 pub mod forecast;

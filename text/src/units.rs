@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use deltazero_study::digits::{in_short, rounded_to};
+
 /// Symbols of the base units.
 const BASE: [&str; 7] = ["m", "kg", "s", "A", "K", "mol", "cd"];
 
@@ -150,7 +152,7 @@ impl fmt::Display for Unit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut words = Vec::new();
         if (self.factor - 1.0).abs() > CLOSE {
-            words.push(short(self.factor));
+            words.push(in_short(rounded_to(self.factor, 6)));
         }
         for (symbol, power) in BASE.iter().zip(self.powers) {
             match power {
@@ -164,12 +166,6 @@ impl fmt::Display for Unit {
             words => write!(f, "is in {}", words.join(" ")),
         }
     }
-}
-
-/// A factor to six digits.
-fn short(factor: f64) -> String {
-    let rounded: f64 = format!("{factor:.5e}").parse().unwrap_or(factor);
-    if (1e-3..1e4).contains(&rounded) { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! A column of a sweep with what a figure has to know of it: label, scale, role in the plan, levels, classes.
 
 use deltazero_plots::{Axis, Scale};
+use deltazero_study::digits::{in_short, rounded_to};
 
-use super::super::map::in_short;
 use crate::sweep::draw::Law;
 use crate::sweep::plan::Values;
 use crate::sweep::results::{Column, Results, ResultsError};
@@ -175,7 +175,7 @@ fn named(word: &str) -> String {
 
 /// A value to four digits.
 pub(super) fn short(x: f64) -> String {
-    in_short(format!("{x:.3e}").parse().unwrap_or(x))
+    in_short(rounded_to(x, 4))
 }
 
 fn scale_of(column: &Column) -> Scale {

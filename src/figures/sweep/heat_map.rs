@@ -1,6 +1,7 @@
 //! A value over two axes of the grid.
 
 use deltazero_plots::{Cells, Figure, Heatmap, Legend, Size};
+use deltazero_study::digits::{in_short, rounded_to};
 use deltazero_study::quantile::quantile;
 
 use super::field::{Field, Levels, short};
@@ -90,7 +91,7 @@ fn values(
 }
 
 fn three_digits(x: f64) -> String {
-    super::super::map::in_short(format!("{x:.2e}").parse().unwrap_or(x))
+    in_short(rounded_to(x, 3))
 }
 
 /// The class of the most frequent word of each cell, of several the first, and how many cells each has.

@@ -1,6 +1,7 @@
 //! The page of an audit: claims, what follows, figures, runs, torque ratios, how to redo it.
 
 use deltazero_study::columns::Value;
+use deltazero_study::digits::rounded_to;
 
 use super::{Heading, Page, Part, Section, Table};
 use crate::config::Config;
@@ -9,7 +10,6 @@ use crate::report::audit::{
     DIGITS, IDEAL_COLUMNS, RATIO_COLUMNS, RUN_COLUMNS, RUN_NOTE, VAGUE, findings, ideal_lines,
     ratio_lines, run_lines,
 };
-use crate::report::rounded_to;
 use crate::study::audit::Audit;
 use crate::study::claims::{CLAIMS, ClaimRow};
 

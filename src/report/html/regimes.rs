@@ -1,12 +1,12 @@
 //! The page of a map: what follows, figures, every cell, how to redo it.
 
 use deltazero_study::columns::Value;
+use deltazero_study::digits::rounded_to;
 
 use super::{Heading, Page, Part, Section, Table};
 use crate::config::Config;
 use crate::figures::Picture;
 use crate::report::regimes::{findings, lead};
-use crate::report::rounded_to;
 use crate::study::regimes::{Cell, maps, of_map};
 
 /// The page of a map with its figures.

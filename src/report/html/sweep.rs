@@ -1,11 +1,11 @@
 //! The page of a sweep: what was swept, what the runs say, what it depends on, figures, how to redo it.
 
 use deltazero_study::columns::Value;
+use deltazero_study::digits::rounded_to;
 
 use super::study::machine;
 use super::{Heading, Page, Part, Section, Table};
 use crate::figures::Picture;
-use crate::report::rounded_to;
 use crate::report::sweep::{Findings, checked, explained, follows, reasons, runs, shares, varied};
 use crate::run::setting;
 use crate::sweep::origin::Origin;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::digits::{in_short, rounded_to};
 use crate::energy_balance::Balance;
 use crate::errors::Largest;
 use crate::json_number;
@@ -124,7 +125,7 @@ impl ReferenceSummary {
     pub fn measure(&self) -> String {
         let group = |own: &ScaleSummary| {
             let unit = if own.unit.is_empty() { String::new() } else { format!(" {}", own.unit) };
-            format!("|Δ {}|/{}{unit}", own.group, short(own.scale))
+            format!("|Δ {}|/{}{unit}", own.group, in_short(rounded_to(own.scale, 4)))
         };
         let groups: Vec<String> = self.scales.iter().map(group).collect();
         match groups.split_last() {
@@ -174,10 +175,4 @@ impl ReferenceSummary {
         }
         limits
     }
-}
-
-/// A scale to four digits.
-fn short(x: f64) -> String {
-    let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
-    if (1e-3..1e4).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
 }
