@@ -3,9 +3,7 @@
 use crate::part::Subject;
 use crate::reference::{ReferenceError, ReferenceSummary};
 use crate::run::{Events, Limits};
-use crate::selection::{
-    Benchmark, CUT, Contest, Entry, Failure, FailureKind, Rules, Standings, chooses,
-};
+use crate::selection::{Benchmark, CUT, Contest, Entry, Failure, FailureKind, Rules, Standings};
 use crate::warning::{Code, Warning};
 use crate::work_precision::{ENOUGH, Progress};
 
@@ -136,15 +134,14 @@ fn grazing(benchmark: &Benchmark, standings: &Standings) -> Option<Warning> {
 /// The warning that only the method of the reference comes near it, while [`ENOUGH`] others do not at any setting: two
 /// runs of one method may miss the same event.
 fn alone(reference: &ReferenceSummary, accuracy: f64, standings: &Standings) -> Option<Warning> {
-    let is_own = |name: &str| reference.is_made_by(name) || chooses(name);
     let is_far = |own: &&Failure| {
         use FailureKind::{EventStorm, EventsWrong, OutOfReach};
         own.events == Events::Located
             && matches!(own.kind, OutOfReach | EventsWrong | EventStorm)
-            && !is_own(&own.method)
+            && reference.is_made_without(&own.method)
     };
     let far: Vec<&Failure> = standings.failures.iter().filter(is_far).collect();
-    let is_near = standings.entries.iter().any(|entry| !is_own(&entry.method));
+    let is_near = standings.entries.iter().any(|entry| reference.is_made_without(&entry.method));
     if accuracy < IN_REACH || far.len() < ENOUGH || is_near {
         return None;
     }

@@ -6,6 +6,7 @@ use crate::digits::{in_short, rounded_to};
 use crate::energy_balance::Balance;
 use crate::errors::Largest;
 use crate::json_number;
+use crate::selection::chooses;
 use crate::warning::Warning;
 
 /// What is said where a part has no sample by which runs could be compared.
@@ -80,10 +81,10 @@ impl ReferenceSummary {
         self.unsound().is_none() && self.agreement <= 0.1 * e
     }
 
-    /// Whether the method called `name` made it, or told its error.
-    pub fn is_made_by(&self, name: &str) -> bool {
-        let made = [&self.method, &self.check];
-        made.iter().any(|text| text.split([' ', ':']).any(|word| word == name))
+    /// Whether the method called `name` is another than it was made and checked by, as `auto` may not be.
+    pub fn is_made_without(&self, name: &str) -> bool {
+        let words = [&self.method, &self.check].map(|text| text.split([' ', ':']));
+        !chooses(name) && words.into_iter().flatten().all(|word| word != name)
     }
 
     /// The warning by which its runs are wrong, if they are.

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use super::{Row, Status, WorkPrecision};
 use crate::run::Events;
-use crate::selection::chooses;
 
 /// Located runs at this relative tolerance or below have the events right, if any have.
 const TIGHT: f64 = 1e-8;
@@ -28,8 +27,7 @@ impl WorkPrecision {
         let is_asked = |row: &&Row| {
             row.status == Status::Ok
                 && row.events == Events::Located
-                && !chooses(&row.method)
-                && !self.reference.is_made_by(&row.method)
+                && self.reference.is_made_without(&row.method)
         };
         for row in self.rows.iter().filter(is_asked) {
             let Some(rtol) = row.rtol.filter(|rtol| *rtol <= TIGHT) else { continue };
