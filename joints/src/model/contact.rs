@@ -13,7 +13,7 @@ use super::hysteresis::hysteresis_factor;
 use super::mode::delta_bound;
 use crate::keys::{Contact, ContactLaw, Curvature, Joint};
 
-pub use guards::Rounding;
+pub use guards::{Bounds, Rounding};
 
 /// Normal force law: an elastic relation F(δ) and what it loses, by viscous damping or by hysteresis.
 ///
