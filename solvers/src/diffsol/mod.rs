@@ -22,10 +22,7 @@ use crate::tolerance::Tolerance;
 use equations::Places;
 use field::OfSystem;
 use graze::Place;
-use stepper::{Phase, Stepper};
-
-/// Longest span that `diffsol` takes for zero, as a fraction of the time.
-const RESOLUTION: f64 = 100.0 * f64::EPSILON;
+use stepper::{Phase, RESOLUTION, Stepper};
 
 /// A method of `diffsol`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -17,6 +17,9 @@ use crate::phase::PhaseEnd;
 use crate::stats::Stats;
 use crate::tolerance::Tolerance;
 
+/// Longest span that `diffsol` takes for zero, as a fraction of the time.
+pub(super) const RESOLUTION: f64 = 100.0 * f64::EPSILON;
+
 /// Shortest step as a fraction of the time left.
 const LEAST_STEP: f64 = 1e-16;
 
@@ -121,7 +124,8 @@ impl Phase<'_> {
     }
 
     /// A solver state of `diffsol` at the start of `built`, with a first step towards the end of the phase: the given one, or
-    /// one chosen for the order with which the method starts.
+    /// one chosen for the order with which the method starts. The rule for that one knows no shortest step: of a state that is
+    /// small beside its slope, as between the last bounces of a ball, it makes less than the time can resolve.
     fn started<A: Algebra, S: OdeSolverState<A::V>>(
         &self,
         built: &OdeSolverProblem<Equations<'_, A>>,
@@ -136,7 +140,9 @@ impl Phase<'_> {
         let order = self.scheme.starting_order();
         start.as_mut().set_step_size(sign, &built.atol, built.rtol, &built.eqn, order);
         let h = start.as_mut().h;
-        *h = self.first.unwrap_or(h.abs()).min(self.span.abs()).copysign(self.span);
+        let resolved = RESOLUTION * (self.t.abs() + self.span.abs());
+        let first = self.first.unwrap_or(h.abs().max(resolved));
+        *h = first.min(self.span.abs()).copysign(self.span);
         Ok(start)
     }
 }

@@ -1,9 +1,9 @@
 //! Events without rest: at one time, around one time, towards one time.
 
 use deltazero_solvers::problems::{BouncingBall, BouncingMode};
-use deltazero_solvers::{Error, Integration, Next, Outcome, Real, System};
+use deltazero_solvers::{Error, Integration, METHODS, Next, Outcome, Real, System};
 
-use crate::common::{at_most, steps_itself};
+use crate::common::{at_most, steps_itself, tolerance};
 use crate::log::{Log, run, settings};
 use crate::script::{Guard, Script, chain, floor};
 
@@ -113,9 +113,14 @@ impl System for TimedBall {
 fn bounces_end_though_the_rounding_bound_grows_with_the_speed() {
     for restitution in [0.2, 0.3, 0.4, 0.5, 0.6, 0.7] {
         let ball = BouncingBall { restitution, gravity: 9.8, height: 1.0 };
+        let tight = METHODS.iter().map(|method| (method, tolerance(1e-12)));
+        let settings = settings().into_iter().chain(tight);
         for ((method, control), rests) in
-            settings().into_iter().flat_map(|setting| [(setting.clone(), true), (setting, false)])
+            settings.flat_map(|setting| [(setting.clone(), true), (setting, false)])
         {
+            if method.solver(&ball, control.clone()).is_err() {
+                continue;
+            }
             let (name, system) = (method.name, TimedBall { ball, rests });
             let mut solver = method.solver(&system, control).unwrap();
             let mut integration = Integration::new(&system, 0.0, ball.start());
@@ -129,7 +134,12 @@ fn bounces_end_though_the_rounding_bound_grows_with_the_speed() {
                     panic!("{name}, {restitution}: {other:?} after {} events", log.events.len())
                 }
             }
-            let bound = if steps_itself(method, &system) { 2e-4 } else { 4e-13 };
+            // Measured: 3.1e-13 s, for methods on an interpolant 6.1e-13, for bdf 1.1e-4 (at rtol 1e-8: arcs below its atol).
+            let bound = match name {
+                "bdf" => 3e-4,
+                _ if steps_itself(method, &system) => 2e-12,
+                _ => 1e-12,
+            };
             at_most(name, (t - ball.accumulation_time()).abs(), bound);
         }
     }
