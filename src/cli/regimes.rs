@@ -10,6 +10,7 @@ use deltazero::report::html::regimes_page;
 use deltazero::report::regimes::{csv, markdown};
 use deltazero::study::contests::keep;
 use deltazero::study::regimes::{Cell, Site, cells, estimate, quick, sites};
+use deltazero_study::digits::count_of;
 use deltazero_study::forecast::Forecast;
 use deltazero_study::reference::RECIPE;
 use serde_json::json;
@@ -132,13 +133,13 @@ fn announce(
     }
     let grid = &config.regimes;
     say(&format!(
-        "{} stiffnesses x {} damping ratios x {} accuracies, {} readings, to {} s; {} sites are missing",
+        "{} stiffnesses x {} damping ratios x {} accuracies, {}, to {} s; {} to make",
         grid.stiffness.len(),
         grid.damping_ratio.len(),
         grid.accuracy.len(),
-        grid.readings.as_ref().map_or(1, Vec::len),
+        count_of(grid.readings.as_ref().map_or(1, Vec::len), "reading"),
         config.run.t_end,
-        missing.len()
+        count_of(missing.len(), "site")
     ));
     say("short trials, to tell how long it will take");
     let bar = Bar::new(quiet);

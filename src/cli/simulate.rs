@@ -7,6 +7,7 @@ use clap::Args;
 use deltazero::config::Config;
 use deltazero::report::simulation::{events_csv, trajectory_csv};
 use deltazero_solvers::{Grid, Outcome, Stats};
+use deltazero_study::digits::{count_of, in_short, rounded_to};
 use deltazero_study::energy_balance::Balance;
 use deltazero_study::errors::contact_summary::ContactSummary;
 use deltazero_study::errors::work::WorkByPhase;
@@ -201,7 +202,9 @@ fn written(horizon: Option<Horizon>) -> &'static str {
 
 fn horizon_line(horizon: Option<Horizon>) -> String {
     match horizon {
-        Some(Horizon::LostAt(t)) => format!("predictable up to {t} s\n"),
+        Some(Horizon::LostAt(t)) => {
+            format!("predictable up to {} s\n", in_short(rounded_to(t, 12)))
+        }
         Some(Horizon::WholeRun) => "predictable to its end\n".to_owned(),
         Some(Horizon::NotMeasured) => {
             "horizon not measured: no tight run came to the end at a few times the work\n"
@@ -329,10 +332,9 @@ fn contact_line(Simulated { own, .. }: &Simulated<'_>) -> Option<String> {
         format!(", impacts at {least:.3e} to {most:.3e} m/s")
     });
     Some(format!(
-        "  {} contact{}: peak force {force:.4e} N at {at:.6} s, deepest {:.3e} m{speeds}, impulse {:.4e} N s, \
+        "  {}: peak force {force:.4e} N at {at:.6} s, deepest {:.3e} m{speeds}, impulse {:.4e} N s, \
          longest {:.3e} s\n",
-        own.n,
-        if own.n == 1 { "" } else { "s" },
+        count_of(own.n, "contact"),
         own.deepest_m?,
         own.impulse_n_s,
         own.longest_s?
@@ -349,12 +351,13 @@ fn failure(parts: &[Simulated<'_>]) -> String {
 
 fn report_lines(summary: &Value, parts: &[Simulated<'_>], horizon: Option<Horizon>) -> String {
     let counts = &summary["counts"];
+    let counted = |key: &str, thing| count_of(counts[key].as_u64().unwrap_or(0), thing);
     let mut text = format!(
-        "{}: {} events, {} right-hand sides, {} steps ({} rejected, {} retaken), {:.2} ms{}\n",
+        "{}: {}, {}, {} ({} rejected, {} retaken), {:.2} ms{}\n",
         outcome(parts),
-        counts["n_events"],
-        counts["n_rhs"],
-        counts["n_accepted"],
+        counted("n_events", "event"),
+        counted("n_rhs", "right-hand side"),
+        counted("n_accepted", "step"),
         counts["n_rejected"],
         counts["n_retaken"],
         1e3 * summary["wall_s"].as_f64().unwrap_or(f64::NAN),
@@ -370,8 +373,7 @@ fn report_lines(summary: &Value, parts: &[Simulated<'_>], horizon: Option<Horizo
     text += &horizon_line(horizon);
     match summary["warnings"].as_array().map_or(0, Vec::len) {
         0 => {}
-        1 => text += "1 warning, in run.json\n",
-        n => text += &format!("{n} warnings, in run.json\n"),
+        n => text += &format!("{}, in run.json\n", count_of(n, "warning")),
     }
     text
 }

@@ -13,6 +13,7 @@ use deltazero::study::machine::Machine;
 use deltazero::study::plan::{limits, plan};
 use deltazero::study::record::{StudyRecord, name_reading};
 use deltazero::study::stability::stability;
+use deltazero_study::digits::count_of;
 use deltazero_study::motion::Motion;
 use deltazero_study::reference::RECIPE;
 use deltazero_study::steps::StepTables;
@@ -203,8 +204,8 @@ fn summarise(output: &Output, table: &WorkPrecision) {
     let count = |status| table.rows.iter().filter(|row| row.status == status).count();
     let (ok, failed, cut) = (count(Status::Ok), count(Status::Failed), count(Status::Cut));
     say(&format!(
-        "{} runs: {ok} ok, {failed} failed, {cut} cut; reference good to e = {}",
-        table.rows.len(),
+        "{}: {ok} ok, {failed} failed, {cut} cut; reference good to e = {}",
+        count_of(table.rows.len(), "run"),
         table.reference.own_error()
     ));
     for limit in table.limits() {

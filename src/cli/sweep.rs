@@ -10,6 +10,7 @@ use deltazero::chunks::{Chunks, Work, work};
 use deltazero::figures::sweep::may_be_named;
 use deltazero::study::machine::Machine;
 use deltazero::sweep::{Joined, Over, RECORD, ROWS, SHARDS, Sweep, SweepError, join};
+use deltazero_study::digits::count_of;
 use serde_json::{Value, json};
 
 use super::meter::Meter;
@@ -258,8 +259,9 @@ impl Command<'_> {
             print(&format!("{:#}\n", record(true, failed)))?;
         } else {
             let ok = n_runs - failed;
+            let runs = count_of(n_runs, "run");
             print(&format!(
-                "shard {} of {}: {n_runs} runs, {ok} ok, {failed} failed\n",
+                "shard {} of {}: {runs}, {ok} ok, {failed} failed\n",
                 shard.i, shard.n
             ))?;
         }
@@ -355,7 +357,8 @@ impl Command<'_> {
             print(&format!("{record:#}\n"))?;
         } else {
             let n = self.sweep.n_runs;
-            let mut text = format!("{n} runs: {} ok, {failed} failed\n", n - failed.min(n));
+            let (runs, ok) = (count_of(n, "run"), n - failed.min(n));
+            let mut text = format!("{runs}: {ok} ok, {failed} failed\n");
             for first in record["first_failed"].as_array().into_iter().flatten() {
                 let error = first["error"].as_str().unwrap_or_default();
                 text += &format!("  run {}: {error}\n", first["run"]);
@@ -370,7 +373,8 @@ impl Command<'_> {
     fn strict(&self, failed: u64) -> Result<(), Failure> {
         if self.args.strict && failed > 0 {
             return Err(Failure::Run(format!(
-                "{failed} runs failed; {ROWS} says why, in `status`"
+                "{} failed; {ROWS} says why, in `status`",
+                count_of(failed, "run")
             )));
         }
         Ok(())

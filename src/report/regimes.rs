@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use deltazero_study::digits::count_of;
 use deltazero_study::map::{CellStatus, Contested, Map, MapCell};
 use deltazero_study::quantile::quantile;
 use deltazero_study::selection::{CUT, EVENTS_FROM, Entry, FINAL, Failure, FailureKind, Standings};
@@ -154,7 +155,7 @@ fn noise(cells: &[&Cell]) -> Option<String> {
     let places: Vec<String> = cells.iter().filter_map(open).collect();
     let is_any = !places.is_empty();
     is_any.then(|| {
-        let n = n_cells(places.len());
+        let n = count_of(places.len(), "cell");
         format!("The winner is within the noise of the times in {n}: {}.", places.join("; "))
     })
 }
@@ -261,7 +262,7 @@ fn location(cells: &[&Cell]) -> String {
         text,
         "Only located runs arrive in {}, where a blind one is given up at {FINAL} times the work of the best of \
          them; only blind ones in {blind}.",
-        n_cells(located)
+        count_of(located, "cell")
     );
     let wrong = cells
         .iter()
@@ -269,7 +270,11 @@ fn location(cells: &[&Cell]) -> String {
         .filter(|entry| entry.events == Events::Blind && entry.missed + entry.spurious > 0)
         .count();
     if wrong > 0 {
-        let _ = write!(text, " In {} the winner is blind and has events wrong.", n_cells(wrong));
+        let _ = write!(
+            text,
+            " In {} the winner is blind and has events wrong.",
+            count_of(wrong, "cell")
+        );
     }
     text
 }
@@ -277,11 +282,6 @@ fn location(cells: &[&Cell]) -> String {
 /// The median of the ratios of cells.
 fn median(ratios: &[(f64, &&Cell)]) -> Option<f64> {
     quantile(&mut ratios.iter().map(|(ratio, _)| *ratio).collect::<Vec<_>>(), 0.5)
-}
-
-/// `1 cell`, `7 cells`.
-fn n_cells(n: usize) -> String {
-    format!("{n} cell{}", if n == 1 { "" } else { "s" })
 }
 
 /// What does it cost to leave the choice to `auto`?
@@ -313,7 +313,7 @@ fn auto(cells: &[&Cell]) -> String {
         let _ = write!(
             text,
             " It alone arrives in {}, where neither explicit nor implicit wins: {}.",
-            n_cells(alone.len()),
+            count_of(alone.len(), "cell"),
             alone.join("; ")
         );
     }
@@ -339,7 +339,7 @@ fn nothing(cells: &[&Cell]) -> String {
     if lost.is_empty() {
         "Nothing is out of reach: every cell has a winner.".to_owned()
     } else {
-        format!("Nothing reaches it in {}: {}.", n_cells(lost.len()), lost.join("; "))
+        format!("Nothing reaches it in {}: {}.", count_of(lost.len(), "cell"), lost.join("; "))
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a report of a sweep is made from, read once, and its findings in words.
 
-use deltazero_study::digits::rounded_to;
+use deltazero_study::digits::{count_of, rounded_to};
 
 use crate::figures::Drawing;
 use crate::figures::sweep::{self, PlotError, chosen, drawing_of};
@@ -164,7 +164,8 @@ pub(super) fn reasons(reasons: &[Reason]) -> Vec<String> {
     let mut told: Vec<String> = reasons.iter().take(MOST_WORDS).map(told).collect();
     if reasons.len() > MOST_WORDS {
         let rest: u64 = reasons.iter().skip(MOST_WORDS).map(|reason| reason.n).sum();
-        told.push(format!("{rest} runs for {} other reasons", reasons.len() - MOST_WORDS));
+        let others = count_of(reasons.len() - MOST_WORDS, "other reason");
+        told.push(format!("{} for {others}", count_of(rest, "run")));
     }
     told
 }
@@ -201,8 +202,9 @@ pub(super) fn checked(checked: &Checked) -> String {
     match n {
         0 => "No run has an estimate of its error.".to_owned(),
         _ => format!(
-            "The errors of {n} runs are estimated by tight runs beside them. Of {judged} whose events can be judged, {right} \
-             have the events right.{largest}"
+            "Errors are estimated by tight runs beside {}. Of {judged} whose events can be judged, {right} with the events \
+             right.{largest}",
+            count_of(*n, "run")
         ),
     }
 }

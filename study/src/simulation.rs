@@ -3,6 +3,7 @@
 use deltazero_solvers::{Error, Grid, Next, Sample, Stats, Switch, Trajectory, WorkByKind};
 
 use crate::account::Account;
+use crate::digits::count_of;
 use crate::energy_balance::Balance;
 use crate::errors::contacts::Contact;
 use crate::problem::{Problem, Quantity, Touch, change, leading_site};
@@ -162,8 +163,7 @@ fn not_a_number(sites: &[SiteMotion]) -> Vec<Warning> {
             let (name, n) = (&column.name, bad.count());
             let more = match n {
                 0 => String::new(),
-                1 => ", nor at 1 more sample".to_owned(),
-                _ => format!(", nor at {n} more samples"),
+                _ => format!(", nor at {}", count_of(n, "more sample")),
             };
             let message = format!("{name} is no number at {t} s{more}; its cells are empty");
             warnings.push(Warning { code: Code::NotANumber, message });

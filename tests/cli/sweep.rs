@@ -311,7 +311,7 @@ fn a_failed_run_is_a_row_and_strict_makes_it_exit_1() {
     assert!(ran.stdout.contains("more than study.max_rhs = 100"), "{}", ran.stdout);
     let ran = scratch.run(&[&args[..], &["--strict"]].concat());
     assert_eq!(ran.code, Some(1));
-    assert!(ran.stderr.contains("1 runs failed"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("1 run failed"), "{}", ran.stderr);
     let ran = scratch.succeed(&[&args[..], &["--json"]].concat());
     let record: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
     assert_eq!((&record["ok"], &record["failed"]), (&1.into(), &1.into()));

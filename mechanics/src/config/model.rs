@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use deltazero_study::digits::rounded_to;
 use deltazero_text::{ModelFile, Parameter, SETTINGS};
 use serde_json::Value;
 
@@ -130,10 +131,11 @@ fn refused(report: deltazero_text::Report) -> ConfigError {
 
 /// Defaults of settings that a model has no size for: shares of the end of its runs. Path and value.
 pub(super) fn defaults(t_end: f64) -> [(&'static str, String); 3] {
-    let steps = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5].map(|part| format!("{:e}", part * t_end));
+    let step = |part: f64| format!("{:e}", rounded_to(part * t_end, 12));
+    let steps = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5].map(step);
     [
         ("run.sample", format!("{:e}", t_end / 500.0)),
-        ("solver.step", format!("{:e}", 1e-4 * t_end)),
+        ("solver.step", step(1e-4)),
         ("study.steps", format!("[{}]", steps.join(", "))),
     ]
 }

@@ -1,7 +1,7 @@
 //! A value over two axes of the grid.
 
 use deltazero_plots::{Cells, Figure, Heatmap, Legend, Size};
-use deltazero_study::digits::{in_short, rounded_to};
+use deltazero_study::digits::{count_of, in_short, rounded_to};
 use deltazero_study::quantile::quantile;
 
 use super::field::{Field, Levels, short};
@@ -49,8 +49,10 @@ pub(super) fn drawing(data: &Data<'_>, y: &Field<'_>, color: &Field<'_>) -> Opti
         texts: if is_told { texts } else { Vec::new() },
     };
     let empty = of_cell.iter().filter(|rows| rows.is_empty()).count();
-    let grey =
-        if empty > 0 { format!(" {empty} cells have no run (grey).") } else { String::new() };
+    let grey = match empty {
+        0 => String::new(),
+        _ => format!(" No run in {} (grey).", count_of(empty, "cell")),
+    };
     let comma = if how.is_empty() { "" } else { ", " };
     let caption = format!(
         "{}{comma}{how}, over {} and {}: {finding}{grey} {}",

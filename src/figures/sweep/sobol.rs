@@ -107,7 +107,7 @@ pub fn drawing(sobol: &Sobol) -> Result<Drawing, PlotError> {
     );
     if left_out > 0 {
         let failed = sobol.failed;
-        let _ = write!(caption, "; {left_out} more have a run without it ({failed} runs failed)");
+        let _ = write!(caption, "; {left_out} more with a run without it ({failed} failed)");
     }
     for point in &sobol.points {
         let title = point.title();

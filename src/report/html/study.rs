@@ -3,6 +3,7 @@
 use deltazero_solvers::Method;
 use deltazero_study::Plan;
 use deltazero_study::columns::{Column, Value, shown};
+use deltazero_study::digits::count_of;
 use deltazero_study::reference::HORIZON_ERROR;
 use deltazero_study::work_precision::{BEATEN, Row, SHORT_S, Status, WorkPrecision};
 
@@ -63,9 +64,9 @@ fn answer(table: &WorkPrecision, plan: &Plan) -> Vec<Part> {
             rows: cells.map(|row| row.into_iter().map(Value::Text).collect()).collect(),
         }),
         Part::Text(format!(
-            "{} runs: {} ok, {} failed, {} cut at {} right-hand sides or {} s. e alone ranks: a run may reach a \
+            "{}: {} ok, {} failed, {} cut at {} right-hand sides or {} s. e alone ranks: a run may reach a \
              loose error with events missed. Times are of one machine; their ratios travel better.",
-            rows.len(),
+            count_of(rows.len(), "run"),
             count(Status::Ok),
             count(Status::Failed),
             count(Status::Cut),

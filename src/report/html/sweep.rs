@@ -1,7 +1,7 @@
 //! The page of a sweep: what was swept, what the runs say, what it depends on, figures, how to redo it.
 
 use deltazero_study::columns::Value;
-use deltazero_study::digits::rounded_to;
+use deltazero_study::digits::{count_of, rounded_to};
 
 use super::study::machine;
 use super::{Heading, Page, Part, Section, Table};
@@ -48,7 +48,8 @@ fn fact(name: &str, what: impl Into<String>) -> (String, String) {
 fn lead(results: &Results, origin: &Origin) -> String {
     let n = results.plan.n_runs().unwrap_or_default();
     let keys = results.key_columns().join(", ");
-    format!("{} {n} runs with other values of {keys}.", origin.config.mechanism.lead())
+    let runs = count_of(n, "run");
+    format!("{} {runs} with other values of {keys}.", origin.config.mechanism.lead())
 }
 
 /// What was swept, by what, and how many runs came to their end.

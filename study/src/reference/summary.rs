@@ -169,6 +169,7 @@ impl ReferenceSummary {
         for PartSummary { name, horizon_s, t_end_s, .. } in &self.parts {
             if horizon_s < t_end_s {
                 let name = if name.is_empty() { "the motion" } else { name };
+                let horizon_s = in_short(rounded_to(*horizon_s, 12));
                 limits.push(format!(
                     "{name} is predictable up to {horizon_s} s of {t_end_s} s: beyond, only the number of events, impulse and dissipation are compared"
                 ));

@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 
 use deltazero_solvers::Method;
 
+use crate::digits::rounded_to;
 use crate::setting::{Accuracy, Atol};
 
 /// Rungs to a decade of the tolerance.
@@ -18,7 +19,8 @@ const FINEST_STEP: f64 = 1e-12;
 
 /// The tolerance or step of a rung, to two digits.
 pub(super) fn accuracy(method: &Method, rung: i32, atol: Option<Atol>) -> Accuracy {
-    let value = |per_decade: i32| two_digits(libm::exp10(-f64::from(rung) / f64::from(per_decade)));
+    let value =
+        |per_decade: i32| rounded_to(libm::exp10(-f64::from(rung) / f64::from(per_decade)), 2);
     if method.is_fixed_step() {
         Accuracy::Step(value(A_DECADE_OF_STEPS))
     } else {
@@ -46,11 +48,6 @@ pub(super) fn first(method: &Method, t_end: f64, accuracy: f64) -> i32 {
         let rung = -f64::from(A_DECADE) * libm::log10(accuracy);
         (rung.round() as i32).clamp(*rungs.start(), *rungs.end())
     }
-}
-
-/// The number as one would write it with two digits.
-fn two_digits(x: f64) -> f64 {
-    format!("{x:.1e}").parse().unwrap_or(x)
 }
 
 #[cfg(test)]

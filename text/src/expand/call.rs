@@ -1,5 +1,7 @@
 //! Functions of a formula.
 
+use deltazero_study::digits::count_of;
+
 use super::Expander;
 use crate::expression::Expression;
 use crate::functions::Elementary;
@@ -17,8 +19,8 @@ impl Expander<'_> {
             });
         };
         if arguments.len() != *n {
-            let s = if *n == 1 { "" } else { "s" };
-            let message = format!("`{name}` has {n} argument{s}, not {}", arguments.len());
+            let (own, given) = (count_of(*n, "argument"), arguments.len());
+            let message = format!("`{name}` has {own}, not {given}");
             return Err(Complaint::new(span, message));
         }
         let a = self.node(&arguments[0])?;
