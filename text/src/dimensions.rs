@@ -56,29 +56,42 @@ pub(crate) fn unread_units(file: &Declarations) -> impl Iterator<Item = Complain
     })
 }
 
-/// Warns of a contact whose depth is not in metres or whose force is not in newtons: tables and figures label them m and N.
+/// What the tables of contacts are in.
+const TOLD_IN: [(&str, &str); 2] = [("depth", "m"), ("force", "N")];
+
+/// Metres in the unit of a contact's depth in a mode, and newtons in that of its force; 1 for a unit that is not known, or of
+/// something else, which is [warned of](contact_units).
+pub(crate) fn contact_factors(file: &Declarations, names: &Names, mode: usize) -> [f64; 2] {
+    let units = told_units(file, names, mode);
+    units.map(|unit| unit.and_then(|(unit, told)| unit.factor_over(told)).unwrap_or(1.0))
+}
+
+/// Warns of a contact whose depth is no length or whose force is no force: tables and figures label them m and N.
 pub(crate) fn contact_units(file: &Declarations, names: &Names) -> Vec<Complaint> {
-    let mut check = Check { file, names, mode: None, known: HashMap::new(), depth: 0 };
     let mut all = Vec::new();
-    let modes = file.modes.iter().enumerate().filter(|(_, mode)| mode.role != ModeRole::Free);
-    for (i, _) in modes {
-        check.mode = Some(i);
-        check.known.clear();
-        let told = file.contact.iter().flatten().zip([("depth", "m"), ("force", "N")]);
-        for (formula, (what, symbol)) in told {
-            let (own, found) = (Unit::parse(symbol), check.unit(formula));
-            if let (Some(own), Ok(Some(found))) = (own, found)
-                && !found.is(own)
+    let in_contact = |mode: &usize| file.modes[*mode].role != ModeRole::Free;
+    for mode in (0..file.modes.len()).filter(in_contact) {
+        let of_formulas = file.contact.iter().flatten().zip(TOLD_IN);
+        for ((formula, (what, symbol)), unit) in of_formulas.zip(told_units(file, names, mode)) {
+            if let Some((unit, told)) = unit
+                && unit.factor_over(told).is_none()
             {
                 let message =
-                    format!("the {what} of a contact is told in {symbol}, and this {found}");
+                    format!("the {what} of a contact is told in {symbol}, and this {unit}");
                 all.push(Complaint::new(formula.span, message).help(
-                    "give lengths in m and forces in N; else columns named m and N hold the file's own units",
+                    "give a length and a force; else columns named m and N hold the file's own units",
                 ));
             }
         }
     }
     all
+}
+
+/// The units of a contact's depth and force in a mode, each with the one that it is told in; none where they are not known.
+fn told_units(file: &Declarations, names: &Names, mode: usize) -> [Option<(Unit, Unit)>; 2] {
+    let Some(contact) = &file.contact else { return [None; 2] };
+    let mut check = Check { file, names, mode: Some(mode), known: HashMap::new(), depth: 0 };
+    std::array::from_fn(|i| check.unit(&contact[i]).ok().flatten().zip(Unit::parse(TOLD_IN[i].1)))
 }
 
 /// All units that a file gives.

@@ -118,10 +118,18 @@ impl Unit {
     }
 
     pub(crate) fn is(self, other: Self) -> bool {
-        let is_close = |a: f64, b: f64| (a - b).abs() <= CLOSE;
-        is_close(self.factor / other.factor, 1.0)
-            && self.powers.iter().zip(other.powers).all(|(a, b)| is_close(*a, b))
+        self.factor_over(other).is_some_and(|factor| is_close(factor, 1.0))
     }
+
+    /// How many of `other` it is; none where they are of different things.
+    pub(crate) fn factor_over(self, other: Self) -> Option<f64> {
+        let is_of_same = self.powers.iter().zip(other.powers).all(|(a, b)| is_close(*a, b));
+        is_of_same.then_some(self.factor / other.factor)
+    }
+}
+
+fn is_close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= CLOSE
 }
 
 fn product(text: &str) -> Option<Unit> {

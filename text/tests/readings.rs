@@ -88,24 +88,38 @@ fn a_contact_that_no_mode_has_is_warned_of() {
     assert!(warnings("role = \"contact\"\n").is_empty());
 }
 
+/// A contact of a depth of 3 and a force of 6 in these units.
+fn contact_in(length: &str, force: &str) -> String {
+    format!(
+        "[parameters]\nK = {{ value = 2, unit = \"{force}/({length})\" }}\n[states]\n\
+         x = {{ start = 3, unit = \"{length}\" }}\nv = {{ start = 1, unit = \"{length}/s\" }}\n[definitions]\n\
+         F = {{ value = \"K*x\", unit = \"{force}\" }}\n[rates]\nx = \"v\"\nv = \"0\"\n\
+         [modes.a]\nrole = \"contact\"\n[contact]\ndepth = \"x\"\nforce = \"F\"\n"
+    )
+}
+
 #[test]
-fn a_contact_in_other_units_than_tables_have_is_warned_of() {
-    let warnings = |length: &str, force: &str| {
-        let text = format!(
-            "[parameters]\nK = {{ value = 1, unit = \"{force}/{length}\" }}\n[states]\n\
-             x = {{ start = 1, unit = \"{length}\" }}\nv = 0\n[definitions]\nF = {{ value = \"K*x\", unit = \"{force}\" }}\n[rates]\nx = \"v\"\nv = \"0\"\n\
-             [modes.a]\nrole = \"contact\"\n[contact]\ndepth = \"x\"\nforce = \"F\"\n"
-        );
-        let file =
-            ModelFile::parse("model.toml", &text).unwrap_or_else(|report| panic!("{report}"));
-        file.warnings().iter().map(ToString::to_string).collect::<Vec<_>>()
-    };
-    assert!(warnings("m", "N").is_empty());
-    let told = warnings("mm", "mN").concat();
-    for own in [
-        "depth of a contact is told in m, and this is in 0.001 m",
-        "force of a contact is told in N",
-    ] {
+fn a_contact_is_told_in_metres_and_newtons() {
+    for (length, force, [metre, newton]) in
+        [("m", "N", [1.0, 1.0]), ("mm", "mN", [1e-3, 1e-3]), ("cm", "kN", [1e-2, 1e3])]
+    {
+        let text = contact_in(length, force);
+        let model = model(&text);
+        let y = Problem::start(&model);
+        let told = model.touch(&model.initial_mode(0.0, &y), 0.0, &y, 0).unwrap();
+        let expected = [3.0 * metre, metre, 6.0 * newton];
+        assert_eq!([told.depth, told.rate, told.force], expected, "{length}, {force}");
+        assert!(ModelFile::parse("model.toml", &text).unwrap().warnings().is_empty());
+    }
+}
+
+#[test]
+fn a_contact_that_is_no_length_or_no_force_is_warned_of() {
+    let text = contact_in("rad", "N m");
+    let file = ModelFile::parse("model.toml", &text).unwrap_or_else(|report| panic!("{report}"));
+    let told = file.warnings().iter().map(ToString::to_string).collect::<String>();
+    for own in ["depth of a contact is told in m, and this", "force of a contact is told in N, and"]
+    {
         assert!(told.contains(own), "{told}");
     }
 }

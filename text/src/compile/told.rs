@@ -3,6 +3,7 @@
 use super::instances;
 use crate::declarations::{Declarations, Definition, ModeRole};
 use crate::derivative::along_flow;
+use crate::dimensions::contact_factors;
 use crate::expand::{Expander, Outside};
 use crate::expression::Expression;
 use crate::graph::Id;
@@ -66,16 +67,20 @@ pub(super) fn warn_of_contact(file: &Declarations, warnings: &mut Vec<Complaint>
     }
 }
 
-/// Depth, its rate along the flow, and the force, which counts in contact alone.
+/// Depth [m], its rate along the flow [m/s], and the force [N], which counts in contact alone.
 fn touch(expander: &mut Expander<'_>, mode: usize, rates: &[Id]) -> Checked<Vec<Id>> {
     let file = expander.file;
     let Some([depth, force]) = &file.contact else { return Ok(Vec::new()) };
+    let [metres, newtons] =
+        contact_factors(file, expander.names, mode).map(|factor| expander.graph.constant(factor));
     let depth = expander.node(depth)?;
+    let depth = expander.graph.multiply(depth, metres);
     let rate = along_flow(&mut expander.graph, depth, rates);
     let force = if file.modes[mode].role == ModeRole::Free {
         expander.graph.constant(0.0)
     } else {
-        expander.node(force)?
+        let force = expander.node(force)?;
+        expander.graph.multiply(force, newtons)
     };
     Ok(vec![depth, rate, force])
 }
