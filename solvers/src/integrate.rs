@@ -14,8 +14,10 @@ use crate::system::{Next, System, Vector};
 /// Largest number of transitions at one instant, unless twice the number of guards is larger. Beyond it the run ends
 /// in [`Error::Chatter`].
 const CHATTER: usize = 16;
-/// What to change where one guard stays violated after its own transition, and where modes hand over to each other.
+/// What to change where one guard stays violated after its own transition, where transitions within one mode violate
+/// each other's guards, and where modes hand over to each other.
 const UNPROJECTED: &str = "it stays violated after its own transition; put the state on the surface there, or state a larger rounding bound";
+const UNDONE: &str = "transitions within this mode violate each other's guards; let one transition settle them together, or state larger rounding bounds";
 const HANDED_OVER: &str =
     "two modes hand over to each other; give the model the sliding or sticking mode between them";
 /// Events are held to accumulate where this many in a row, or twice as many as there are guards, …
@@ -214,11 +216,12 @@ impl<P: System> Transitions<P> {
     ) -> Result<Option<Outcome>, Error> {
         let first = (at.mode.clone(), guard);
         let mut last = first.clone();
-        let mut repeats = true;
+        let (mut repeats, mut keeps_mode) = (true, true);
         let most = CHATTER.max(2 * problem.n_guards());
         for _ in 0..most {
             last = (at.mode.clone(), guard);
             repeats &= last == first;
+            keeps_mode &= last.0 == first.0;
             let before = at.point();
             let after = problem.transition(at.mode.clone(), guard, at.t, at.y);
             let mut outcome = enter(&mut at, (guard, before), after, stats, record)?;
@@ -243,7 +246,11 @@ impl<P: System> Transitions<P> {
             }
         }
         let (mode, guard) = last;
-        let cure = if repeats { UNPROJECTED } else { HANDED_OVER };
+        let cure = match (repeats, keeps_mode) {
+            (true, _) => UNPROJECTED,
+            (false, true) => UNDONE,
+            (false, false) => HANDED_OVER,
+        };
         Err(Error::Chatter { t: at.t.value(), n: most, mode: format!("{mode:?}"), guard, cure })
     }
 

@@ -60,6 +60,17 @@ fn a_ball_whose_bounces_accumulate_comes_to_rest() {
     }
 }
 
+#[test]
+fn transitions_that_undo_each_other_in_one_mode_are_told_from_modes_that_hand_over() {
+    let low = Guard { p: vec![0.5], a: -1.0, ..floor(0, -1.0) };
+    let script = Script { rate: vec![vec![-1.0]], guards: vec![vec![floor(0, 1.0), low]] };
+    for setting in settings() {
+        let (.., outcome, _, _) = run(&script, &setting, (0.0, [0.0, 0.25]), 2.0);
+        let Err(Error::Chatter { cure, .. }) = outcome else { panic!("{outcome:?}") };
+        assert!(cure.contains("within this mode"), "{cure}");
+    }
+}
+
 /// A ball whose rounding bound grows with its speed, as far as it moves while the time is rounded. So the bound at the end of
 /// a step past an impact is larger than that at the impact, and than a low arc is high. It may have a mode to rest in.
 struct TimedBall {
