@@ -83,7 +83,9 @@ pub(super) fn zoom(histories: &[StepHistory], motion: Option<&Motion>) -> Drawin
         1e3 * (window.1 - window.0),
         counts.join(", ")
     );
-    let figure = Figure { share_y: true, ..Figure::stacked("Step size around one flight", panels) };
+    let title = if flight.is_some() { "around one flight" } else { "at the start" };
+    let title = format!("Step size {title}");
+    let figure = Figure { share_y: true, ..Figure::stacked(title, panels) };
     Drawing { name: "step_size_zoom", caption, figure }
 }
 

@@ -2,6 +2,7 @@
 
 use deltazero_plots::{Axis, Figure, LineChart, Size};
 use deltazero_study::columns::Column;
+use deltazero_study::digits::count_of;
 use deltazero_study::setting::Events;
 use deltazero_study::work_precision::{ACCURACIES, Row, WorkPrecision, cheapest, doubt};
 
@@ -23,7 +24,8 @@ pub(super) fn against_time(table: &WorkPrecision) -> Drawing {
     };
     let caption = format!(
         "Error e against the shortest time of each run; down and left is better. {cheapest}\
-         Filled: events located; hollow: event-blind. Times depend on the machine, their ratios less."
+         Filled: events located; hollow: event-blind. Times depend on the machine, their ratios less.{}",
+        not_drawn(table)
     );
     let figure = Figure { size: Size::WIDE, ..Figure::single("Work and precision: time", chart) };
     Drawing { name: "work_precision_time", caption, figure }
@@ -36,15 +38,24 @@ pub(super) fn against_rhs(table: &WorkPrecision) -> Drawing {
     let located_wrong = table.rows.iter().filter(|row| row.e.is_some() && !row.events_are_right());
     let caption = format!(
         "Error e against evaluations of the right-hand side, Jacobians and linear algebra not \
-         counted. {} of {} runs have missed or spurious events, which e alone hardly shows.",
+         counted. {} of {} runs have missed or spurious events, which e alone hardly shows.{}",
         located_wrong.count(),
-        table.rows.len()
+        table.rows.len(),
+        not_drawn(table)
     );
     let figure = Figure {
         size: Size::WIDE,
         ..Figure::single("Work and precision: right-hand sides", chart)
     };
     Drawing { name: "work_precision_rhs", caption, figure }
+}
+
+/// How many runs a scale of logarithms has no place for; empty where it has one for each.
+fn not_drawn(table: &WorkPrecision) -> String {
+    match table.rows.iter().filter(|row| row.e == Some(0.0)).count() {
+        0 => String::new(),
+        n => format!(" Not drawn, having e = 0: {}.", count_of(n, "run")),
+    }
 }
 
 /// Two columns of `study.csv` against each other; none where there is no such column.
@@ -79,9 +90,11 @@ fn chart(
     at: impl Fn(&Row) -> Option<(f64, f64)>,
 ) -> LineChart {
     let own = |(method, events, rows): (&str, Events, Vec<&Row>)| {
-        curve(method, events, rows.iter().filter_map(|row| at(row)).collect())
+        let is_drawn = |(x, y): &(f64, f64)| *x > 0.0 && *y > 0.0;
+        let points: Vec<_> = rows.iter().filter_map(|row| at(row)).filter(is_drawn).collect();
+        (!points.is_empty()).then(|| curve(method, events, points))
     };
-    let series = groups(&table.rows).into_iter().map(own).collect();
+    let series = groups(&table.rows).into_iter().filter_map(own).collect();
     LineChart { x, y, series, ..LineChart::default() }
 }
 
