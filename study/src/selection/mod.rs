@@ -20,9 +20,11 @@
 //! that what disturbs the machine disturbs them alike.
 
 mod benchmark;
+mod bracket;
 mod finals;
 mod known;
 mod ladder;
+mod outcome;
 mod search;
 mod trial;
 

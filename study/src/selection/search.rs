@@ -2,30 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use deltazero_solvers::Error;
-
+use super::bracket::{Bracket, LONGEST, Next};
 use super::ladder::{self, A_DECADE};
 use super::trial::{CHATTER, EARLY, ON_COURSE, Start, Trial, TrialEnd, TrialLimit};
-use super::{Candidate, Contest, Entry, Failure, FailureKind, Known, Least, MARGIN, mean_step};
-use crate::run::Setting;
+use super::{Candidate, Contest, FailureKind, Known, Least, MARGIN};
 
-/// Longest move between two rungs that are looked at: two decades. Where they do not halve the error, tighter settings are
-/// held not to help.
-const LONGEST: i32 = 2 * A_DECADE;
 /// Rungs that are skipped where events are wrong, the next time twice as many, and so on; or where a run
 /// fails.
 const EVENTS_WRONG: i32 = 2;
 const FAILED: i32 = A_DECADE;
-/// Errors above this tell nothing: the run has lost the motion.
-const LOST: f64 = 0.1;
-/// Largest distance of two rungs whose steps are compared for [`Entry::growth`].
-const GROWTH_SPAN: i32 = 2 * A_DECADE;
-
-/// A fixed step whose error is below this part of the accuracy is not chosen for accuracy.
-const TOO_GOOD: f64 = 0.01;
-/// Where a phase has fewer steps than this, in the mean, its events set them, and no limit of stability.
-const STEPS_OF_EVENTS: u64 = 5;
-
 /// What came of a search under a limit of work.
 pub(super) enum Step {
     /// It is over.
@@ -36,13 +21,13 @@ pub(super) enum Step {
 
 /// The search of one candidate.
 pub(super) struct Search<'a> {
-    contest: &'a Contest<'a>,
+    pub(super) contest: &'a Contest<'a>,
     known: &'a Known,
     pub(super) candidate: Candidate,
-    trials: BTreeMap<i32, Trial>,
-    nudged: BTreeMap<i32, [Trial; 2]>,
-    verdict: Option<Result<i32, (FailureKind, String)>>,
-    last: i32,
+    pub(super) trials: BTreeMap<i32, Trial>,
+    pub(super) nudged: BTreeMap<i32, [Trial; 2]>,
+    pub(super) verdict: Option<Result<i32, (FailureKind, String)>>,
+    pub(super) last: i32,
     /// Work beyond which its setting need not be found to a quarter of a decade.
     of_note: f64,
     /// The least work of those that arrived; zero where none did.
@@ -142,69 +127,31 @@ impl<'a> Search<'a> {
 
     /// The loosest rung that meets the accuracy, as far as bisection finds it.
     fn bracket(&mut self, limit: f64) -> Result<i32, End> {
-        let contest = self.contest;
-        let rungs = ladder::rungs(self.candidate.method, contest.benchmark.t_end);
-        let (loosest, tightest) = (*rungs.start(), *rungs.end());
-        let mut rung =
-            ladder::first(self.candidate.method, contest.benchmark.t_end, contest.accuracy);
-        // Below `misses` no rung is looked at any more, nor above `meets` or `cut`.
-        let (mut misses, mut meets, mut cut) = (None::<i32>, None::<i32>, None::<i32>);
-        // The last rung that halved the error, its error, and the moves since then.
-        let (mut halved, mut least_e, mut moves) = (rung, f64::INFINITY, 0);
-        let mut times_wrong = 0;
+        let Contest { benchmark, accuracy, .. } = *self.contest;
+        let method = self.candidate.method;
+        let mut rung = ladder::first(method, benchmark.t_end, accuracy);
+        let mut bracket = Bracket::new(ladder::rungs(method, benchmark.t_end), rung);
         loop {
-            let mut away = 1;
-            match self.look(rung, limit) {
-                Kind::Meets => {
-                    meets = Some(rung);
-                    away = self.slack(rung);
+            let away = match self.look(rung, limit) {
+                Kind::Meets => bracket.note_meets(rung, self.slack(rung)),
+                Kind::Misses(to_go) => {
+                    let e = self.trials.get(&rung).map_or(f64::INFINITY, |trial| trial.e);
+                    bracket.note_misses(rung, to_go, (e, accuracy))
                 }
-                // Looser than one that was affordable: it cost more for being too loose.
-                Kind::Cut if meets.is_some() => misses = Some(rung),
                 Kind::Cut => {
                     let is_hopeless = self.needs(rung) > self.looser_saves(rung) * limit;
-                    if is_hopeless && misses.is_some() {
-                        return Err(End::Cut);
-                    }
-                    // Too loose a setting may cost more than a tighter one: it rejects, or chatters.
-                    if is_hopeless {
-                        misses = Some(rung)
-                    } else {
-                        cut = Some(rung)
-                    }
-                    away = LONGEST;
+                    bracket.note_cut(rung, is_hopeless).ok_or(End::Cut)?
                 }
-                Kind::Misses(to_go) => {
-                    misses = Some(rung);
-                    let e = self.trials.get(&rung).map_or(f64::INFINITY, |trial| trial.e);
-                    away = to_go.max(away);
-                    if e < LOST && e > contest.accuracy && e > 0.5 * least_e {
-                        moves += 1;
-                        away = (away << moves).min(LONGEST);
-                    } else if e < LOST {
-                        (halved, least_e, moves) = (rung, e, 0);
-                    }
-                    if e <= MARGIN * contest.accuracy {
-                        times_wrong += 1;
-                        away *= times_wrong;
-                    }
-                }
-            }
-            if contest.is_interrupted() {
+            };
+            if self.contest.is_interrupted() {
                 return Err(End::Cut);
             }
-            rung = match (misses, meets.or(cut)) {
-                (Some(low), Some(high)) if high - low <= self.fineness(low, meets) => {
-                    return meets.ok_or(End::Cut);
-                }
-                (Some(low), Some(high)) => self.between(low, high),
-                (None, Some(high)) if high == loosest => return meets.ok_or(End::Cut),
-                (None, Some(high)) => (high - away).max(loosest),
-                (Some(low), None) if low == tightest || moves > 0 && low - halved >= LONGEST => {
-                    return Err(self.failure(low));
-                }
-                (Some(low), None) => (low + away).min(tightest),
-                (None, None) => return Err(End::Cut),
+            rung = match bracket.next(away, |misses, meets| self.fineness(misses, meets)) {
+                Next::Found(rung) => return Ok(rung),
+                Next::Cut => return Err(End::Cut),
+                Next::NoneReaches(last) => return Err(self.failure(last)),
+                Next::Between(low, high) => self.between(low, high),
+                Next::At(rung) => rung,
             };
         }
     }
@@ -347,48 +294,9 @@ impl<'a> Search<'a> {
         (at.round() as i32).clamp(low + 1, high - 1)
     }
 
-    /// Why no setting reaches the accuracy, told by the last one looked at.
-    fn failure(&self, rung: i32) -> End {
-        let Some(trial) = self.trials.get(&rung) else {
-            return End::Cut;
-        };
-        let setting = self.contest.setting(self.candidate, rung).accuracy;
-        let (kind, what) = match &trial.end {
-            TrialEnd::Cut | TrialEnd::OutOfTime | TrialEnd::Interrupted => return End::Cut,
-            TrialEnd::Chatters => {
-                let message = format!("far more events than the reference: {}", trial.n_events);
-                (FailureKind::EventStorm, message)
-            }
-            TrialEnd::Failed(error) => {
-                let kind = match error {
-                    Error::NoConvergence { .. } => FailureKind::NoConvergence,
-                    Error::EventStorm { .. } | Error::Chatter { .. } => FailureKind::EventStorm,
-                    _ => FailureKind::Failed,
-                };
-                (kind, error.to_string())
-            }
-            TrialEnd::Reached if trial.e <= self.contest.accuracy => {
-                let (missed, spurious) = (trial.missed, trial.spurious);
-                (FailureKind::EventsWrong, format!("{missed} events missed, {spurious} spurious"))
-            }
-            TrialEnd::Reached => (FailureKind::OutOfReach, format!("e = {:.1e}", trial.e)),
-        };
-        End::Failure(kind, format!("at {setting}: {what}"))
-    }
-
-    fn accepts_events(&self, trial: &Trial) -> bool {
+    pub(super) fn accepts_events(&self, trial: &Trial) -> bool {
         let Contest { accuracy, right_events, .. } = *self.contest;
         right_events.accept(accuracy, self.candidate.events, trial)
-    }
-
-    /// Whether a setting tighter than the one found has the events wrong.
-    fn grazes(&self, rung: i32) -> bool {
-        let wrong = |trial: &Trial| match trial.end {
-            TrialEnd::Reached => !self.accepts_events(trial),
-            TrialEnd::Chatters => true,
-            _ => false,
-        };
-        self.trials.range(rung + 1..).any(|(_, trial)| wrong(trial))
     }
 
     /// The work of the setting that was found; infinite where none was.
@@ -396,90 +304,10 @@ impl<'a> Search<'a> {
         let found = self.verdict.as_ref().and_then(|verdict| verdict.as_ref().ok());
         found.and_then(|rung| self.trials.get(rung)).map_or(f64::INFINITY, |trial| trial.work)
     }
-
-    /// What was found, with its setting.
-    pub(super) fn entry(&self) -> Result<(Setting, Entry), Failure> {
-        let Candidate { method, events } = self.candidate;
-        let failure = |kind, message: &str, last: Option<&Trial>| Failure {
-            method: method.name.to_owned(),
-            events,
-            implicit: method.is_implicit(),
-            kind,
-            message: message.to_owned(),
-            mean_step_s: last.and_then(|trial| mean_step(trial.covered, &trial.stats)),
-        };
-        let last = self.trials.get(&self.last);
-        let (rung, trial) = match &self.verdict {
-            Some(Ok(rung)) => match self.trials.get(rung) {
-                Some(trial) => (*rung, trial),
-                None => return Err(failure(FailureKind::Interrupted, "not run", None)),
-            },
-            Some(Err((kind, message))) => return Err(failure(*kind, message, last)),
-            None => return Err(failure(FailureKind::Interrupted, "not finished", last)),
-        };
-        let next = self.trials.get(&(rung + 1));
-        let nudged = self.nudged.get(&rung).into_iter().flatten();
-        let neighbours = next.into_iter().chain(nudged).map(|trial| trial.e);
-        let spread = neighbours.fold([trial.e; 2], |[a, b], e| [a.min(e), b.max(e)]);
-        let setting = self.contest.setting(self.candidate, rung);
-        let growth = self.growth(rung, trial);
-        let entry = Entry {
-            method: method.name.to_owned(),
-            events,
-            rtol: setting.rtol(),
-            step: setting.step(),
-            e: trial.e,
-            e_spread: spread,
-            missed: trial.missed,
-            spurious: trial.spurious,
-            implicit: method.is_implicit(),
-            n_rhs: trial.stats.work.n_rhs,
-            n_accepted: trial.stats.n_accepted,
-            n_implicit: method.chooses().then_some(trial.stats.n_implicit),
-            mean_step_s: mean_step(trial.covered, &trial.stats).unwrap_or(f64::NAN),
-            growth,
-            bound_by_stability: self.is_bound_by_stability(rung, trial, growth),
-            work: trial.work,
-            wall_s: trial.took.wall.as_secs_f64(),
-            cpu_s: Some(trial.took.cpu.as_secs_f64()),
-            noise: None,
-            grazes: self.grazes(rung),
-            timed: false,
-        };
-        Ok((setting, entry))
-    }
-
-    /// See [`Entry::growth`].
-    fn growth(&self, rung: i32, trial: &Trial) -> Option<f64> {
-        if self.candidate.method.is_fixed_step() {
-            return None;
-        }
-        let mut tighter = self.trials.range(rung + 1..=rung + GROWTH_SPAN);
-        let (other, far) = tighter.rfind(|(_, trial)| trial.end == TrialEnd::Reached)?;
-        let ratio = far.stats.n_accepted as f64 / trial.stats.n_accepted as f64;
-        Some(libm::pow(ratio, f64::from(A_DECADE) / f64::from(other - rung)))
-    }
-
-    /// Whether stability sets the steps: of a method that chooses them, where they depend on the
-    /// tolerance less than a quarter as much as accuracy asks, `10^(1/p)` a decade at order p, and are not
-    /// few between two events; of a fixed step that could be longer, where the error is far below what was asked.
-    fn is_bound_by_stability(&self, rung: i32, trial: &Trial, growth: Option<f64>) -> bool {
-        let (method, benchmark) = (self.candidate.method, self.contest.benchmark);
-        if method.is_implicit() {
-            return false;
-        }
-        if method.is_fixed_step() {
-            let is_coarsest = rung <= *ladder::rungs(method, benchmark.t_end).start();
-            return trial.e < TOO_GOOD * self.contest.accuracy && !is_coarsest;
-        }
-        let n_phases = benchmark.n_events as u64 + 1;
-        let are_many = trial.stats.n_accepted >= STEPS_OF_EVENTS * n_phases;
-        are_many && growth.is_some_and(|growth| growth < libm::exp10(0.25 / method.order as f64))
-    }
 }
 
 /// Why a search stops.
-enum End {
+pub(super) enum End {
     /// The limit of work.
     Cut,
     /// No setting reaches the accuracy.
