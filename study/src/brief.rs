@@ -204,6 +204,8 @@ mod tests {
             assert_eq!(own.values, site.values);
             assert_eq!(own.contacts, Some(ContactSummary::of(list.iter())));
         }
+        let plain = shape(&ball, false);
+        assert_eq!((plain.has_contacts, plain.has_energy), (false, false));
         let shape = shape(&ball, true);
         let columns: Vec<_> = whole.sites.iter().map(|site| site.columns.clone()).collect();
         assert_eq!(shape.columns, columns);

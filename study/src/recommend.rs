@@ -322,6 +322,18 @@ mod tests {
     }
 
     #[test]
+    fn a_blind_run_is_told_with_the_events_that_it_has_wrong() {
+        let mut all = standings(&["rk45"], 1e-4);
+        all.entries.truncate(1);
+        (all.entries[0].events, all.entries[0].missed, all.entries[0].spurious) =
+            (Events::Blind, 1, 1);
+        let own = reason(&all, 5);
+        assert!(own.contains("; blind, it has 1 of 5 events missed and 1 spurious"), "{own}");
+        (all.entries[0].missed, all.entries[0].spurious) = (0, 0);
+        assert!(!reason(&all, 5).contains("blind, it has"));
+    }
+
+    #[test]
     fn what_bounds_the_steps_is_told() {
         let mut few = standings(&["dop853"], 1e-6);
         few.entries[0].growth = Some(1.0);

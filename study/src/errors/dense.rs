@@ -169,6 +169,8 @@ mod tests {
             // The last few points may not have made a node.
             assert!((time - 0.1).abs() < 10.0 * step, "{time}");
             assert!(nodes.list.len() <= MOST_NODES && nodes.list.is_sorted_by_key(|node| node.t));
+            // Two nodes are joined to one whenever there are too many.
+            assert!(nodes.stride.is_power_of_two(), "{}", nodes.stride);
         }
     }
 

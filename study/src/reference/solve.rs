@@ -425,3 +425,17 @@ impl<P: Problem> Record<P> for Roots<'_, P> {
         Needs::Ends
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pair_that_agrees_longer_is_better_and_of_two_as_long_the_one_that_agrees_closer() {
+        let pair = |until, e| Agreement { until, e };
+        assert!(pair(2.0, 1e-3).is_better_than(&pair(1.0, 1e-9)));
+        assert!(pair(2.0, 1e-10).is_better_than(&pair(2.0, 1e-9)));
+        assert!(!pair(2.0, 1e-9).is_better_than(&pair(2.0, 1e-9)));
+        assert!(!pair(1.0, 1e-10).is_better_than(&pair(2.0, 1e-9)));
+    }
+}

@@ -91,4 +91,13 @@ mod tests {
             assert!(is_made(made_under, false));
         }
     }
+
+    #[test]
+    fn the_rung_that_a_candidate_reached_last_is_known_of_it_alone() {
+        let candidate = |events| Candidate { method: Method::named("rk45").unwrap(), events };
+        let [own, other] = [Events::Located, Events::Blind].map(candidate);
+        let known = Known::default();
+        [7, 5].into_iter().for_each(|rung| known.note_reached(own, rung));
+        assert_eq!([known.reached(own), known.reached(other)], [Some(5), None]);
+    }
 }

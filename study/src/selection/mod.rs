@@ -481,3 +481,16 @@ fn least(each: impl IntoIterator<Item = f64>) -> f64 {
 fn mean_step(covered: f64, stats: &Stats) -> Option<f64> {
     (stats.n_accepted > 0).then(|| covered / stats.n_accepted as f64)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_located_runs_of_tight_accuracies_must_be_right_where_few_must() {
+        let asked = |accuracy, events| RightEvents::FromTight.must_be_right(accuracy, events);
+        assert!(asked(EVENTS_FROM, Events::Located) && !asked(2.0 * EVENTS_FROM, Events::Located));
+        assert!(!asked(EVENTS_FROM, Events::Blind));
+        assert!(RightEvents::Always.must_be_right(1.0, Events::Blind));
+    }
+}
