@@ -218,6 +218,22 @@ impl<P: System> GuardWatch<P> {
         self.bounds.as_ref()[i]
     }
 
+    /// Differentiates all guards at `(t, y)` along `direction`, a change of the states alone.
+    pub(crate) fn look_along(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        (t, y): (f64, &P::State<f64>),
+        direction: &P::State<f64>,
+    ) {
+        along(problem, mode, (Dual64::from_re(t), y), direction, &mut self.start);
+    }
+
+    /// The derivative of guard `i` [looked along](Self::look_along) last.
+    pub(crate) fn slope_along(&self, i: usize) -> f64 {
+        self.start.as_ref()[i].eps
+    }
+
     /// Evaluates all guards in the middle of `step`.
     pub(crate) fn look_at_middle(
         &mut self,
@@ -471,7 +487,19 @@ fn along_flow<P: System>(
     dydt: &P::State<f64>,
     g: &mut P::Guards<Dual64>,
 ) {
-    let (y, dydt) = (y.as_ref(), dydt.as_ref());
-    let along = P::State::<Dual64>::from_fn(y.len(), |i| Dual64::new(y[i], dydt[i]));
-    problem.guards(mode, Dual64::new(t, 1.0), &along, g);
+    along(problem, mode, (Dual64::new(t, 1.0), y), dydt, g);
+}
+
+/// Writes the values of the guards at `(t, y)`, and their derivatives where `y` changes by `direction`, to `g`.
+#[inline(always)]
+fn along<P: System>(
+    problem: &P,
+    mode: P::Mode,
+    (t, y): (Dual64, &P::State<f64>),
+    direction: &P::State<f64>,
+    g: &mut P::Guards<Dual64>,
+) {
+    let (y, direction) = (y.as_ref(), direction.as_ref());
+    let along = P::State::<Dual64>::from_fn(y.len(), |i| Dual64::new(y[i], direction[i]));
+    problem.guards(mode, t, &along, g);
 }

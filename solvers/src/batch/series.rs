@@ -121,7 +121,8 @@ where
         let ends = guards.end.as_ref().iter().zip(self.lows.as_ref());
         let mut high: Lanes<V> = Lanes::cst(f64::INFINITY);
         for (i, (end, low)) in ends.enumerate() {
-            let (is_clear, no_turn) = guards.look(i, h, highest, (*end, *low));
+            let nothing = Lanes::cst(0.0);
+            let (is_clear, no_turn) = guards.look(i, h, highest, (*end, *low), nothing);
             self.judgement.is_clear &= is_clear;
             high = high.lesser(no_turn);
         }

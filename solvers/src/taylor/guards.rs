@@ -160,8 +160,9 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
     }
 
     /// Whether guard `i`, whose value at the end of a step of size `h` is `end`, stays above zero on the step by more
-    /// than its last two terms and the error of the polynomial at the end, and whether its last term is no larger than those
-    /// before: a series whose terms grow tells nothing of a guard that moves faster than the states. Besides, a number that is zero or more where such
+    /// than its last two terms and the error of the polynomial at the end, and whether its last term, without what is
+    /// `explained` of that coefficient by the states, is no larger than those before: a series whose terms grow tells nothing of
+    /// a guard that moves faster than the states. Besides, a number that is zero or more where such
     /// a guard does not turn below `low`: it does not fall at the start, or falls at the end by more than its last two terms,
     /// or is above `low`.
     #[inline]
@@ -171,6 +172,7 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
         h: B::Rounded,
         degree: usize,
         (end, low): (B::Rounded, B::Rounded),
+        explained: B::Rounded,
     ) -> (<B::Rounded as Ordered>::Mask, B::Rounded) {
         let zero = B::Rounded::cst(0.0);
         let g_0 = self.g[0].as_ref()[i];
@@ -184,13 +186,14 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
             least = least + term.lesser(zero);
             last = [last[1], last[2], term];
         }
+        let own = (last[2] - explained * power).abs();
         let [before, last_but_one, last] = last.map(Ordered::abs);
         let of_last = last_but_one + last;
         // With s_j the sum to order j, Σ_k≤N k g_k hᵏ = N s_N − Σ_j<N s_j. What the sum lacks at the end is taken for a
         // term of the next order.
         let falls_at_end = sums + sum - end * (degree + 1) as f64 - of_last;
         let no_turn = (self.g[1].as_ref()[i] * h).larger(falls_at_end).larger(least - low);
-        let falls_off = (before.larger(last_but_one) + g_0 * NOISE).is_above(last);
+        let falls_off = (before.larger(last_but_one) + g_0 * NOISE).is_above(own);
         // False where a value is NaN.
         (least.is_above(of_last + (sum - end).abs() * 2.0) & falls_off, no_turn)
     }
@@ -257,7 +260,15 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         let (start, t1) = (step.t0(), step.t1());
         let (h, low) = (t1 - start, degree.min(self.highest_low()));
         watch.begin_search();
-        if self.are_clear((start, h), low, watch) {
+        let nothing = |_: &GuardWatch<P>, _: usize| 0.0;
+        if self.are_clear((start, h), low, nothing, watch) {
+            return Ok(Look::Clear);
+        }
+        // Where states swing a little, and a step is most of a turn, their terms grow at first, too. What they make of the
+        // term of a guard is followed as well as they are.
+        let of_states = P::State::from_fn(y[0].as_ref().len(), |i| y[low].as_ref()[i].rounded());
+        watch.look_along(problem, mode.clone(), (start, step.y0()), &of_states);
+        if self.are_clear((start, h), low, GuardWatch::slope_along, watch) {
             return Ok(Look::Clear);
         }
         watch.violated(problem, mode.clone(), t1, step.y1())?;
@@ -268,7 +279,8 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         for guard in 0..self.g[0].as_ref().len() {
             let at_end = watch.is_violated(guard);
             let end = watch.value(guard);
-            if !at_end && self.look(guard, h, low, (end, f64::INFINITY)).0 {
+            let explained = watch.slope_along(guard);
+            if !at_end && self.look(guard, h, low, (end, f64::INFINITY), explained).0 {
                 if self.g[1].as_ref()[guard] * h < 0.0 {
                     let p = self.polynomial(guard, h, low);
                     note_turns::<P, 1>(p, end, guard, (start, h), watch);
@@ -283,7 +295,7 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
                 _ => return self.by_values(problem, mode, step, watch),
             };
             note_turns::<P, TURNS>(p, end, guard, (start, h), watch);
-            if !at_end && self.look(guard, h, degree, (end, f64::INFINITY)).0 {
+            if !at_end && self.look(guard, h, degree, (end, f64::INFINITY), 0.0).0 {
                 continue;
             }
             if watch.is_disproved(guard) {
@@ -311,18 +323,21 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         Ok(Look::of(first))
     }
 
-    /// Whether all guards are clear on a step of size `h` from `start`, by their terms to the order `low`.
+    /// Whether all guards are clear on a step of size `h` from `start`, by their terms to the order `low`, of the last of which
+    /// so much is `explained` by the states.
     #[inline(always)]
     fn are_clear<P: System<Guards<f64> = G>>(
         &mut self,
         (start, h): (f64, f64),
         low: usize,
+        explained: impl Fn(&GuardWatch<P>, usize) -> f64,
         watch: &mut GuardWatch<P>,
     ) -> bool {
         let ends = self.end.as_ref().iter().zip(watch.lows().as_ref()).enumerate();
         // All guards are tested without a branch between them. Where all are clear, none is violated at the end.
         let (all, high) = ends.fold((true, true), |(all, high), (guard, (end, touch))| {
-            let (is_clear, no_turn) = self.look(guard, h, low, (*end, *touch));
+            let explained = explained(watch, guard);
+            let (is_clear, no_turn) = self.look(guard, h, low, (*end, *touch), explained);
             (all & is_clear, high & (no_turn >= 0.0))
         });
         if all {
@@ -441,6 +456,28 @@ fn fall_of(p: &Polynomial, bound: f64) -> Option<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_guard_that_swings_with_the_states_is_clear_though_its_terms_grow() {
+        // 1 + a cos(ω t) on a step of 6/ω: its fifth term is 1.8 times the third.
+        let (a, phase, h) = (1e-4, 1.0_f64, 6.0);
+        let derivatives = [phase.cos(), -phase.sin(), -phase.cos(), phase.sin()];
+        let mut factorial = 1.0;
+        let mut c: Vec<f64> = (0..=FIRST_LOOK)
+            .map(|k| {
+                factorial *= k.max(1) as f64;
+                a * derivatives[k % 4] / factorial
+            })
+            .collect();
+        c[0] += 1.0;
+        let mut guards = GuardSeries::<[f64; 1], f64>::new(1, FIRST_LOOK + 1);
+        guards.start()[0] = c[0];
+        guards.low().iter_mut().zip(&c).for_each(|(g, c)| g[0] = *c);
+        let end = 1.0 + a * (phase + h).cos();
+        let is_clear = |explained| guards.look(0, h, FIRST_LOOK, (end, 0.0), explained).0;
+        assert!(!is_clear(0.0));
+        assert!(is_clear(c[FIRST_LOOK]) && is_clear(0.9 * c[FIRST_LOOK]));
+    }
 
     #[test]
     fn touches_within_rounding_end_the_search() {
