@@ -214,14 +214,11 @@ impl<P: System> Transitions<P> {
         stats: &mut Stats,
         record: &mut dyn Record<P>,
     ) -> Result<Option<Outcome>, Error> {
-        let first = (at.mode.clone(), guard);
-        let mut last = first.clone();
-        let (mut repeats, mut keeps_mode) = (true, true);
+        let mut last = (at.mode.clone(), guard);
+        let mut before_last = last.clone();
         let most = CHATTER.max(2 * problem.n_guards());
         for _ in 0..most {
-            last = (at.mode.clone(), guard);
-            repeats &= last == first;
-            keeps_mode &= last.0 == first.0;
+            before_last = std::mem::replace(&mut last, (at.mode.clone(), guard));
             let before = at.point();
             let after = problem.transition(at.mode.clone(), guard, at.t, at.y);
             let mut outcome = enter(&mut at, (guard, before), after, stats, record)?;
@@ -245,13 +242,14 @@ impl<P: System> Transitions<P> {
                 Some(next) => guard = next,
             }
         }
-        let (mode, guard) = last;
-        let cure = match (repeats, keeps_mode) {
-            (true, _) => UNPROJECTED,
-            (false, true) => UNDONE,
-            (false, false) => HANDED_OVER,
+        let (mode, guard) = (format!("{:?}", last.0), last.1);
+        // What a mode carries may differ from one transition to the next.
+        let cure = match (format!("{:?}", before_last.0) == mode, before_last.1 == guard) {
+            (true, true) => UNPROJECTED,
+            (true, false) => UNDONE,
+            (false, _) => HANDED_OVER,
         };
-        Err(Error::Chatter { t: at.t.value(), n: most, mode: format!("{mode:?}"), guard, cure })
+        Err(Error::Chatter { t: at.t.value(), n: most, mode, guard, cure })
     }
 
     /// Notes an event at `t`. Where the last events accumulate, returns the time between the first and the last of

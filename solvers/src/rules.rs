@@ -195,6 +195,7 @@
 //! `bounces_too_low_to_resolve_are_told` of `tests/grazing`, `accumulation::a_ball_whose_bounces_accumulate_comes_to_rest`,
 //! `accumulation::bounces_end_though_the_rounding_bound_grows_with_the_speed`,
 //! `accumulation::events_that_accumulate_to_no_limit_are_an_event_storm`,
+//! `accumulation::transitions_that_undo_each_other_in_one_mode_are_told_from_modes_that_hand_over`,
 //! `accumulation::two_modes_that_hand_over_without_moving_are_chatter`,
 //! `accumulation::two_modes_that_push_against_each_other_are_an_error_and_not_a_hang`. The documents
 //! of the others name no such rule.

@@ -17,7 +17,7 @@ use crate::phase::PhaseEnd;
 use crate::stats::Stats;
 use crate::tolerance::Tolerance;
 
-/// Longest span that `diffsol` takes for zero, as a fraction of the time.
+/// Longest span that `diffsol` takes for zero, and the shortest first step that is chosen for it, as a fraction of the time.
 pub(super) const RESOLUTION: f64 = 100.0 * f64::EPSILON;
 
 /// Shortest step as a fraction of the time left.
@@ -124,8 +124,8 @@ impl Phase<'_> {
     }
 
     /// A solver state of `diffsol` at the start of `built`, with a first step towards the end of the phase: the given one, or
-    /// one chosen for the order with which the method starts. The rule for that one knows no shortest step: of a state that is
-    /// small beside its slope, as between the last bounces of a ball, it makes less than the time can resolve.
+    /// one chosen for the order with which the method starts. The rule of diffsol has no lower limit: where
+    /// the state is small beside its slope, as between the last bounces of a ball, its step is below the shortest one.
     fn started<A: Algebra, S: OdeSolverState<A::V>>(
         &self,
         built: &OdeSolverProblem<Equations<'_, A>>,

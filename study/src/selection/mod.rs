@@ -242,8 +242,8 @@ pub enum FailureKind {
     EventsWrong,
     /// Its iteration does not converge.
     NoConvergence,
-    /// Its events accumulate, two modes hand over to each other, or it has far more events than the reference where
-    /// they must be right.
+    /// Its events accumulate, its transitions at one instant do not end, or it has far more events than the reference
+    /// where they must be right.
     EventStorm,
     /// It stopped for another reason.
     Failed,
