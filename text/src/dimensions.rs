@@ -66,13 +66,23 @@ pub(crate) fn contact_factors(file: &Declarations, names: &Names, mode: usize) -
     units.map(|unit| unit.and_then(|(unit, told)| unit.factor_over(told)).unwrap_or(1.0))
 }
 
-/// Warns of a contact whose depth is no length or whose force is no force: tables and figures label them m and N.
+/// Warns of a contact whose depth is no length or whose force is no force, and of one of which only one has a known unit that is
+/// converted: tables and figures label them m and N.
 pub(crate) fn contact_units(file: &Declarations, names: &Names) -> Vec<Complaint> {
     let mut all = Vec::new();
     let in_contact = |mode: &usize| file.modes[*mode].role != ModeRole::Free;
     for mode in (0..file.modes.len()).filter(in_contact) {
         let of_formulas = file.contact.iter().flatten().zip(TOLD_IN);
-        for ((formula, (what, symbol)), unit) in of_formulas.zip(told_units(file, names, mode)) {
+        let units = told_units(file, names, mode);
+        let is_converted = contact_factors(file, names, mode).iter().any(|factor| *factor != 1.0);
+        for ((formula, (what, symbol)), unit) in of_formulas.zip(units) {
+            if unit.is_none() && is_converted {
+                let message =
+                    format!("the unit of this {what} is not known, so it is taken for {symbol}");
+                all.push(Complaint::new(formula.span, message).help(
+                    "a number in a product has no unit: make it a definition with its `unit`",
+                ));
+            }
             if let Some((unit, told)) = unit
                 && unit.factor_over(told).is_none()
             {

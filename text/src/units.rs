@@ -118,13 +118,14 @@ impl Unit {
     }
 
     pub(crate) fn is(self, other: Self) -> bool {
-        self.factor_over(other).is_some_and(|factor| is_close(factor, 1.0))
+        self.factor_over(other) == Some(1.0)
     }
 
     /// How many of `other` it is; none where they are of different things.
     pub(crate) fn factor_over(self, other: Self) -> Option<f64> {
         let is_of_same = self.powers.iter().zip(other.powers).all(|(a, b)| is_close(*a, b));
-        is_of_same.then_some(self.factor / other.factor)
+        let factor = self.factor / other.factor;
+        is_of_same.then_some(if is_close(factor, 1.0) { 1.0 } else { factor })
     }
 }
 

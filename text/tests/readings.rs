@@ -114,6 +114,19 @@ fn a_contact_is_told_in_metres_and_newtons() {
 }
 
 #[test]
+fn a_force_of_unknown_unit_beside_a_depth_in_millimetres_is_warned_of() {
+    let force = "force = \"F\"";
+    for (length, n_warnings) in [("m", 0), ("mm", 1)] {
+        let text = contact_in(length, "N").replace(force, "force = \"2*K*x\"");
+        let file =
+            ModelFile::parse("model.toml", &text).unwrap_or_else(|report| panic!("{report}"));
+        let told: Vec<String> = file.warnings().iter().map(ToString::to_string).collect();
+        assert_eq!(told.len(), n_warnings, "{told:?}");
+        assert!(told.iter().all(|told| told.contains("the unit of this force is not known")));
+    }
+}
+
+#[test]
 fn a_contact_that_is_no_length_or_no_force_is_warned_of() {
     let text = contact_in("rad", "N m");
     let file = ModelFile::parse("model.toml", &text).unwrap_or_else(|report| panic!("{report}"));
