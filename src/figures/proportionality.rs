@@ -39,7 +39,8 @@ pub(super) fn drawing(table: &WorkPrecision, rows: &[ToleranceRow]) -> Drawing {
 fn panel(table: &WorkPrecision, rows: &[ToleranceRow], events: Events, names: bool) -> Panel {
     let mut series: Vec<Series> = Vec::new();
     for (method, own, runs) in groups(&table.rows) {
-        let points: Vec<(f64, f64)> = runs.iter().filter_map(|row| row.rtol.zip(row.e)).collect();
+        let points: Vec<(f64, f64)> =
+            runs.iter().filter_map(|row| row.rtol.zip(row.e.filter(|e| *e > 0.0))).collect();
         if own == events && !points.is_empty() {
             series.push(Series {
                 label: if names { method.into() } else { String::new() },

@@ -15,7 +15,8 @@ const SLOPE_RANGE: (f64, f64) = (1e-11, 1e-2);
 pub(super) fn drawing(table: &WorkPrecision) -> Drawing {
     let (mut series, mut guides, mut slopes) = (Vec::new(), Vec::new(), Vec::new());
     for (method, events, rows) in groups(&table.rows) {
-        let points: Vec<(f64, f64)> = rows.iter().filter_map(|row| row.step.zip(row.e)).collect();
+        let points: Vec<(f64, f64)> =
+            rows.iter().filter_map(|row| row.step.zip(row.e.filter(|e| *e > 0.0))).collect();
         if method != "rk4" || points.is_empty() {
             continue;
         }

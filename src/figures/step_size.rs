@@ -1,4 +1,4 @@
-//! Step size over time, a panel a method: the whole run, and around the first flight.
+//! Step size over time, a panel a method: the whole run, and around the first flight or at the start.
 
 use deltazero_plots::{Axis, Band, Figure, Panel, StepHistory as Chart, StepLook};
 use deltazero_study::motion::Motion;
@@ -43,7 +43,7 @@ fn of_part(shown: &[&StepHistory]) -> String {
     if sites > 1 { format!("{name}, {sites} of them together") } else { name }
 }
 
-/// The same around the flight that the motion is shown at.
+/// The same around the flight that the motion is shown at, or at the start where there is none.
 pub(super) fn zoom(histories: &[StepHistory], motion: Option<&Motion>) -> Drawing {
     let flight = motion.and_then(|motion| motion.flight);
     let shown: Vec<&StepHistory> = of_first_part(histories).collect();
@@ -72,13 +72,13 @@ pub(super) fn zoom(histories: &[StepHistory], motion: Option<&Motion>) -> Drawin
         .collect();
     let shows = match flight {
         Some((from, to)) => {
-            format!("the first flight{}, {:.2} ms long", of_site(motion), 1e3 * (to - from))
+            format!("around the first flight{}, {:.2} ms long", of_site(motion), 1e3 * (to - from))
         }
-        None if motion.is_none() => "the start".to_owned(),
-        None => "the start, for there is no flight".to_owned(),
+        None if motion.is_none() => "at the start".to_owned(),
+        None => "at the start, for there is no flight".to_owned(),
     };
     let caption = format!(
-        "The same runs around {shows}: each step as a line of its own length. Steps that begin in the \
+        "The same runs {shows}: each step as a line of its own length. Steps that begin in the \
          {:.1} ms shown: {}.",
         1e3 * (window.1 - window.0),
         counts.join(", ")
