@@ -32,7 +32,7 @@ pub(super) struct Bracket {
 }
 
 /// Where the search goes.
-pub(super) enum Next {
+pub(super) enum Move {
     /// To this rung.
     At(i32),
     /// To a rung between one that misses and one that meets or is cut.
@@ -102,18 +102,18 @@ impl Bracket {
         Some(LONGEST)
     }
 
-    /// Where to go, `away` from the last rung. The `fineness` for a rung that misses and the one that meets is the distance at
-    /// which the latter is taken.
-    pub(super) fn next(&self, away: i32, fineness: impl Fn(i32, Option<i32>) -> i32) -> Next {
-        let found = || self.meets.map_or(Next::Cut, Next::Found);
+    /// Where to go, `away` from the last rung. Where one misses and one meets, no further apart than their `fineness`, the latter is
+    /// taken.
+    pub(super) fn next(&self, away: i32, fineness: impl Fn(i32, Option<i32>) -> i32) -> Move {
+        let found = || self.meets.map_or(Move::Cut, Move::Found);
         match (self.misses, self.meets.or(self.cut)) {
             (Some(low), Some(high)) if high - low <= fineness(low, self.meets) => found(),
-            (Some(low), Some(high)) => Next::Between(low, high),
+            (Some(low), Some(high)) => Move::Between(low, high),
             (None, Some(high)) if high == self.loosest => found(),
-            (None, Some(high)) => Next::At((high - away).max(self.loosest)),
-            (Some(low), None) if low == self.tightest || self.stays(low) => Next::NoneReaches(low),
-            (Some(low), None) => Next::At((low + away).min(self.tightest)),
-            (None, None) => Next::Cut,
+            (None, Some(high)) => Move::At((high - away).max(self.loosest)),
+            (Some(low), None) if low == self.tightest || self.stays(low) => Move::NoneReaches(low),
+            (Some(low), None) => Move::At((low + away).min(self.tightest)),
+            (None, None) => Move::Cut,
         }
     }
 

@@ -39,7 +39,7 @@ impl Search<'_> {
             }
             TrialEnd::Reached if trial.e <= self.contest.accuracy => {
                 let (missed, spurious) = (trial.missed, trial.spurious);
-                (FailureKind::EventsWrong, format!("{missed} events missed, {spurious} spurious"))
+                (FailureKind::EventsWrong, format!("events missed: {missed}, spurious: {spurious}"))
             }
             TrialEnd::Reached => (FailureKind::OutOfReach, format!("e = {:.1e}", trial.e)),
         };

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::bracket::{Bracket, LONGEST, Next};
+use super::bracket::{Bracket, LONGEST, Move};
 use super::ladder::{self, A_DECADE};
 use super::trial::{CHATTER, EARLY, ON_COURSE, Start, Trial, TrialEnd, TrialLimit};
 use super::{Candidate, Contest, FailureKind, Known, Least, MARGIN};
@@ -11,6 +11,7 @@ use super::{Candidate, Contest, FailureKind, Known, Least, MARGIN};
 /// fails.
 const EVENTS_WRONG: i32 = 2;
 const FAILED: i32 = A_DECADE;
+
 /// What came of a search under a limit of work.
 pub(super) enum Step {
     /// It is over.
@@ -147,11 +148,11 @@ impl<'a> Search<'a> {
                 return Err(End::Cut);
             }
             rung = match bracket.next(away, |misses, meets| self.fineness(misses, meets)) {
-                Next::Found(rung) => return Ok(rung),
-                Next::Cut => return Err(End::Cut),
-                Next::NoneReaches(last) => return Err(self.failure(last)),
-                Next::Between(low, high) => self.between(low, high),
-                Next::At(rung) => rung,
+                Move::Found(rung) => return Ok(rung),
+                Move::Cut => return Err(End::Cut),
+                Move::NoneReaches(last) => return Err(self.failure(last)),
+                Move::Between(low, high) => self.between(low, high),
+                Move::At(rung) => rung,
             };
         }
     }
