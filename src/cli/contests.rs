@@ -59,7 +59,7 @@ pub(super) fn run(
     };
     let left = || Some(forecast()?.left());
     let known = chunks.n_runs - order.len() as u64;
-    let meter = Meter::new("sites", (known, chunks.n_runs), &left, quiet);
+    let meter = Meter::new("site", (known, chunks.n_runs), &left, quiet);
     let (plan, threads) = (map_plan(config), config.regimes.threads);
     let contests = || Contests { subject, plan: &plan, stop, done: &done };
     let made = |made| meter.count(made);

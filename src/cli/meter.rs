@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use deltazero::chunks::Made;
+use deltazero_study::digits::count_of;
 
 use super::progress::{Bar, spoken};
 
@@ -81,7 +82,10 @@ impl<'a> Meter<'a> {
             self.bar.show_part(done as usize, self.of as usize, text);
         } else {
             let share = 100.0 * done as f64 / self.of as f64;
-            self.bar.line(&format!("{done} of {} {} ({share:.1} %), {text}", self.of, self.what));
+            self.bar.line(&format!(
+                "{done} of {} ({share:.1} %), {text}",
+                count_of(self.of, self.what)
+            ));
         }
     }
 
@@ -93,13 +97,12 @@ impl<'a> Meter<'a> {
             return;
         }
         let rate = self.rate(made as f64 / seconds);
-        let threads =
-            if threads == 1 { "1 thread".to_owned() } else { format!("{threads} threads") };
-        self.bar.line(&format!("{made} {} in {seconds:.2} s: {rate} on {threads}", self.what));
+        let (made, threads) = (count_of(made, self.what), count_of(threads, "thread"));
+        self.bar.line(&format!("{made} in {seconds:.2} s: {rate} on {threads}"));
     }
 
     fn rate(&self, per_second: f64) -> String {
         let digits = if per_second < 10.0 { 2 } else { 0 };
-        format!("{per_second:.digits$} {}/s", self.what)
+        format!("{per_second:.digits$} {}s/s", self.what)
     }
 }

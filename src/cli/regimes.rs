@@ -133,7 +133,7 @@ fn announce(
     }
     let grid = &config.regimes;
     say(&format!(
-        "{} stiffnesses x {} damping ratios x {} accuracies, {}, to {} s; {} to make",
+        "stiffness x damping ratio x accuracy: {} x {} x {}, {}, to {} s; {} to make",
         grid.stiffness.len(),
         grid.damping_ratio.len(),
         grid.accuracy.len(),
@@ -147,7 +147,7 @@ fn announce(
     let forecast = estimate(config, missing, stop, &shown)?;
     drop(bar);
     let time = spoken(forecast.left());
-    say(&format!("it will take some {time} on {} threads", grid.threads));
+    say(&format!("it will take some {time} on {}", count_of(grid.threads, "thread")));
     Some(forecast)
 }
 

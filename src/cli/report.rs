@@ -11,6 +11,7 @@ use deltazero::study::record::StudyRecord;
 use deltazero::sweep::origin::Origin;
 use deltazero::sweep::results::Results;
 use deltazero::sweep::{RECORD, default_columns};
+use deltazero_study::digits::count_of;
 use serde_json::Value;
 
 use super::output::Output;
@@ -97,8 +98,8 @@ fn report_sweep(args: &ReportArgs, output: &Output) -> Result<(), Failure> {
     let page = sweep_page(&results, &origin, &findings, pictures, &command);
     output.write(PAGE, page.html().as_bytes())?;
     if !args.quiet {
-        let n = findings.drawings.len();
-        say(&format!("written to {}: {PAGE}, {n} figures in figures/", output.path()));
+        let figures = count_of(findings.drawings.len(), "figure");
+        say(&format!("written to {}: {PAGE}, {figures} in figures/", output.path()));
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use clap::Args;
 use deltazero::config::Config;
 use deltazero::report::simulation::{events_csv, trajectory_csv};
 use deltazero_solvers::{Grid, Outcome, Stats};
-use deltazero_study::digits::{count_of, in_short, rounded_to};
+use deltazero_study::digits::{as_meant, count_of};
 use deltazero_study::energy_balance::Balance;
 use deltazero_study::errors::contact_summary::ContactSummary;
 use deltazero_study::errors::work::WorkByPhase;
@@ -118,8 +118,9 @@ fn warnings(config: &Config, parts: &[Simulated<'_>], horizon: Option<Horizon>) 
     if let Some(Horizon::LostAt(t)) = horizon {
         let end = parts.iter().map(|part| part.own.run.t).fold(0.0, f64::max);
         let message = format!(
-            "the last bit of the start is seen at {t} s, the run is {end} s long: beyond that its course is one \
-             of many, and only what they have in common means anything"
+            "the last bit of the start is seen at {} s, the run is {end} s long: beyond that its course is one \
+             of many, and only what they have in common means anything",
+            as_meant(t)
         );
         all.push(Warning { code: Code::Horizon, message });
     }
@@ -202,9 +203,7 @@ fn written(horizon: Option<Horizon>) -> &'static str {
 
 fn horizon_line(horizon: Option<Horizon>) -> String {
     match horizon {
-        Some(Horizon::LostAt(t)) => {
-            format!("predictable up to {} s\n", in_short(rounded_to(t, 12)))
-        }
+        Some(Horizon::LostAt(t)) => format!("predictable up to {} s\n", as_meant(t)),
         Some(Horizon::WholeRun) => "predictable to its end\n".to_owned(),
         Some(Horizon::NotMeasured) => {
             "horizon not measured: no tight run came to the end at a few times the work\n"

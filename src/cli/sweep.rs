@@ -221,8 +221,8 @@ impl Command<'_> {
                 return self.finish(&joined);
             }
             self.say(&format!(
-                "{} chunks are not as they were written; made again",
-                joined.altered.len()
+                "not as they were written, and made again: {}",
+                count_of(joined.altered.len(), "chunk")
             ));
             joined.altered.iter().for_each(|chunk| self.chunks.remove(*chunk));
             self.make(&joined.altered, self.sweep.n_runs)?;
@@ -323,7 +323,7 @@ impl Command<'_> {
         let left = numbers.iter().map(|chunk| self.chunks.runs(*chunk));
         let left: u64 = left.map(|runs| runs.end - runs.start).sum();
         let (chunks, stop, threads) = (&self.chunks, self.stop, or_cores(self.args.threads));
-        let meter = Meter::new("runs", (n_runs - left, n_runs), &|| None, self.args.to.quiet);
+        let meter = Meter::new("run", (n_runs - left, n_runs), &|| None, self.args.to.quiet);
         let made = |made| meter.count(made);
         work(&Work { chunks, threads, stop, made: &made }, numbers, || self.sweep.runner())
             .map_err(SweepError::from)?;

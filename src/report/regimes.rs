@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use deltazero_study::digits::count_of;
+use deltazero_study::digits::{as_meant, count_of};
 use deltazero_study::map::{CellStatus, Contested, Map, MapCell};
 use deltazero_study::quantile::quantile;
 use deltazero_study::selection::{CUT, EVENTS_FROM, Entry, FINAL, Failure, FailureKind, Standings};
@@ -329,7 +329,7 @@ fn nothing(cells: &[&Cell]) -> String {
             let why = match cell.status {
                 CellStatus::Ok | CellStatus::None => "every candidate fails".to_owned(),
                 status => {
-                    let horizon = cell.horizon_s.map(|t| format!(", horizon {t} s"));
+                    let horizon = cell.horizon_s.map(|t| format!(", horizon {} s", as_meant(t)));
                     format!("{}{}", status.name(), horizon.unwrap_or_default())
                 }
             };

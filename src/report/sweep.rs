@@ -100,7 +100,7 @@ pub(super) fn varied(results: &Results) -> Vec<(String, String)> {
 fn values(values: &Values, unit: &str) -> String {
     let even = |[first, last]: [f64; 2], points: u64, how: &str| {
         let [first, last] = [first, last].map(shortest);
-        format!("{first} to {last}{unit}, {points} values at equal {how}")
+        format!("{first} to {last}{unit}, {} at equal {how}", count_of(points, "value"))
     };
     match values {
         Values::Linear { ends, points, .. } => even(*ends, *points, "distances"),
@@ -143,13 +143,15 @@ fn law(law: Law, unit: &str) -> String {
 pub(super) fn runs(plan: &Plan) -> String {
     let n = plan.n_runs().unwrap_or_default();
     let points = plan.n_points().unwrap_or_default();
-    let grid = if plan.axes.is_empty() { String::new() } else { format!("{points} grid points") };
+    let grid = if plan.axes.is_empty() { String::new() } else { count_of(points, "grid point") };
     let Some(Random { samples, seed, sampling, keys }) = &plan.random else {
         return format!("{n}: {grid}");
     };
     let each = match design(plan) {
-        Some(_) => format!("{samples} samples of {} runs", saltelli::runs(keys.len())),
-        None => format!("{samples} draws"),
+        Some(_) => {
+            format!("{} of {} runs", count_of(*samples, "sample"), saltelli::runs(keys.len()))
+        }
+        None => count_of(*samples, "draw"),
     };
     let at = if grid.is_empty() { String::new() } else { format!("{grid}, at each ") };
     format!("{n}: {at}{each} ({}, seed {seed})", sampling.word())
@@ -182,7 +184,8 @@ pub(super) fn shares(words: &[(String, u64)]) -> String {
         .collect();
     if words.len() > MOST_WORDS {
         let rest: u64 = words.iter().skip(MOST_WORDS).map(|(_, n)| n).sum();
-        told.push(format!("{} others {}", words.len() - MOST_WORDS, share(rest)));
+        let others = count_of(words.len() - MOST_WORDS, "other");
+        told.push(format!("{others} {}", share(rest)));
     }
     if told.is_empty() { "no run".to_owned() } else { told.join(", ") }
 }
@@ -202,8 +205,7 @@ pub(super) fn checked(checked: &Checked) -> String {
     match n {
         0 => "No run has an estimate of its error.".to_owned(),
         _ => format!(
-            "Errors are estimated by tight runs beside {}. Of {judged} whose events can be judged, {right} with the events \
-             right.{largest}",
+            "Errors are estimated by tight runs beside {}. Events can be judged in {judged}, and are right in {right}.{largest}",
             count_of(*n, "run")
         ),
     }

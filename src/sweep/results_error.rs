@@ -85,7 +85,7 @@ pub enum ResultsError {
     NoDesign,
     /// Sobol indices of what is the same in all runs.
     #[error(
-        "{column} has no Sobol indices: it does not vary, or fewer than {least} samples have it in all their runs ({failed} runs did not come to their end)"
+        "{column} has no Sobol indices: it does not vary, or fewer than {least} samples have it in all their runs (runs that did not come to their end: {failed})"
     )]
     NoIndices {
         /// The column.

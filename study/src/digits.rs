@@ -1,4 +1,6 @@
-//! Numbers as one would write them.
+//! Numbers and counts as one would write them.
+
+use std::fmt::Display;
 
 /// `x` to so many significant digits.
 pub fn rounded_to(x: f64, digits: usize) -> f64 {
@@ -10,11 +12,15 @@ pub fn in_short(x: f64) -> String {
     if x == 0.0 || (1e-3..1e4).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
 }
 
+/// A number without the last digits, which the rounding of sums and products makes: `0.0912`, not `0.09119999999999999`.
+pub fn as_meant(x: f64) -> String {
+    in_short(rounded_to(x, 12))
+}
+
 /// So many of a thing whose plural ends in s: `1 run`, `2 runs`.
-pub fn count_of(n: impl TryInto<u64>, thing: &str) -> String {
-    // No count is beyond u64.
-    let n = n.try_into().unwrap_or(u64::MAX);
-    if n == 1 { format!("1 {thing}") } else { format!("{n} {thing}s") }
+pub fn count_of(n: impl Display + PartialEq + From<u8>, thing: &str) -> String {
+    let s = if n == 1.into() { "" } else { "s" };
+    format!("{n} {thing}{s}")
 }
 
 #[cfg(test)]
@@ -26,6 +32,7 @@ mod tests {
         let told = |x: f64| in_short(rounded_to(x, 4));
         let all = [0.0, 0.012_345_6, -120.0, 123_456.0, 1e-9, f64::NAN].map(told);
         assert_eq!(all, ["0", "0.01235", "-120", "1.235e5", "1e-9", "NaN"]);
+        assert_eq!([1.0 - 1e-15, 3.0 * 0.1 * 0.304].map(as_meant), ["1", "0.0912"]);
         assert_eq!([0, 1, 2].map(|n| count_of(n, "run")), ["0 runs", "1 run", "2 runs"]);
     }
 }

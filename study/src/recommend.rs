@@ -1,5 +1,6 @@
 //! Which method, at which setting, for this contact?
 
+use crate::digits::as_meant;
 use crate::part::Subject;
 use crate::reference::{ReferenceError, ReferenceSummary};
 use crate::run::{Events, Limits};
@@ -61,9 +62,10 @@ pub fn recommend(
     };
     if let Some(horizon) = benchmark.horizon {
         let message = format!(
-            "the last bit of the start is seen at {horizon} s, the run is {t_end} s long: beyond that no \
+            "the last bit of the start is seen at {} s, the run is {t_end} s long: beyond that no \
              error means anything; compared over {} s",
-            benchmark.t_end
+            as_meant(horizon),
+            as_meant(benchmark.t_end)
         );
         warnings.push(Warning { code: Code::Horizon, message });
     }
@@ -326,9 +328,9 @@ mod tests {
         let mut all = standings(&["rk45"], 1e-4);
         all.entries.truncate(1);
         (all.entries[0].events, all.entries[0].missed, all.entries[0].spurious) =
-            (Events::Blind, 1, 1);
+            (Events::Blind, 1, 0);
         let own = reason(&all, 5);
-        assert!(own.contains("; blind, it has 1 of 5 events missed and 1 spurious"), "{own}");
+        assert!(own.contains("; blind, it has 1 of 5 events missed and 0 spurious"), "{own}");
         (all.entries[0].missed, all.entries[0].spurious) = (0, 0);
         assert!(!reason(&all, 5).contains("blind, it has"));
     }

@@ -60,7 +60,7 @@ fn a_sample_at_a_jump_is_not_compared_across_it() {
     for row in &study.rows {
         let (e, rtol) = (row.e.unwrap(), row.rtol.unwrap());
         assert!(e < 100.0 * rtol, "{} at {rtol:e}: {e:e}", row.method);
-        // It tells of no energies.
+        // The oscillator has no energies.
         assert_eq!(row.errors.dissipated_j, None);
     }
 }

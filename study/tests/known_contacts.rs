@@ -247,6 +247,7 @@ fn of_each_other_method_the_fastest_run_that_noise_hides_is_told() {
     assert_eq!(near.collect::<Vec<_>>(), expected);
     assert!(rows[0].is_same_run(&rows[1]) && !rows[0].is_same_run(&rows[2]));
     assert!(!rows[0].is_same_run(&rows[3]));
+    assert!(!rows[0].is_same_run(&Row { rtol: Some(1e-7), ..rows[0].clone() }));
 }
 
 #[test]

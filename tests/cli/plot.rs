@@ -90,7 +90,7 @@ fn columns_make_the_figure_that_they_ask_for() {
         let ran = scratch.plot(args);
         assert_eq!(ran.code, Some(0), "{args:?}: {}", ran.stderr);
         assert!(ran.stderr.starts_with(&format!("{kind} written: ")), "{}", ran.stderr);
-        let left_out = "Of 48 runs; left out: 24 failed.";
+        let left_out = "Shown: 48 runs; left out: 24 that failed.";
         assert!(ran.stdout.contains(left_out), "{}", ran.stdout);
         let svg = scratch.text(&format!("out/figures/{file}.svg"));
         let png = fs::read(scratch.path(&format!("out/figures/{file}.png"))).unwrap();

@@ -63,7 +63,7 @@ fn the_page_of_a_study_is_well_formed_complete_and_loads_nothing() {
     }
     assert_eq!(tags.iter().filter(|tag| tag.starts_with("svg ")).count(), figures.len());
     let table = scratch.table("out/study.csv");
-    let runs = &page[page.find("<caption><span>All 10 runs").unwrap()..];
+    let runs = &page[page.find("<caption><span>10 runs, in the order").unwrap()..];
     let rows = count(&runs[..runs.find("</table>").unwrap()], "<tr>");
     assert_eq!(rows, 1 + table.rows.len());
     for column in &table.header {

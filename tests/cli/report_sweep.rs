@@ -125,7 +125,8 @@ fn axes_have_lines_heat_maps_ranks_and_estimated_errors() {
         "finished 100 % (16)",
         "Words have no ranks, so what friction.law does",
         "sees monotonic dependence alone",
-        "have the events right. The largest estimated e is ",
+        "Events can be judged in ",
+        ". The largest estimated e is ",
         "It rises with contact.stiffness most: ρ = ",
     ] {
         assert!(text.contains(part), "no {part:?} in: {text}");

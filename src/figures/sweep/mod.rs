@@ -152,12 +152,12 @@ impl Data<'_> {
 
 /// Runs that are shown, and those that are not: without a value, and without an end.
 fn of_runs(n: u64, without_value: u64, failed: u64) -> String {
-    let left_out = [(without_value, "without a value here"), (failed, "failed")];
+    let left_out = [(without_value, "that have no value here"), (failed, "that failed")];
     let left_out = left_out.into_iter().filter(|(n, _)| *n > 0);
     let left_out: Vec<String> = left_out.map(|(n, which)| format!("{n} {which}")).collect();
     let beside = match left_out.is_empty() {
         true => String::new(),
         false => format!("; left out: {}", left_out.join(", ")),
     };
-    format!("Of {}{beside}.", count_of(n, "run"))
+    format!("Shown: {}{beside}.", count_of(n, "run"))
 }

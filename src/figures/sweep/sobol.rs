@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use deltazero_plots::{Axis, Bars, Figure, Legend, LineChart, Panel, Series, Size};
+use deltazero_study::digits::count_of;
 
 use super::field::short;
 use super::{Drawing, PlotError};
@@ -65,9 +66,10 @@ pub fn table(sobol: &Sobol) -> String {
         let at = if title.is_empty() { String::new() } else { format!(" at {title}") };
         let _ = writeln!(
             text,
-            "Sobol indices of {}{at}, from {} samples, with 95 % intervals:\n\n\
+            "Sobol indices of {}{at}, from {}, with 95 % intervals:\n\n\
              | key | main | interval | total | interval |\n|---|---|---|---|---|",
-            sobol.column, point.samples
+            sobol.column,
+            count_of(point.samples, "sample")
         );
         for OfKey { key, main, total } in &point.keys {
             let [main, total] = [main, total].map(|Index { value, interval: [low, high] }| {
@@ -102,12 +104,13 @@ pub fn drawing(sobol: &Sobol) -> Result<Drawing, PlotError> {
     let samples = sobol.points.iter().map(|point| point.samples).min().unwrap_or(0);
     let left_out: u64 = sobol.points.iter().map(|point| point.left_out).sum();
     let mut caption = format!(
-        "Main and total Sobol indices of {}, lines: 95 % intervals, from {samples} samples",
-        sobol.column
+        "Main and total Sobol indices of {}, lines: 95 % intervals, from {}",
+        sobol.column,
+        count_of(samples, "sample")
     );
     if left_out > 0 {
-        let failed = sobol.failed;
-        let _ = write!(caption, "; {left_out} more with a run without it ({failed} failed)");
+        let (samples, runs) = (count_of(left_out, "sample"), count_of(sobol.failed, "run"));
+        let _ = write!(caption, "; left out for want of a value: {samples} ({runs} failed)");
     }
     for point in &sobol.points {
         let title = point.title();

@@ -95,7 +95,7 @@ fn runs(subject: &About, rows: &[Row]) -> Vec<Part> {
     });
     let leading = subject.leading.iter().map(|(name, _, value)| format!("{name} {value}"));
     let same: Vec<String> = leading.chain(same).collect();
-    let mut caption = format!("All {} runs, in the order of the configuration", rows.len());
+    let mut caption = format!("{}, in the order of the configuration", count_of(rows.len(), "run"));
     if !same.is_empty() {
         caption += &format!("; the same in all: {}", same.join(", "));
     }
@@ -138,11 +138,11 @@ fn method(table: &WorkPrecision, plan: &Plan) -> Vec<Part> {
         ),
         Part::Text(format!(
             "The error e is the worst sample's {}. Events pair in order with those of the reference; missed and \
-             spurious are those without a partner. The time of a run is that of its thread on the processor, the shortest of {} repeats in turns \
-             round all runs, with {} runs at the same time. A run that warns of itself is timed once, and so is one of more than \
+             spurious are those without a partner. The time of a run is that of its thread on the processor, the shortest of {} in turns \
+             round all runs, with {} at the same time. A run that warns of itself is timed once, and so is one of more than \
              {} ms that took more than {BEATEN} times as long as another of no larger error, unless that has events wrong and \
              it has not.",
-            table.reference.measure(), plan.repeats, plan.threads, 1e3 * SHORT_S
+            table.reference.measure(), count_of(plan.repeats, "repeat"), count_of(plan.threads, "run"), 1e3 * SHORT_S
         )),
         Part::Table(Table {
             caption: "The methods compared".into(),

@@ -104,7 +104,7 @@ fn said(results: &Results, findings: &Findings) -> Vec<Part> {
     let mut parts = Vec::new();
     if !rows.is_empty() {
         parts.push(Part::Table(Table {
-            caption: format!("Of {} runs that came to their end", findings.ok),
+            caption: format!("Of {} that came to the end", count_of(findings.ok, "run")),
             columns: HEADS.map(|(name, about)| heading(name, about)).into(),
             rows,
         }));

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::digits::{in_short, rounded_to};
+use crate::digits::{as_meant, in_short, rounded_to};
 use crate::energy_balance::Balance;
 use crate::errors::Largest;
 use crate::json_number;
@@ -146,7 +146,7 @@ impl ReferenceSummary {
 
     /// The horizon of each part [s].
     pub fn horizons(&self) -> String {
-        let horizons = self.parts.iter().map(|part| part.horizon_s.to_string());
+        let horizons = self.parts.iter().map(|part| as_meant(part.horizon_s));
         horizons.collect::<Vec<_>>().join(" and ")
     }
 
@@ -169,7 +169,7 @@ impl ReferenceSummary {
         for PartSummary { name, horizon_s, t_end_s, .. } in &self.parts {
             if horizon_s < t_end_s {
                 let name = if name.is_empty() { "the motion" } else { name };
-                let horizon_s = in_short(rounded_to(*horizon_s, 12));
+                let horizon_s = as_meant(*horizon_s);
                 limits.push(format!(
                     "{name} is predictable up to {horizon_s} s of {t_end_s} s: beyond, only the number of events, impulse and dissipation are compared"
                 ));
