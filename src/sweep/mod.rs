@@ -50,6 +50,7 @@ use std::io::BufReader;
 use std::path::Path;
 
 use deltazero_solvers::lanes::FUSED;
+use deltazero_study::reference::RECIPE;
 use serde_json::{Value, json};
 
 use crate::config::{Config, Variants};
@@ -108,13 +109,14 @@ impl Sweep {
         self.variants.config()
     }
 
-    /// What its rows follow from: the plan, the configuration, the version of the program, and its build where that has
-    /// fused multiply-add.
+    /// What its rows follow from: the plan, the configuration, the version of the program and its [`RECIPE`], and its build
+    /// where that has fused multiply-add.
     pub fn identity(&self) -> Value {
         let mut identity = json!({
             "plan": self.plan,
             "config": self.config().identity(),
             "version": env!("CARGO_PKG_VERSION"),
+            "recipe": RECIPE,
         });
         if FUSED {
             identity["build"] = "fused multiply-add".into();
