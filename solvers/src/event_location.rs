@@ -42,6 +42,7 @@
 //! low is noted, and judged when the step is accepted. A guard that falls with the rate ġ and the curvature g̈ > 0 would
 //! fall by ġ²/(2 g̈); that is asked at each event.
 
+mod along;
 mod dip;
 mod follow;
 mod graze;
@@ -50,6 +51,7 @@ mod shape;
 
 use num_dual::Dual64;
 
+use along::{along, along_flow};
 use graze::Touch;
 use shape::{has_no_dip, stays_above_zero};
 
@@ -475,31 +477,4 @@ impl<P: System> GuardWatch<P> {
         problem.guards(mode, t, &self.y, &mut self.values);
         self.clearance(i)
     }
-}
-
-/// Writes the values of the guards at `(t, y)`, and their rates along `dydt`, to `g`.
-#[inline(never)]
-fn along_flow<P: System>(
-    problem: &P,
-    mode: P::Mode,
-    t: f64,
-    y: &P::State<f64>,
-    dydt: &P::State<f64>,
-    g: &mut P::Guards<Dual64>,
-) {
-    along(problem, mode, (Dual64::new(t, 1.0), y), dydt, g);
-}
-
-/// Writes the values of the guards at `(t, y)`, and their derivatives where `y` changes by `direction`, to `g`.
-#[inline(always)]
-fn along<P: System>(
-    problem: &P,
-    mode: P::Mode,
-    (t, y): (Dual64, &P::State<f64>),
-    direction: &P::State<f64>,
-    g: &mut P::Guards<Dual64>,
-) {
-    let (y, direction) = (y.as_ref(), direction.as_ref());
-    let along = P::State::<Dual64>::from_fn(y.len(), |i| Dual64::new(y[i], direction[i]));
-    problem.guards(mode, t, &along, g);
 }

@@ -7,8 +7,9 @@
 
 use num_dual::Dual64;
 
+use super::GuardWatch;
+use super::along::along_flow;
 use super::shape::cubic_minimum;
-use super::{GuardWatch, along_flow};
 use crate::real::Real;
 use crate::record::Grazing;
 use crate::step::Step;

@@ -1,0 +1,45 @@
+//! Guards of one step: touches within rounding, terms that grow.
+
+use super::*;
+
+#[test]
+fn a_guard_that_swings_with_the_states_is_clear_though_its_terms_grow() {
+    // 1 + a cos(ω t) on a step of 6/ω: its fifth term is 1.8 times the third.
+    let (a, phase, h) = (1e-4, 1.0_f64, 6.0);
+    let derivatives = [phase.cos(), -phase.sin(), -phase.cos(), phase.sin()];
+    let mut factorial = 1.0;
+    let mut c: Vec<f64> = (0..=FIRST_LOOK)
+        .map(|k| {
+            factorial *= k.max(1) as f64;
+            a * derivatives[k % 4] / factorial
+        })
+        .collect();
+    c[0] += 1.0;
+    let mut guards = GuardSeries::<[f64; 1], f64>::new(1, FIRST_LOOK + 1);
+    guards.start()[0] = c[0];
+    guards.low().iter_mut().zip(&c).for_each(|(g, c)| g[0] = *c);
+    let end = 1.0 + a * (phase + h).cos();
+    let is_clear = |explained| guards.look(0, h, FIRST_LOOK, (end, 0.0), explained).0;
+    assert!(!is_clear(0.0));
+    assert!(is_clear(c[FIRST_LOOK]) && is_clear(0.9 * c[FIRST_LOOK]));
+}
+
+#[test]
+fn touches_within_rounding_end_the_search() {
+    let bound = 1e-12;
+    for touch in [0.1, 0.3, 0.7, 0.9] {
+        for size in [1e-10, 1e-12, 1e-14, 1e-16, 1e-20] {
+            for off in [-1.0, 0.0, 1.0] {
+                // −bound/2 + size (s − touch)², lifted by the last bits of −bound/2.
+                let c = [size * touch * touch, -2.0 * size * touch, size];
+                let lift = off * f64::EPSILON * bound;
+                let p = Polynomial::new(c.into_iter()).raised(-0.5 * bound).raised(lift);
+                let violated = fall_of(&p, bound).map(|(_, violated)| violated);
+                assert!(violated.is_none_or(|at| at == 1.0), "{touch} {size:e} {off}");
+            }
+        }
+    }
+    let falls = Polynomial::new([1e-12, -4e-12].into_iter());
+    let (fall, violated) = fall_of(&falls, bound).unwrap_or((f64::NAN, f64::NAN));
+    assert!((fall - 0.375).abs() < 1e-12 && violated > 0.5, "{fall} {violated}");
+}
