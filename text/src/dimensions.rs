@@ -62,8 +62,11 @@ const TOLD_IN: [(&str, &str); 2] = [("depth", "m"), ("force", "N")];
 /// Metres in the unit of a contact's depth in a mode, and newtons in that of its force; 1 for a unit that is not known, or of
 /// something else, which is [warned of](contact_units).
 pub(crate) fn contact_factors(file: &Declarations, names: &Names, mode: usize) -> [f64; 2] {
-    let units = told_units(file, names, mode);
-    units.map(|unit| unit.and_then(|(unit, told)| unit.factor_over(told)).unwrap_or(1.0))
+    told_units(file, names, mode).map(factor)
+}
+
+fn factor(unit: Option<(Unit, Unit)>) -> f64 {
+    unit.and_then(|(unit, told)| unit.factor_over(told)).unwrap_or(1.0)
 }
 
 /// Warns of a contact whose depth is no length or whose force is no force, and of one of which only one has a known unit that is
@@ -74,7 +77,7 @@ pub(crate) fn contact_units(file: &Declarations, names: &Names) -> Vec<Complaint
     for mode in (0..file.modes.len()).filter(in_contact) {
         let of_formulas = file.contact.iter().flatten().zip(TOLD_IN);
         let units = told_units(file, names, mode);
-        let is_converted = contact_factors(file, names, mode).iter().any(|factor| *factor != 1.0);
+        let is_converted = units.into_iter().any(|unit| factor(unit) != 1.0);
         for ((formula, (what, symbol)), unit) in of_formulas.zip(units) {
             if unit.is_none() && is_converted {
                 let message =
