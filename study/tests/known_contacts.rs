@@ -22,7 +22,7 @@ use deltazero_study::setting::Events;
 use deltazero_study::simulation::{Asked, Simulation};
 use deltazero_study::steps::StepTables;
 use deltazero_study::warning::{Code, Warning};
-use deltazero_study::work_precision::{Row, Status, within_noise};
+use deltazero_study::work_precision::{Row, Status};
 use deltazero_study::{Plan, Subject};
 
 /// It flies fast between soft walls that take a tenth of its speed.
@@ -219,36 +219,6 @@ radau5 located rtol 1e-8: [1052, 150, 27, 150, 789, 29] [10, 0, 0] 2.23e-6 2.29e
 radau5 blind rtol 1e-4: [1239, 95, 87, 1037, 661, 0] [10, 0, 0] 3.44e-2 3.44e-2 4.92e-3 7.21e-4 1.39e-3 9.33e-4 6.47e-4 - 2.00e-1
 radau5 blind rtol 1e-8: [2400, 269, 158, 1226, 1583, 0] [10, 0, 0] 8.39e-5 8.48e-5 1.10e-5 1.04e-5 4.20e-6 3.92e-6 8.05e-7 - 2.00e-1
 "#;
-
-#[test]
-fn of_each_other_method_the_fastest_run_that_noise_hides_is_told() {
-    let plan = plan(&["rk45"], &[Events::Located], &[1e-6], &[], T_END);
-    let own = study(&Subject::of(BALL), &plan).rows.remove(0);
-    let timed = |method: &str, events, least: f64| Row {
-        method: method.to_owned(),
-        events,
-        e: Some(1e-7),
-        cpu_s_min: Some(least),
-        cpu_s_median: Some(1.1 * least),
-        ..own.clone()
-    };
-    let (located, blind) = (Events::Located, Events::Blind);
-    let rows = [
-        timed("rk45", located, 1.0),
-        timed("rk45", located, 1.01),
-        timed("rk45", blind, 1.09),
-        timed("dop853", located, 1.07),
-        timed("dop853", located, 1.05),
-        timed("taylor", located, 1.2),
-    ];
-    let near =
-        within_noise(&rows, 1e-6).into_iter().map(|row| (&*row.method, row.events, row.time_s()));
-    let expected = [("dop853", located, Some(1.05)), ("rk45", blind, Some(1.09))];
-    assert_eq!(near.collect::<Vec<_>>(), expected);
-    assert!(rows[0].is_same_run(&rows[1]) && !rows[0].is_same_run(&rows[2]));
-    assert!(!rows[0].is_same_run(&rows[3]));
-    assert!(!rows[0].is_same_run(&Row { rtol: Some(1e-7), ..rows[0].clone() }));
-}
 
 #[test]
 fn a_contest_on_a_ball_between_walls_takes_the_trials_that_it_took() {

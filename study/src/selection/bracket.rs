@@ -61,10 +61,9 @@ impl Bracket {
         }
     }
 
-    /// Notes that `rung` meets the accuracy, and one that is `slack` rungs looser may. Returns how far to go.
-    pub(super) fn note_meets(&mut self, rung: i32, slack: i32) -> i32 {
+    /// Notes that `rung` meets the accuracy.
+    pub(super) fn note_meets(&mut self, rung: i32) {
         self.meets = Some(rung);
-        slack
     }
 
     /// Notes that `rung` misses the `accuracy` with an error `e`, and one `to_go` rungs tighter may meet it. Returns how far to

@@ -134,7 +134,10 @@ impl<'a> Search<'a> {
         let mut bracket = Bracket::new(ladder::rungs(method, benchmark.t_end), rung);
         loop {
             let away = match self.look(rung, limit) {
-                Kind::Meets => bracket.note_meets(rung, self.slack(rung)),
+                Kind::Meets => {
+                    bracket.note_meets(rung);
+                    self.slack(rung)
+                }
                 Kind::Misses(to_go) => {
                     let e = self.trials.get(&rung).map_or(f64::INFINITY, |trial| trial.e);
                     bracket.note_misses(rung, to_go, (e, accuracy))

@@ -58,3 +58,52 @@ pub fn in_doubt<'a>(near: impl Iterator<Item = (&'a str, Events)>) -> String {
     }
     format!(" (within the noise: also {})", names.join(", "))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use deltazero_solvers::Method;
+
+    use super::super::work_precision;
+    use super::*;
+    use crate::part::Subject;
+    use crate::plan::Plan;
+    use crate::problems::balls::LIGHT_BALL;
+    use crate::run::{Accuracy, Setting};
+
+    #[test]
+    fn of_each_other_method_the_fastest_run_that_noise_hides_is_told() {
+        let (method, accuracy) = (Method::named("rk45").unwrap(), Accuracy::Rtol(1e-6, None));
+        let setting = Setting { method, events: Events::Located, accuracy };
+        let plan = Plan { settings: vec![setting], repeats: 1, ..Plan::new(0.2) };
+        let subject = Subject::of(LIGHT_BALL);
+        let table = work_precision(&subject, &plan, &[], &AtomicBool::new(false), &|_| {});
+        let own = table.unwrap().rows.remove(0);
+        let timed = |method: &str, events, least: f64| Row {
+            method: method.to_owned(),
+            events,
+            e: Some(1e-7),
+            cpu_s_min: Some(least),
+            cpu_s_median: Some(1.1 * least),
+            ..own.clone()
+        };
+        let (located, blind) = (Events::Located, Events::Blind);
+        let rows = [
+            timed("rk45", located, 1.0),
+            timed("rk45", located, 1.01),
+            timed("rk45", blind, 1.09),
+            timed("dop853", located, 1.07),
+            timed("dop853", located, 1.05),
+            timed("taylor", located, 1.2),
+        ];
+        let near = within_noise(&rows, 1e-6)
+            .into_iter()
+            .map(|row| (&*row.method, row.events, row.time_s()));
+        let expected = [("dop853", located, Some(1.05)), ("rk45", blind, Some(1.09))];
+        assert_eq!(near.collect::<Vec<_>>(), expected);
+        assert!(rows[0].is_same_run(&rows[1]) && !rows[0].is_same_run(&rows[2]));
+        assert!(!rows[0].is_same_run(&rows[3]));
+        assert!(!rows[0].is_same_run(&Row { rtol: Some(1e-7), ..rows[0].clone() }));
+    }
+}
