@@ -3,7 +3,6 @@
 use crate::erk::Slope;
 use crate::lanes::dual::DualLanes;
 use crate::lanes::{Lanes, Simd};
-use crate::real::Real;
 use crate::system::{Alike, Vector};
 use crate::taylor::coefficient::Coefficient;
 use crate::taylor::expand::SeriesField;
@@ -27,16 +26,17 @@ impl<P: Alike, V: Simd> ByParameters<P, V> {
         set(&mut self.0, lane, parameters);
     }
 
-    /// Writes values and rates of the guards at `(t, y)` along `dydt` to `g`.
+    /// Writes values of the guards at `(t, y)`, and their derivatives where `y` changes by `direction`, to `g`.
     #[inline(always)]
     pub(super) fn guards_along(
         &self,
-        t: Lanes<V>,
-        (y, dydt): (&[Lanes<V>], &[Lanes<V>]),
+        t: DualLanes<V>,
+        (y, direction): (&[Lanes<V>], &[Lanes<V>]),
         g: &mut P::Guards<DualLanes<V>>,
     ) {
-        let along = P::State::<DualLanes<V>>::from_fn(y.len(), |i| DualLanes::new(y[i], dydt[i]));
-        P::guards_of(&self.0, DualLanes::new(t, Lanes::cst(1.0)), &along, g);
+        let along =
+            P::State::<DualLanes<V>>::from_fn(y.len(), |i| DualLanes::new(y[i], direction[i]));
+        P::guards_of(&self.0, t, &along, g);
     }
 }
 

@@ -3,8 +3,9 @@
 use super::parameters::{ByParameters, pick, set};
 use super::steps::{Judgement, Steps};
 use crate::event_location::GuardWatch;
+use crate::lanes::dual::DualLanes;
 use crate::lanes::{Lanes, Simd};
-use crate::real::{Ordered, Real};
+use crate::real::{Ordered, Over, Real};
 use crate::system::{Alike, System, Vector};
 use crate::taylor::TaylorMethod;
 use crate::taylor::coefficient::Coefficient;
@@ -23,6 +24,8 @@ where
     judgement: Judgement<V>,
     /// Heights below which a turn of a guard is noted.
     lows: P::Guards<Lanes<V>>,
+    /// The guards along the last term of the states that theirs are looked at to.
+    along: P::Guards<DualLanes<V>>,
     /// Whether the series are begun at the present starts.
     is_begun: bool,
 }
@@ -38,6 +41,7 @@ where
             method: TaylorMethod::new(n, problem.n_guards(), order),
             judgement: Judgement::new(n),
             lows: Vector::from_fn(problem.n_guards(), |_| Lanes::cst(f64::INFINITY)),
+            along: Vector::from_fn(problem.n_guards(), |_| DualLanes::cst(0.0)),
             is_begun: false,
         }
     }
@@ -45,6 +49,25 @@ where
     fn order(&self) -> usize {
         self.method.step.y.len() - 1
     }
+
+    /// A bit for each lane in which all guards are clear on the step of size `h`, where so much of the last term of each is
+    /// `explained` by the states; and the least [`no_turn`](crate::event_location::no_turn) of all guards.
+    #[inline(always)]
+    fn look(&self, h: Lanes<V>, explained: impl Fn(usize) -> Lanes<V>) -> (u32, Lanes<V>) {
+        let guards = &self.method.guards;
+        let ends = guards.end.as_ref().iter().zip(self.lows.as_ref()).enumerate();
+        let all = (every_lane::<V>(), Lanes::cst(f64::INFINITY));
+        ends.fold(all, |(all, least): (u32, Lanes<V>), (i, (end, low))| {
+            let highest = guards.highest_low();
+            let (is_clear, no_turn) = guards.look(i, h, highest, (*end, *low), explained(i));
+            (all & is_clear, least.lesser(no_turn))
+        })
+    }
+}
+
+/// A bit for each lane.
+const fn every_lane<V: Simd>() -> u32 {
+    (1 << V::N) - 1
 }
 
 impl<P: Alike, V: Simd> Steps<P, V> for SeriesSteps<P, V>
@@ -111,22 +134,22 @@ where
     #[inline(always)]
     fn take(&mut self, field: &ByParameters<P, V>, t1: Lanes<V>, h: Lanes<V>) {
         self.method.take(field, t1, h);
-        let (step, guards) = (&self.method.step, &self.method.guards);
+        let step = &self.method.step;
         let (y0, y1) = (step.y[0].as_ref(), step.y1.as_ref());
         if let Some(tolerances) = self.judgement.tolerances() {
             self.judgement.error_sq = norm_sq(tolerances, self.method.error.as_ref(), y0, y1);
         }
         self.judgement.look_at_ends(y1, step.slope1.as_ref());
-        let highest = guards.highest_low();
-        let ends = guards.end.as_ref().iter().zip(self.lows.as_ref());
-        let mut high: Lanes<V> = Lanes::cst(f64::INFINITY);
-        for (i, (end, low)) in ends.enumerate() {
-            let nothing = Lanes::cst(0.0);
-            let (is_clear, no_turn) = guards.look(i, h, highest, (*end, *low), nothing);
-            self.judgement.is_clear &= is_clear;
-            high = high.lesser(no_turn);
+        let (mut are_clear, least) = self.look(h, |_| Lanes::cst(0.0));
+        if are_clear != every_lane::<V>() {
+            // As a run alone does: what the states make of a term is followed as well as they are.
+            let t0 = DualLanes::of(step.t0);
+            let last = step.y[self.method.guards.highest_low()].as_ref();
+            field.guards_along(t0, (y0, last), &mut self.along);
+            are_clear |= self.look(h, |i| self.along.as_ref()[i].eps).0;
         }
-        self.judgement.end_with(high);
+        self.judgement.is_clear &= are_clear;
+        self.judgement.end_with(least);
     }
 
     fn guard_at_end(&self, i: usize) -> Lanes<V> {

@@ -75,7 +75,7 @@ impl<P: Alike, V: Simd, const S: usize> Steps<P, V> for TableauSteps<P, V, S> {
         if !std::mem::replace(&mut self.is_prepared, true) {
             let step = &self.method.step;
             let start = (step.y0.as_ref(), step.k[0].as_ref());
-            field.guards_along(step.t0, start, &mut self.start);
+            field.guards_along(DualLanes::new(step.t0, Lanes::cst(1.0)), start, &mut self.start);
         }
     }
 
@@ -110,7 +110,7 @@ impl<P: Alike, V: Simd, const S: usize> Steps<P, V> for TableauSteps<P, V, S> {
         let step = &self.method.step;
         let end = (step.y1.as_ref(), step.slope1.as_ref());
         self.judgement.look_at_ends(end.0, end.1);
-        field.guards_along(t1, end, &mut self.end);
+        field.guards_along(DualLanes::new(t1, Lanes::cst(1.0)), end, &mut self.end);
         let h = t1 - step.t0;
         let ends = self.start.as_ref().iter().zip(self.end.as_ref()).zip(self.lows.as_ref());
         let mut high: Lanes<V> = Lanes::cst(f64::INFINITY);
