@@ -173,7 +173,9 @@ impl Content for Plane<'_> {
 
     fn legend(&self) -> Vec<Entry> {
         let chart = &self.chart;
-        let series = chart.series.iter().map(Series::entry);
+        let is_drawn =
+            |series: &&Series| series.points.iter().any(|&at| shown(at, &chart.x, &chart.y));
+        let series = chart.series.iter().filter(is_drawn).map(Series::entry);
         let bands = chart
             .bands
             .iter()

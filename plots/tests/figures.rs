@@ -232,6 +232,14 @@ fn a_cloud_has_a_colour_bar_and_what_has_no_colour_is_grey() {
 }
 
 #[test]
+fn a_curve_of_which_nothing_is_drawn_has_no_legend() {
+    let curve = |name: &str, y: f64| Series::line(name, 0, vec![(1.0, y), (2.0, y)]);
+    let series = vec![curve("of one", 1.0), curve("of zero", 0.0)];
+    let svg = Figure::single("", LineChart { series, ..chart(vec![]) }).svg().unwrap();
+    assert!(svg.contains("of one") && !svg.contains("of zero"));
+}
+
+#[test]
 fn thousands_of_points_do_not_make_a_large_svg() {
     let points: Vec<_> = (1..100_000).map(|i| (f64::from(i), 2.0 + f64::from(i).sin())).collect();
     let line = LineChart { series: vec![Series::line("", 0, points)], ..chart(vec![]) };

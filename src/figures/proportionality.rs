@@ -41,7 +41,7 @@ fn panel(table: &WorkPrecision, rows: &[ToleranceRow], events: Events, names: bo
     for (method, own, runs) in groups(&table.rows) {
         let points: Vec<(f64, f64)> =
             runs.iter().filter_map(|row| row.rtol.zip(row.e.filter(|e| *e > 0.0))).collect();
-        if own == events && !points.is_empty() {
+        if own == events {
             series.push(Series {
                 label: if names { method.into() } else { String::new() },
                 ..curve(method, own, points)

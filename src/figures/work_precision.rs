@@ -90,11 +90,9 @@ fn chart(
     at: impl Fn(&Row) -> Option<(f64, f64)>,
 ) -> LineChart {
     let own = |(method, events, rows): (&str, Events, Vec<&Row>)| {
-        let is_drawn = |(x, y): &(f64, f64)| *x > 0.0 && *y > 0.0;
-        let points: Vec<_> = rows.iter().filter_map(|row| at(row)).filter(is_drawn).collect();
-        (!points.is_empty()).then(|| curve(method, events, points))
+        curve(method, events, rows.iter().filter_map(|row| at(row)).collect())
     };
-    let series = groups(&table.rows).into_iter().filter_map(own).collect();
+    let series = groups(&table.rows).into_iter().map(own).collect();
     LineChart { x, y, series, ..LineChart::default() }
 }
 
