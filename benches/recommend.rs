@@ -172,7 +172,7 @@ fn setting(method: &str, events: Events, rtol: Option<f64>, step: Option<f64>) -
 }
 
 /// Time of the recommended setting over that of the fastest one, on eight rungs a decade of error, that
-/// reaches the accuracy, be it by luck: the shortest of five, run in turns.
+/// reaches the accuracy, be it by luck: the shortest of five as a user runs them, in turns.
 fn exhaustive(
     benchmark: &Benchmark,
     answer: &Recommendation,
@@ -181,6 +181,10 @@ fn exhaustive(
 ) -> (f64, String) {
     let first = answer.first().expect("has an answer");
     let limit = EXHAUSTIVE * first.work;
+    let time = |setting: &Setting| {
+        let timing = benchmark.took(setting, stop);
+        timing.map_or(f64::INFINITY, |timing| timing.took.cpu.as_secs_f64())
+    };
     let mut reaching = Vec::new();
     for method in METHODS {
         for events in [Events::Located, Events::Blind] {
@@ -199,7 +203,7 @@ fn exhaustive(
                     break;
                 }
                 if trial.e <= accuracy && trial.events_are_right() {
-                    reaching.push((trial.took.cpu.as_secs_f64(), setting));
+                    reaching.push((time(&setting), setting));
                     // Tighter ones cost more.
                     if trial.e < 1e-2 * accuracy {
                         break;
@@ -213,16 +217,13 @@ fn exhaustive(
     let own = setting(&first.method, first.events, first.rtol, first.step);
     reaching.push((f64::INFINITY, own));
     for _ in 0..5 {
-        for (wall, setting) in &mut reaching {
-            *wall = wall.min(
-                Trial::new(benchmark, setting, Start::Exact, TrialLimit::NONE, stop)
-                    .took
-                    .cpu
-                    .as_secs_f64(),
-            );
+        for (least, setting) in &mut reaching {
+            *least = least.min(time(setting));
         }
     }
-    let own = reaching.last().map_or(f64::NAN, |(wall, _)| *wall);
+    let own = reaching.last().map_or(f64::NAN, |(least, _)| *least);
     let best = reaching.iter().min_by(|a, b| a.0.total_cmp(&b.0));
-    best.map_or((f64::NAN, "none".to_owned()), |(wall, setting)| (own / wall, setting.to_string()))
+    best.map_or((f64::NAN, "none".to_owned()), |(least, setting)| {
+        (own / least, setting.to_string())
+    })
 }
