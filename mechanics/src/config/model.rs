@@ -131,11 +131,11 @@ fn refused(report: deltazero_text::Report) -> ConfigError {
 
 /// Defaults of settings that a model has no size for: shares of the end of its runs. Path and value.
 pub(super) fn defaults(t_end: f64) -> [(&'static str, String); 3] {
-    let step = |part: f64| format!("{:e}", rounded_to(part * t_end, 12));
-    let steps = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5].map(step);
+    let share = |part: f64| format!("{:e}", rounded_to(part * t_end, 12));
+    let steps = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5].map(share);
     [
-        ("run.sample", format!("{:e}", t_end / 500.0)),
-        ("solver.step", step(1e-4)),
+        ("run.sample", share(2e-3)),
+        ("solver.step", share(1e-4)),
         ("study.steps", format!("[{}]", steps.join(", "))),
     ]
 }

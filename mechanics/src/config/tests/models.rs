@@ -102,6 +102,8 @@ fn a_printed_configuration_tells_the_defaults_of_its_model_from_what_was_given()
     ] {
         assert!(printed.contains(own), "{own}: {printed}");
     }
+    let printed = load(&text, &["run.t_end=2.1"]).unwrap().commented_toml();
+    assert!(printed.contains("\nsample = 4.2e-3\n"), "{printed}");
 }
 
 #[test]
