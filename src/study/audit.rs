@@ -289,7 +289,8 @@ fn failure(run: &OwnRun<Block>, cut: Option<String>) -> Option<String> {
 
 /// The first sample time at which two runs differ by more than [`HORIZON_ERROR`](deltazero_study::reference::HORIZON_ERROR) [s].
 fn lost_at(block: &Block, one: &BlockTrajectory, other: &BlockTrajectory) -> Option<f64> {
-    let [one, other] = [one, other].map(|run| Trace::of(block, run));
+    let end = |run: &BlockTrajectory| run.samples.last().map_or(0.0, |sample| sample.t);
+    let [one, other] = [one, other].map(|run| Trace::of(block, run, end(run)));
     let (part, mut largest) =
         (deltazero_study::Part::from(Part::Block(block.clone())), Largest::default());
     part.measure(&one.states, &mut largest);

@@ -122,7 +122,7 @@ pub(crate) fn measure<P: Problem>(
     let ((trajectory, _), ((distance, Account { balance, contacts }), kinds)) = record;
     let dense = distance.sites.iter().zip(distance.l2());
     MeasuredPart {
-        trace: Trace::of(problem, &trajectory),
+        trace: Trace::of(problem, &trajectory, run.t),
         dense: dense.map(|(site, l2)| (site.largest, l2)).collect(),
         contacts: contacts.lists(),
         warnings: balance.check.warnings(setting.rtol()),
@@ -210,7 +210,8 @@ impl MeasuredPart {
             errors.e_l2 = worst(errors.e_l2, Some(*l2));
         }
         let errors = &mut all.errors;
-        errors.e_final = worst(errors.e_final, reference.end_error(&self.run.y));
+        errors.e_final =
+            worst(errors.e_final, reference.end_error(&self.run.y, self.trace.jumps()));
         for (own, site) in self.contacts.iter().flatten().zip(&reference.sites) {
             if let Some(exact) = &site.contacts {
                 compare_contacts(errors, own, exact, reference);

@@ -147,7 +147,7 @@ impl<P: Problem + 'static> Runs for P {
         }
         let runs = integrate_all(&begun, setting, t_end, &mut records);
         let traced = |((own, run), (trajectory, _)): ((&&P, OwnRun<P>), &(_, _))| {
-            (run.plain(), Trace::of(*own, trajectory))
+            (run.plain(), Trace::of(*own, trajectory, run.t))
         };
         problems.iter().zip(runs).zip(&records).map(traced).collect()
     }

@@ -2,6 +2,7 @@
 
 use deltazero_solvers::{System, Trajectory};
 
+use crate::errors::near_end;
 use crate::problem::{Problem, changes, scales};
 use crate::run::ModeChange;
 
@@ -22,22 +23,30 @@ pub struct Trace {
     pub changes: Vec<Vec<ModeChange>>,
     /// Times of the events at which a state jumps [s].
     pub jumps: Vec<f64>,
+    /// The end of the run [s].
+    pub t_end: f64,
 }
 
 impl Trace {
-    /// What was kept of a run of `problem`.
-    pub fn of<P: Problem>(problem: &P, run: &OwnTrajectory<P>) -> Self {
+    /// What was kept of a run of `problem` to `t_end` [s].
+    pub fn of<P: Problem>(problem: &P, run: &OwnTrajectory<P>, t_end: f64) -> Self {
         Self {
             times: run.samples.iter().map(|sample| sample.t).collect(),
             states: run.samples.iter().map(|sample| sample.y.as_ref().to_vec()).collect(),
             changes: changes(problem, &run.events),
             jumps: jumps(problem, run),
+            t_end,
         }
     }
 
     /// Its samples.
     pub fn samples(&self) -> Samples<'_> {
-        Samples { times: &self.times, states: &self.states, jumps: &self.jumps }
+        Samples { times: &self.times, states: &self.states, jumps: self.jumps() }
+    }
+
+    /// Its jumps.
+    pub fn jumps(&self) -> Jumps<'_> {
+        Jumps { at: &self.jumps, t_end: self.t_end }
     }
 }
 
@@ -48,21 +57,31 @@ pub struct Samples<'a> {
     pub times: &'a [f64],
     /// States there.
     pub states: &'a [Vec<f64>],
+    /// Where a state jumps.
+    pub jumps: Jumps<'a>,
+}
+
+/// Jumps of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Jumps<'a> {
     /// Times of the events at which a state jumps [s].
-    pub jumps: &'a [f64],
+    pub at: &'a [f64],
+    /// The end of the run [s].
+    pub t_end: f64,
 }
 
 impl<'a> Samples<'a> {
     /// Those of this run and another at the same times [s] that can be compared: all but those between a jump of one run
     /// and the same jump of the other, `window` [s] apart at most. There the states are of different sides of the jump, and
-    /// their difference is the jump, however near the runs are.
+    /// their difference is the jump, however near the runs are. The other jump may lie beyond the end of both.
     pub fn pairs(
         self,
         other: Samples<'a>,
         window: f64,
     ) -> impl Iterator<Item = (f64, &'a [f64], &'a [f64])> {
         let pairs = self.times.iter().zip(self.states.iter().zip(other.states));
-        let pairs = pairs.filter(move |(t, _)| !is_between(self.jumps, other.jumps, window, **t));
+        let jumps = [self.jumps, other.jumps];
+        let pairs = pairs.filter(move |(t, _)| !is_between(jumps, window, **t));
         pairs.map(|(t, (own, other))| (*t, own.as_slice(), other.as_slice()))
     }
 }
@@ -78,9 +97,24 @@ fn jumps<P: Problem>(problem: &P, run: &OwnTrajectory<P>) -> Vec<f64> {
     events.filter(|(_, sides)| is_jump(sides)).map(|(event, _)| event.t).collect()
 }
 
-/// Whether `t` lies between a jump of one run and the same jump of another, `window` apart at most: one run has jumped more
-/// often in the `window` before, and these jumps of the other are about to come. The state at a jump is the one after it.
-fn is_between(own: &[f64], other: &[f64], window: f64, t: f64) -> bool {
+/// Whether `t` lies between a jump of one run and the same jump of another, `window` apart at most, which may be beyond the end
+/// of both. The state at a jump is the one after it.
+pub(crate) fn is_between([own, other]: [Jumps<'_>; 2], window: f64, t: f64) -> bool {
+    let end = own.t_end.max(other.t_end);
+    let of_one = |[ahead, behind]: [Jumps<'_>; 2]| {
+        // A partner is looked for twice as far back as a jump whose partner may be beyond the end.
+        let [ahead, behind] = [ahead, behind].map(|jumps| {
+            let [from, to] = [t - 2.0 * window, t].map(|t| jumps.at.partition_point(|at| *at <= t));
+            &jumps.at[from..to]
+        });
+        let lacked = ahead.get(behind.len()..).unwrap_or_default();
+        !lacked.is_empty() && lacked.iter().all(|at| at + near_end(window, end) > end)
+    };
+    is_to_come(own.at, other.at, window, t) || of_one([own, other]) || of_one([other, own])
+}
+
+/// Whether one run has jumped more often in the `window` before `t`, and these jumps of the other are about to come.
+fn is_to_come(own: &[f64], other: &[f64], window: f64, t: f64) -> bool {
     let lately = |jumps: &'_ [f64]| {
         let [from, to] = [t - window, t].map(|t| jumps.partition_point(|at| *at <= t));
         (to - from, to)
@@ -104,7 +138,10 @@ mod tests {
     #[test]
     fn a_time_is_between_jumps_if_one_run_has_jumped_and_the_other_is_about_to() {
         let (own, other) = ([1.0, 2.0, 3.0], [1.01, 2.0, 2.9]);
-        let judged = |t| is_between(&own, &other, 0.05, t);
+        let is_between = |own: &[f64], other: &[f64], t| {
+            is_between([own, other].map(|at| Jumps { at, t_end: 100.0 }), 0.05, t)
+        };
+        let judged = |t| is_between(&own, &other, t);
         for (t, expected) in [
             (0.99, false),
             (1.0, true),
@@ -117,12 +154,26 @@ mod tests {
             (3.0, false),
         ] {
             assert_eq!(judged(t), expected, "{t}");
-            assert_eq!(is_between(&other, &own, 0.05, t), expected, "{t}");
+            assert_eq!(is_between(&other, &own, t), expected, "{t}");
         }
         // A jump that the other run does not have is an error.
-        assert!(!is_between(&[1.0], &[], 0.05, 1.0));
-        assert!(is_between(&[1.0, 1.0], &[1.01, 1.01], 0.05, 1.005));
+        assert!(!is_between(&[1.0], &[], 1.0));
+        assert!(is_between(&[1.0, 1.0], &[1.01, 1.01], 1.005));
         // Nor does it part the later ones.
-        assert!(is_between(&[1.0, 2.0, 3.0], &[1.0, 1.5, 2.0, 3.01], 0.05, 3.005));
+        assert!(is_between(&[1.0, 2.0, 3.0], &[1.0, 1.5, 2.0, 3.01], 3.005));
+        // Where both end, it may come to it a moment later,
+        for (own, expected) in [(100.0, true), (99.96, true), (99.94, false)] {
+            assert_eq!(is_between(&[own], &[], 100.0), expected, "{own}");
+            assert_eq!(is_between(&[], &[own], 100.0), expected, "{own}");
+        }
+        // but not one that it has had.
+        assert!(!is_between(&[99.951], &[99.949], 100.0));
+        // One that ends the run of each is behind both.
+        let ends = |at, t_end| Jumps { at, t_end };
+        assert!(!super::is_between(
+            [ends(&[1.0], 1.0), ends(&[1.0 + 1e-9], 1.0 + 1e-9)],
+            0.05,
+            1.0 + 1e-9
+        ));
     }
 }

@@ -4,6 +4,7 @@
 mod common;
 
 use common::{plan, study};
+use deltazero_solvers::problems::BouncingBall;
 use deltazero_solvers::{Next, Real, System};
 use deltazero_study::Subject;
 use deltazero_study::problem::{Problem, Quantity};
@@ -63,4 +64,24 @@ fn a_sample_at_a_jump_is_not_compared_across_it() {
         // The oscillator has no energies.
         assert_eq!(row.errors.dissipated_j, None);
     }
+}
+
+#[test]
+fn a_run_that_ends_at_a_jump_is_not_compared_across_it() {
+    // It drops for 1 s and rises for another: the second impact is at 3 s, for one run before the end, for another after it.
+    let ball = BouncingBall { restitution: 1.0, gravity: 9.81, height: 4.905 };
+    let rtols: Vec<f64> = (4..=12).map(|n| 10_f64.powi(-n)).collect();
+    let methods = ["rk45", "dop853", "vern98", "radau5", "taylor", "bdf"];
+    let plan = plan(&methods, &[Events::Located], &rtols, &[], 3.0);
+    let study = study(&Subject::of(ball), &plan);
+    assert_eq!(study.reference.parts[0].horizon_s, 3.0);
+    let mut of_end = [0, 0];
+    for row in &study.rows {
+        let (e, rtol) = (row.e.unwrap(), row.rtol.unwrap());
+        assert!(e < rtol && row.events_are_right(), "{} at {rtol:e}: {e:e}", row.method);
+        // Where both have bounced, or none has, the end can be compared.
+        assert!(row.errors.e_final.is_none_or(|e| e < rtol), "{} at {rtol:e}", row.method);
+        of_end[usize::from(row.errors.e_final.is_some())] += 1;
+    }
+    assert!(of_end[0] > 5 && of_end[1] > 5, "{of_end:?}");
 }

@@ -137,6 +137,49 @@ pub struct EventMatch {
 /// Pairs the events of one site in order: the longest common subsequence of equal modes within `window` [s], and of
 /// those the one with the smallest time error.
 pub fn match_events(run: &[ModeChange], reference: &[ModeChange], window: f64) -> EventMatch {
+    pair_up(run, reference, window, |_| {})
+}
+
+/// How near to the `end` [s] of two runs an event may have its partner beyond it: within the `window`, and in the last thousandth of
+/// a short run.
+pub(crate) fn near_end(window: f64, end: f64) -> f64 {
+    window.min(1e-3 * end)
+}
+
+/// The same of sequences that both go to `end` [s]: where one alone has events [near](near_end) it that the other lacks, these do
+/// not count, for the other may have them a moment later.
+pub(crate) fn match_to_end(
+    run: &[ModeChange],
+    reference: &[ModeChange],
+    (window, end): (f64, f64),
+) -> EventMatch {
+    let all = match_events(run, reference, window);
+    let late = |own: &[ModeChange], other: &[ModeChange]| {
+        let is_near = |event: &&ModeChange| event.t >= end - near_end(window, end);
+        let n_near = own.iter().rev().take_while(is_near).count();
+        if n_near == 0 { 0 } else { n_near.min(own.len() - n_needed(own, other, window)) }
+    };
+    match (late(run, reference), late(reference, run)) {
+        (spurious, 0) => EventMatch { spurious: all.spurious - spurious, ..all },
+        (0, missed) => EventMatch { missed: all.missed - missed, ..all },
+        _ => all,
+    }
+}
+
+/// How many of the first events of `own` suffice for as many pairs with those of `other` as there are.
+fn n_needed(own: &[ModeChange], other: &[ModeChange], window: f64) -> usize {
+    let mut paired = vec![0];
+    let all = pair_up(own, other, window, |so_far| paired.push(so_far));
+    paired.partition_point(|so_far| *so_far < all.paired)
+}
+
+/// Pairs events; `so_far` hears how many of the events up to each of the run's have partners.
+fn pair_up(
+    run: &[ModeChange],
+    reference: &[ModeChange],
+    window: f64,
+    mut so_far: impl FnMut(usize),
+) -> EventMatch {
     // row[j]: most pairs of the events so far with the first j of the reference, and their error.
     let mut row = vec![(0_usize, 0.0_f64); reference.len() + 1];
     let better = |a: (usize, f64), b: (usize, f64)| {
@@ -156,6 +199,7 @@ pub fn match_events(run: &[ModeChange], reference: &[ModeChange], window: f64) -
             };
             diagonal = above;
         }
+        so_far(row[reference.len()].0);
     }
     let (paired, time_error) = row[reference.len()];
     EventMatch {
@@ -219,6 +263,34 @@ mod tests {
     fn events_beyond_the_window_are_not_the_same() {
         let found = match_events(&events(&[(0.1, 1, 0)]), &events(&[(0.102, 1, 0)]), WINDOW);
         assert_eq!((found.paired, found.missed, found.spurious), (0, 1, 1));
+    }
+
+    #[test]
+    fn an_event_that_the_other_may_have_beyond_the_end_does_not_count() {
+        let (early, both) = (events(&[(0.1, 0, 1)]), events(&[(0.1, 0, 1), (0.9999, 1, 0)]));
+        let at = (WINDOW, 1.0);
+        for (run, reference) in [(&early, &both), (&both, &early)] {
+            let found = match_to_end(run, reference, at);
+            assert_eq!((found.paired, found.missed, found.spurious), (1, 0, 0));
+        }
+        // Of a short run the last thousandth is near its end.
+        let found = match_to_end(&early, &both, (1.0, 1.0));
+        assert_eq!((found.missed, found.spurious), (0, 0));
+        let found = match_to_end(&early, &events(&[(0.1, 0, 1), (0.9, 1, 0)]), (1.0, 1.0));
+        assert_eq!((found.missed, found.spurious), (1, 0));
+        // Long before the end it counts, and so does one in place of another.
+        let found = match_to_end(&early, &both, (WINDOW, 1.1));
+        assert_eq!((found.missed, found.spurious), (1, 0));
+        let other = events(&[(0.1, 0, 1), (0.9999, 1, -1)]);
+        let found = match_to_end(&other, &both, at);
+        assert_eq!((found.paired, found.missed, found.spurious), (1, 1, 1));
+        // A fault long before does not make it count.
+        let found = match_to_end(&both, &events(&[(0.1, 0, 1), (0.5, 1, 0)]), at);
+        assert_eq!((found.paired, found.missed, found.spurious), (1, 1, 0));
+        // Of several equal ones before the end those without a partner are the last.
+        let three = events(&[(0.9995, 1, 0), (0.9996, 1, 0), (0.9997, 1, 0)]);
+        let found = match_to_end(&three, &three[..1], at);
+        assert_eq!((found.paired, found.missed, found.spurious), (1, 0, 0));
     }
 
     fn group(name: &'static str, states: Vec<usize>, scale: GroupScale) -> Group {

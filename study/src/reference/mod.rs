@@ -11,11 +11,11 @@ use crate::check::ProblemError;
 use crate::energy_balance::Balance;
 use crate::errors::contacts::{Contact, total_impulse};
 use crate::errors::dense::Node;
-use crate::errors::{ErrorScale, EventMatch, Largest, match_events, worse};
+use crate::errors::{ErrorScale, EventMatch, Largest, match_to_end, worse};
 use crate::part::{Part, Subject, counted};
 use crate::problem::GroupScale;
 use crate::run::{Limits, ModeChange};
-use crate::trace::{Samples, Trace};
+use crate::trace::{Jumps, Samples, Trace, is_between};
 
 pub use solve::{HORIZON_ERROR, RECIPE, parted_at, settings};
 pub(crate) use solve::{Maker, Path, path};
@@ -96,6 +96,8 @@ pub struct PartReference {
     pub lost_at: f64,
     /// The end of the run [s].
     pub t_end: f64,
+    /// The end of what is left of it: that of the run, but for a [cut](Reference::cut) [s].
+    pub cut_at: f64,
     /// State there.
     pub y_end: Vec<f64>,
     /// Scales of its errors.
@@ -311,6 +313,7 @@ impl PartReference {
             lost_at,
             n_all_events: path.run.stats.n_events,
             t_end: path.run.t,
+            cut_at: path.run.t,
             y_end: path.run.y,
             scale,
             amplitude,
@@ -338,6 +341,7 @@ impl PartReference {
         let n = self.times.partition_point(|t| *t <= t_end);
         self.times.truncate(n);
         self.samples.truncate(n);
+        self.cut_at = self.cut_at.min(t_end);
         self.nodes.truncate(self.nodes.partition_point(|node| node.t <= t_end));
         for site in &mut self.sites {
             site.events.retain(|event| event.t <= t_end);
@@ -401,14 +405,24 @@ impl PartReference {
         &'a self,
         run: &'a Trace,
     ) -> impl Iterator<Item = (&'a [f64], &'a [f64])> + 'a {
-        let samples = Samples { times: &self.times, states: &self.samples, jumps: &self.jumps };
+        let samples = Samples {
+            times: &self.times,
+            states: &self.samples,
+            jumps: Jumps { at: &self.jumps, t_end: self.cut_at },
+        };
         let pairs = samples.pairs(run.samples(), self.scale.event_window);
         pairs.filter(|(t, ..)| self.is_within(*t)).map(|(_, y, own)| (y, own))
     }
 
     /// Error of the state at a run's end: the worst of all states, each relative to the largest
-    /// magnitude that it takes; none where the end lies beyond the horizon.
-    pub fn end_error(&self, y_end: &[f64]) -> Option<f64> {
+    /// magnitude that it takes; none where the end lies beyond the horizon, or between a jump of one of both, at `jumps`, and
+    /// the same jump of the other.
+    pub fn end_error(&self, y_end: &[f64], jumps: Jumps<'_>) -> Option<f64> {
+        let own = Jumps { at: &self.jumps, t_end: self.t_end };
+        let end = self.t_end.max(jumps.t_end);
+        if is_between([own, jumps], self.scale.event_window, end) {
+            return None;
+        }
         let errors = (0..self.y_end.len()).map(|i| match (y_end[i] - self.y_end[i]).abs() {
             0.0 => 0.0,
             error => error / self.amplitude[i],
@@ -423,6 +437,8 @@ impl PartReference {
             events.filter(|event| self.is_within(event.t)).copied().collect()
         };
         let (own, reference) = (within(&run.changes[site]), within(&self.sites[site].events));
-        match_events(&own, &reference, self.scale.event_window)
+        // One that went on longer does not have what ended the reference.
+        let end = run.t_end.max(self.cut_at).min(self.lost_at);
+        match_to_end(&own, &reference, (self.scale.event_window, end))
     }
 }

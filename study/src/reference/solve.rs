@@ -14,7 +14,7 @@ use crate::account::Account;
 use crate::energy_balance::Balance;
 use crate::errors::contacts::Contact;
 use crate::errors::dense::{Node, Nodes};
-use crate::errors::{ErrorScale, Largest, match_events, worse};
+use crate::errors::{ErrorScale, Largest, match_to_end, worse};
 use crate::part::{Part, Start, counted};
 use crate::problem::{Problem, change};
 use crate::run::{
@@ -25,7 +25,7 @@ use crate::warning::Warning;
 
 /// Changes with whatever changes results: what is kept on disk of a reference, a study or a map that is not
 /// finished is then made anew.
-pub const RECIPE: u32 = 16;
+pub const RECIPE: u32 = 17;
 
 /// Method and tolerance of the reference, and those of the run that tells its error.
 type Pair = [(&'static str, f64); 2];
@@ -132,12 +132,13 @@ impl Solved {
         let errors = pairs.filter(|(t, ..)| *t < lost_at);
         let largest = errors.map(|(_, a, b)| scale.error(b, a)).reduce(worse);
         let mut latest = Some(0.0_f64);
+        let end = own.t_end.max(check.t_end).min(lost_at);
         for (own, check) in self.path.events.iter().zip(&self.check.events) {
             let within = |events: &[ModeChange]| -> Vec<ModeChange> {
                 let events = counted(events, part.starts_on_surface).iter();
                 events.filter(|event| event.t < lost_at).copied().collect()
             };
-            let times = match_events(&within(check), &within(own), scale.event_window);
+            let times = match_to_end(&within(check), &within(own), (scale.event_window, end));
             let is_whole = times.missed == 0 && times.spurious == 0;
             latest = latest.filter(|_| is_whole).map(|most| most.max(times.time_error));
         }
@@ -355,7 +356,7 @@ pub(crate) fn path<P: Problem>(
             _ => ReferenceError::TooMuchWork { max_rhs: limits.max_rhs },
         }),
         Ok(_) => Ok(Path {
-            trace: Trace::of(problem, &trajectory),
+            trace: Trace::of(problem, &trajectory, run.t),
             events: roots.changes,
             nodes: nodes.list,
             contacts: contacts.lists(),
