@@ -348,12 +348,51 @@ fn events_without_derivatives_are_errors_that_say_why() {
         assert!(error.to_string().contains(words), "{error}");
         assert!(y[0].abs() < 1e-14, "the event has been passed: {y:?}");
     };
-    let continuous = "continuously, or branches";
+    let continuous = "branches there";
     refused(|y| Toy::Carrying(y[1]), 0.0, Lost::Mode { guard: 0 }, continuous);
     let branches = |[_, p]: [f64; 2]| if p > 0.5 { Toy::Passing } else { Toy::After };
     refused(branches, 0.0, Lost::Mode { guard: 0 }, continuous);
     // Numbers that do not depend on the state may be carried.
     assert_eq!(toy(|_| Toy::Carrying(7.0), 0.0).0, Ok(Outcome::Finished));
+}
+
+/// A spring `ÿ = −y` that is let go at 1 passes zero at the speed 1: up to there it loses a tenth of the speed, and beyond a half.
+struct Brittle;
+
+impl System for Brittle {
+    type Mode = ();
+    type State<S: Real> = [S; 2];
+    type Guards<S: Real> = [S; 1];
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
+
+    fn rhs<S: Real>(&self, (): (), _t: S, &[y, v]: &[S; 2], dydt: &mut [S; 2]) {
+        *dydt = [v, -y];
+    }
+
+    fn guards<S: Real>(&self, (): (), _t: S, y: &[S; 2], g: &mut [S; 1]) {
+        *g = [y[0]];
+    }
+
+    fn guard_bounds(&self, (): (), _t: f64, _y: &[f64; 2], bounds: &mut [f64; 1]) {
+        *bounds = [1e-15];
+    }
+
+    fn transition<S: Real>(&self, (): (), _guard: usize, _t: S, y: &mut [S; 2]) -> Next<()> {
+        let kept = if y[1].value() < -1.0 { 0.5 } else { 0.9 };
+        *y = [S::cst(0.0), -y[1] * kept];
+        Next::Mode(())
+    }
+}
+
+#[test]
+fn a_transition_that_branches_within_the_tolerance_has_no_derivatives() {
+    for (height, expected) in [(0.9, None), (1.1, None), (1.0, Some(Lost::Mode { guard: 0 }))] {
+        let system = Sensitive::new(&Brittle, vec![[1.0, 0.0]], tolerance(1e-8, 2)).unwrap();
+        let mut run = Integration::new(&system, 0.0, system.start(0.0, &[height, 0.0]).unwrap());
+        let end = run.run(2.5, &mut by_rk45(&system), &mut ());
+        assert_eq!((run.point.mode.lost, end.is_err()), (expected, expected.is_some()));
+    }
 }
 
 #[test]

@@ -78,9 +78,11 @@ pub enum Lost {
         /// Index of the guard that fell last.
         guard: usize,
     },
-    /// A change within the tolerance leads to another mode. Either the transition branches there, or the mode carries
-    /// numbers that depend on the state or the time; these numbers should be states.
-    #[error("the mode after guard {guard} depends on the state continuously, or branches there")]
+    /// A change within the tolerance leads to another mode, or to a state far off. Either the transition branches there, or the
+    /// mode carries numbers that depend on the state or the time; these numbers should be states.
+    #[error(
+        "what follows guard {guard} branches there, or the mode depends on the state continuously"
+    )]
     Mode {
         /// Index of the guard.
         guard: usize,

@@ -9,6 +9,10 @@ use crate::system::{Next, System, Vector};
 /// is told from a touch.
 const TOUCH: f64 = 0.1;
 
+/// A state that a change within the tolerance moves so many times as far as its derivative and the tolerance say is on another
+/// branch of the transition.
+const BRANCH: f64 = 10.0;
+
 /// How the time of an event changes with the state.
 #[derive(Clone, Copy)]
 enum Timing {
@@ -84,9 +88,9 @@ impl<P: System> Instant<'_, P, f64> {
         bounds.as_ref()[self.guard]
     }
 
-    /// What follows an event at another time and state.
-    fn next(&self, t: f64, mut y: P::State<f64>) -> Next<P::Mode> {
-        self.problem.transition(self.mode.clone(), self.guard, t, &mut y)
+    /// What follows an event at another time and state, and the state then.
+    fn next(&self, t: f64, mut y: P::State<f64>) -> (Next<P::Mode>, P::State<f64>) {
+        (self.problem.transition(self.mode.clone(), self.guard, t, &mut y), y)
     }
 }
 
@@ -195,10 +199,17 @@ impl<P: System> Sensitive<'_, P> {
         let is_same = |change: &[f64]| {
             let (dt, dy) = event.moved(timing, change);
             let scale = self.scale(event.y.as_ref(), dy.as_ref());
-            self.near(&event.y, &dy)
-                .into_iter()
-                .zip([-scale, scale])
-                .all(|(y, scale)| event.next(t + scale * dt, y) == *next)
+            let after = event.after(dt, &dy);
+            let is_near = |y: &[f64]| {
+                (0..n).zip(after.as_ref()).all(|(i, after)| {
+                    let moved = scale * after.eps.abs() + self.tolerance.allowed(i, y);
+                    (y[i] - after.re).abs() <= BRANCH * moved
+                })
+            };
+            self.near(&event.y, &dy).into_iter().zip([-scale, scale]).all(|(y, scale)| {
+                let (same, y) = event.next(t + scale * dt, y);
+                same == *next && is_near(y.as_ref())
+            })
         };
         if y[n..].chunks_exact(n + 1).all(is_same) { Ok(timing) } else { Err(Lost::Mode { guard }) }
     }
