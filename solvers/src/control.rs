@@ -56,11 +56,31 @@ impl Control {
 pub struct Steps {
     /// How the step size is chosen.
     pub control: Control,
-    /// Size of the first step of the run [unit of time], `None` to choose it by the tolerance. A Taylor series, which
+    /// Size of the first step that the solver takes [unit of time], `None` to choose it by the tolerance. A Taylor series, which
     /// knows its range, takes a shorter first step where it allows no longer one.
     pub first: Option<f64>,
     /// Longest step [unit of time], infinite by default. The last step before the end of a run may be longer by 1 %.
+    #[cfg_attr(feature = "serde", serde(default = "unlimited", with = "maybe_infinite"))]
     pub longest: f64,
+}
+
+#[cfg(feature = "serde")]
+fn unlimited() -> f64 {
+    f64::INFINITY
+}
+
+/// Infinity as none, for JSON has none.
+#[cfg(feature = "serde")]
+mod maybe_infinite {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(x: &f64, to: S) -> Result<S::Ok, S::Error> {
+        (*x != f64::INFINITY).then_some(*x).serialize(to)
+    }
+
+    pub(super) fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(from)?.unwrap_or(f64::INFINITY))
+    }
 }
 
 impl From<Control> for Steps {

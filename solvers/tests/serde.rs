@@ -38,8 +38,14 @@ impl System for Tank {
 #[test]
 fn a_trajectory_and_its_settings_are_read_as_they_were_written() {
     let control = Control::Adaptive(Tolerance { rtol: 1e-8, atol: vec![1e-10] });
+    let again = |steps: &Steps| -> Steps {
+        serde_json::from_str(&serde_json::to_string(steps).unwrap()).unwrap()
+    };
+    // By default the longest step is infinite, which JSON cannot say.
+    let by_default = Steps::from(control.clone());
+    assert_eq!(again(&by_default), by_default);
     let steps = Steps { first: Some(1e-3), longest: 0.5, control };
-    let read: Steps = serde_json::from_str(&serde_json::to_string(&steps).unwrap()).unwrap();
+    let read = again(&steps);
     assert_eq!(read, steps);
 
     let mut solver = Method::named("rk45").unwrap().solver(&Tank, read).unwrap();
