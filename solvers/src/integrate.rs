@@ -56,8 +56,8 @@ impl<'a, P: System> Integration<'a, P> {
     /// accepted steps that it needs and every event.
     ///
     /// # Errors
-    /// [`Error::BadArgument`] for a `t_end` that is not finite and for a start with more or fewer states than the system
-    /// [has](System::dim), [`Error::NonFinite`] for a start that is not finite,
+    /// [`Error::BadArgument`] for a start or an end that is no finite time, and for a start with more or fewer states than the
+    /// system [has](System::dim), or with none, [`Error::NonFinite`] for a start that is not finite,
     /// [`Error::Chatter`] for transitions at one instant that do not end, [`Error::EventStorm`] for events that
     /// accumulate to no [limit](System::accumulation), [`Error::BadGuardBound`] for a rounding bound that is not above
     /// zero, any error of the recorder's [beginning](Record::begin), and any error of a step.
@@ -97,6 +97,7 @@ impl<'a, P: System> Integration<'a, P> {
         record: &mut dyn Record<P>,
     ) -> Result<Option<Outcome>, Error> {
         check_length(self.problem, &self.point.y)?;
+        check_span(self.point.t, t_end)?;
         record.begin(&self.point, t_end)?;
         match self.transitions.begin(self.problem, &self.point, t_end)? {
             Some(guard) => self.pass(PhaseEnd::Guard(guard), record),
@@ -137,13 +138,16 @@ pub(crate) fn of_its_length<'y, P: System>(
     Cow::Owned(Vector::from_fn(problem.dim(), each))
 }
 
-/// Whether a start has as many states as `problem` has.
+/// Whether a start has as many states as `problem` has, and that has any.
 pub(crate) fn check_length<P: System>(problem: &P, y: &P::State<f64>) -> Result<(), Error> {
     let n = y.as_ref().len();
-    if n == problem.dim() {
+    let allowed = if n != problem.dim() {
+        "a start has as many states as the system says that it has"
+    } else if n == 0 {
+        "a system has one state at least, if only one that rests"
+    } else {
         return Ok(());
-    }
-    let allowed = "a start has as many states as the system says that it has";
+    };
     Err(Error::BadArgument { name: "number of states", value: n as f64, allowed })
 }
 
@@ -164,6 +168,13 @@ impl<P: System, B: Real> Instant<'_, P, B> {
 pub(crate) fn rounded<P: System, B: Real>(y: &P::State<B>) -> P::State<f64> {
     let y = y.as_ref();
     Vector::from_fn(y.len(), |i| y[i].value())
+}
+
+/// Whether a run can begin at `t` and end at `t_end`.
+pub(crate) fn check_span(t: f64, t_end: f64) -> Result<(), Error> {
+    let allowed = "start and end of a run must be finite";
+    let bad = [("t", t), ("t_end", t_end)].into_iter().find(|(_, value)| !value.is_finite());
+    bad.map_or(Ok(()), |(name, value)| Err(Error::BadArgument { name, value, allowed }))
 }
 
 /// Makes the transitions between phases, until no guard is violated.
@@ -191,10 +202,6 @@ impl<P: System> Transitions<P> {
         point: &Point<P>,
         t_end: f64,
     ) -> Result<Option<usize>, Error> {
-        if !t_end.is_finite() {
-            let allowed = "the end of a run must be finite";
-            return Err(Error::BadArgument { name: "t_end", value: t_end, allowed });
-        }
         check_finite(point, &point.y)?;
         self.t_end = t_end;
         self.violated(problem, point)

@@ -112,7 +112,8 @@ struct Pattern {
 impl Pattern {
     /// The pattern of the Jacobian of `problem` in `mode` at `(t, y)`.
     fn new<P: System>(problem: &P, mode: &P::Mode, t: f64, y: &[f64]) -> Self {
-        let (n, length) = (y.len(), y.len().div_ceil(WIDTH));
+        // A system without states is refused where it is run.
+        let (n, length) = (y.len(), y.len().div_ceil(WIDTH).max(1));
         let mut rows = vec![0; n * length];
         let mut dydt = P::State::from_fn(n, |_| Influenced::cst(0.0));
         for first in (0..n).step_by(WIDTH) {

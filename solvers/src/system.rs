@@ -100,8 +100,8 @@ pub trait System {
     /// better traced. With double-double numbers every system is.
     const IS_TRACED: bool = !<Self::State<f64> as Vector<f64>>::IS_SHORT;
 
-    /// Number of continuous states: by default the length of [`State`](Self::State), which an array has in its type. A
-    /// model whose states are in a `Vec` must tell it.
+    /// Number of continuous states, at least one: by default the length of [`State`](Self::State), which an array has in
+    /// its type. A model whose states are in a `Vec` must tell it.
     fn dim(&self) -> usize {
         <Self::State<f64> as Vector<f64>>::LENGTH
     }

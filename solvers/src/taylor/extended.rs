@@ -15,7 +15,7 @@ use crate::double_double::DoubleDouble;
 use crate::erk::InMode;
 use crate::error::{Error, Outcome};
 use crate::event_location::{GuardCrossing, GuardWatch};
-use crate::integrate::{Instant, Transitions, check_length, of_its_length, rounded};
+use crate::integrate::{Instant, Transitions, check_length, check_span, of_its_length, rounded};
 use crate::phase::{PhaseEnd, Point, check_finite};
 use crate::real::Real;
 use crate::record::{Accepted, Record, reject};
@@ -105,6 +105,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
     pub fn run(&mut self, t_end: f64, record: &mut dyn Record<P>) -> Result<Outcome, Error> {
         self.tolerance.check(self.problem.dim())?;
         check_length(self.problem, &self.rounded())?;
+        check_span(self.t().value(), t_end)?;
         record.begin(&self.point(), t_end)?;
         let mut guard = self.transitions.begin(self.problem, &self.point(), t_end)?;
         loop {
