@@ -132,7 +132,10 @@ impl<Y: Vector<f64>, M: Clone> Trajectory<Y, M> {
     /// ```
     pub fn at(&self, t: f64) -> Option<Sample<Y, M>> {
         let pieces = self.pieces.as_ref()?;
-        let (first, last) = (pieces.first()?, pieces.last()?);
+        let Some((first, last)) = pieces.first().zip(pieces.last()) else {
+            let start = self.start.as_ref().filter(|start| start.t == t)?;
+            return Some(self.left(start.clone()));
+        };
         let ahead = (last.t1 - first.t0).signum();
         if t == last.t1 {
             return self.samples.last().cloned();
@@ -143,6 +146,13 @@ impl<Y: Vector<f64>, M: Clone> Trajectory<Y, M> {
         let n_begun = pieces.partition_point(|piece| (piece.t0 - t) * ahead <= 0.0);
         let piece = pieces.get(n_begun.checked_sub(1)?)?;
         Some(Sample { t, mode: piece.mode.clone(), y: piece.at(t) })
+    }
+
+    /// The `start` of a run without steps, after the events there.
+    fn left(&self, start: Sample<Y, M>) -> Sample<Y, M> {
+        let Some((event, [_, y])) = self.events.last().zip(self.sides.last()) else { return start };
+        let mode = if let Next::Mode(after) = &event.after { after } else { &event.before };
+        Sample { t: start.t, mode: mode.clone(), y: y.clone() }
     }
 }
 

@@ -8,8 +8,8 @@ use std::ops::ControlFlow;
 use common::{at_most, distance, steps_itself};
 use deltazero_solvers::problems::{BouncingBall, BouncingMode, SpringStop, StopMode};
 use deltazero_solvers::{
-    Control, Error, Grid, Integration, METHODS, Method, Outcome, Point, Sample, Steps, Tolerance,
-    Trajectory, Watch,
+    Control, Error, Grid, Integration, METHODS, Method, Next, Outcome, Point, Real, Sample, Steps,
+    System, Tolerance, Trajectory, Watch,
 };
 
 const BALL: BouncingBall = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
@@ -82,6 +82,84 @@ fn limits_that_a_method_cannot_keep_are_refused() {
             assert!(matches!(none, Error::BadArgument { name: "longest step", .. }), "{none}");
         }
     }
+}
+
+#[test]
+fn a_run_without_a_time_to_start_or_to_end_is_refused() {
+    for method in METHODS {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for (start, end, expected) in [(bad, 1.0, "t"), (0.0, bad, "t_end")] {
+                let mut solver = method.solver(&BALL, control(method)).unwrap();
+                let mut run = Integration::new(&BALL, start, BALL.start());
+                let mut samples = Trajectory::on(Grid::Times(vec![0.5]));
+                let error = run.run(end, &mut *solver, &mut samples).unwrap_err();
+                let is_told = matches!(error, Error::BadArgument { name, .. } if name == expected);
+                assert!(is_told, "{}: {error}", method.name);
+            }
+        }
+    }
+}
+
+/// A clock without any state.
+struct Clock;
+
+impl System for Clock {
+    type Mode = u8;
+    type State<S: Real> = Vec<S>;
+    type Guards<S: Real> = [S; 1];
+
+    fn initial_mode(&self, _t: f64, _y: &Vec<f64>) -> u8 {
+        1
+    }
+
+    fn dim(&self) -> usize {
+        0
+    }
+
+    fn rhs<S: Real>(&self, _n: u8, _t: S, _y: &Vec<S>, _dydt: &mut Vec<S>) {}
+
+    fn guards<S: Real>(&self, n: u8, t: S, _y: &Vec<S>, g: &mut [S; 1]) {
+        *g = [-t + f64::from(n)];
+    }
+
+    fn guard_bounds(&self, _n: u8, _t: f64, _y: &Vec<f64>, bounds: &mut [f64; 1]) {
+        *bounds = [1e-14];
+    }
+
+    fn transition<S: Real>(&self, n: u8, _guard: usize, _t: S, _y: &mut Vec<S>) -> Next<u8> {
+        Next::Mode(n + 1)
+    }
+}
+
+#[test]
+fn a_system_without_states_is_refused() {
+    for method in METHODS {
+        let control = match control(method) {
+            Control::Adaptive(own) => Control::Adaptive(Tolerance { atol: vec![], ..own }),
+            fixed => fixed,
+        };
+        let refused = method.solver(&Clock, control).and_then(|mut solver| {
+            Integration::new(&Clock, 0.0, vec![]).run(3.5, &mut *solver, &mut ())
+        });
+        let error = refused.unwrap_err();
+        assert!(matches!(error, Error::BadArgument { .. }), "{}: {error}", method.name);
+    }
+}
+
+#[test]
+fn a_dense_trajectory_of_a_run_without_steps_knows_its_start() {
+    let method = Method::named("rk45").unwrap();
+    let of_run = |t_end, start: [f64; 2]| {
+        let mut solver = method.solver(&BALL, control(method)).unwrap();
+        let mut trajectory = Trajectory::dense();
+        let mut run = Integration::new(&BALL, 0.0, start);
+        run.run(t_end, &mut *solver, &mut trajectory).unwrap();
+        assert_eq!(trajectory.at(0.5), None);
+        trajectory.at(0.0).map(|sample| sample.y)
+    };
+    assert_eq!(of_run(0.0, [1.0, 0.0]), Some([1.0, 0.0]));
+    // One that begins below the floor bounces at once.
+    assert_eq!(of_run(0.0, [-1e-3, -2.0]), Some([0.0, 1.0]));
 }
 
 #[test]
