@@ -146,8 +146,9 @@ mod tests {
     #[test]
     fn the_decay_of_an_oscillation_is_that_of_its_amplitude() {
         // ÿ + 2 ζ ω ẏ + ω² y = 0, states measured by 1 and ω₀.
-        let (omega, scale) = (1e4, 1e3);
-        for zeta in [0.0, 0.02, 0.1, 0.5, 0.9, 2.0, 50.0] {
+        let zetas = [0.0, 0.02, 0.1, 0.5, 0.9, 2.0, 50.0];
+        let of = |at: (f64, f64)| zetas.map(|zeta| (at, zeta));
+        for ((omega, scale), zeta) in [(1e4, 1e3), (1e-6, 1e-7)].into_iter().flat_map(of) {
             let entries =
                 [(0, 1, scale), (1, 0, -omega * omega / scale), (1, 1, -2.0 * zeta * omega)];
             let expected = omega * (zeta + (zeta * zeta - 1.0_f64).max(0.0).sqrt());
@@ -155,6 +156,10 @@ mod tests {
             // Measured: 2e-12.
             assert!((decay - expected).abs() < 2e-11 * omega, "{zeta}: {decay:e}, {expected:e}");
         }
+        // A triangle has its diagonal as eigenvalues.
+        let triangle = [(0, 0, -3.0), (0, 1, 7.0), (1, 1, -100.0), (1, 2, -50.0), (2, 2, -20.0)];
+        let decay = fastest_decay(&triangle, 3);
+        assert!((decay - 100.0).abs() < 1e-9, "{decay:e}");
         assert_eq!(fastest_decay(&[(0, 1, 1.0)], 2), 0.0);
         assert!(fastest_decay(&[(0, 0, 3.0)], 1) < 0.0);
     }
