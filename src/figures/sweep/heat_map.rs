@@ -20,7 +20,11 @@ pub(super) fn drawing(data: &Data<'_>, y: &Field<'_>, color: &Field<'_>) -> Opti
     if cols.max(rows) > MOST {
         return None;
     }
+    let color_of = color.places();
     let cell = |row: usize| {
+        if !color_of[row].is_finite() {
+            return None;
+        }
         let (x, y) = (across.of_row[row]?, up.of_row[row]?);
         Some((rows - 1 - y) * cols + x)
     };
@@ -51,7 +55,7 @@ pub(super) fn drawing(data: &Data<'_>, y: &Field<'_>, color: &Field<'_>) -> Opti
     let empty = of_cell.iter().filter(|rows| rows.is_empty()).count();
     let grey = match empty {
         0 => String::new(),
-        _ => format!(" No run in {} (grey).", count_of(empty, "cell")),
+        _ => format!(" No value in {} (grey).", count_of(empty, "cell")),
     };
     let comma = if how.is_empty() { "" } else { ", " };
     let caption = format!(
@@ -59,7 +63,7 @@ pub(super) fn drawing(data: &Data<'_>, y: &Field<'_>, color: &Field<'_>) -> Opti
         color.name,
         data.x.name,
         y.name,
-        data.of_runs()
+        data.of_shown(of_cell.iter().map(Vec::len).sum())
     );
     let figure = Figure {
         size: Size { width: 820, height: 520 },
@@ -76,8 +80,7 @@ fn values(
     cells: &[Vec<usize>],
 ) -> (Cells, Vec<String>, String) {
     let median = |rows: &Vec<usize>| {
-        let mut own: Vec<f64> =
-            rows.iter().map(|row| numbers[*row]).filter(|x| x.is_finite()).collect();
+        let mut own: Vec<f64> = rows.iter().map(|row| numbers[*row]).collect();
         quantile(&mut own, 0.5).unwrap_or(f64::NAN)
     };
     let values: Vec<f64> = cells.iter().map(median).collect();

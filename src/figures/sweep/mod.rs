@@ -145,7 +145,11 @@ impl Data<'_> {
 
     /// The end of a caption: how many runs it is of.
     fn of_runs(&self) -> String {
-        let n = self.n_points();
+        self.of_shown(self.n_points())
+    }
+
+    /// The same where only `n` have a value that is shown.
+    fn of_shown(&self, n: usize) -> String {
         of_runs(n as u64, (self.n - n) as u64, self.failed)
     }
 }

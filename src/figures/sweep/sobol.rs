@@ -101,12 +101,14 @@ pub fn drawing(sobol: &Sobol) -> Result<Drawing, PlotError> {
     let cols = if n == 1 { 1 } else { 2 };
     let rows = n.div_ceil(cols).max(1);
     let title = format!("What the scatter of {} comes from", sobol.column);
-    let samples = sobol.points.iter().map(|point| point.samples).min().unwrap_or(0);
+    let samples = || sobol.points.iter().map(|point| point.samples);
+    let (least, most) = (samples().min().unwrap_or(0), samples().max().unwrap_or(0));
+    let up_to = if least < most { format!("{least} to ") } else { String::new() };
     let left_out: u64 = sobol.points.iter().map(|point| point.left_out).sum();
     let mut caption = format!(
-        "Main and total Sobol indices of {}, lines: 95 % intervals, from {}",
+        "Main and total Sobol indices of {}, lines: 95 % intervals, from {up_to}{}",
         sobol.column,
-        count_of(samples, "sample")
+        count_of(most, "sample")
     );
     if left_out > 0 {
         let (samples, runs) = (count_of(left_out, "sample"), count_of(sobol.failed, "run"));
