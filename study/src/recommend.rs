@@ -236,9 +236,10 @@ fn bound(entry: &Entry, n_events: usize) -> String {
     let by = match (entry.implicit_steps(), entry.bound_by_stability) {
         (Some(halves), _) => format!("takes {halves}"),
         (None, true) => "is bound by stability".to_owned(),
-        (None, false) if entry.growth.is_some_and(|growth| growth < HARDLY) => {
-            "takes the steps that its events ask for".to_owned()
-        }
+        (None, false) if entry.growth.is_some_and(|growth| growth < HARDLY) => match n_events {
+            0 => "needs hardly more steps for a tighter tolerance".to_owned(),
+            _ => "takes the steps that its events ask for".to_owned(),
+        },
         (None, false) => "is bound by accuracy".to_owned(),
     };
     format!("{by}: {steps}{growth}")

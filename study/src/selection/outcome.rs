@@ -13,8 +13,9 @@ const GROWTH_SPAN: i32 = 2 * A_DECADE;
 
 /// A fixed step whose error is below this part of the accuracy is not chosen for accuracy.
 const TOO_GOOD: f64 = 0.01;
-/// Where a phase has fewer steps than this, in the mean, its events set them, and no limit of stability.
-const STEPS_OF_EVENTS: u64 = 5;
+/// Where a phase has fewer steps than this, in the mean, its events set them, or the growth from a short first step, and no
+/// limit of stability. A quadrature over 2 s takes 5 to 7.
+const FEW_STEPS: u64 = 10;
 
 impl Search<'_> {
     /// Why no setting reaches the accuracy, told by the last one looked at.
@@ -111,7 +112,7 @@ impl Search<'_> {
 
     /// Whether stability sets the steps: of a method that chooses them, where they depend on the
     /// tolerance less than a quarter as much as accuracy asks, `10^(1/p)` a decade at order p, and are not
-    /// few between two events; of a fixed step that could be longer, where the error is far below what was asked.
+    /// [few](FEW_STEPS) a phase; of a fixed step that could be longer, where the error is far below what was asked.
     fn is_bound_by_stability(&self, rung: i32, trial: &Trial, growth: Option<f64>) -> bool {
         let (method, benchmark) = (self.candidate.method, self.contest.benchmark);
         if method.is_implicit() {
@@ -122,7 +123,7 @@ impl Search<'_> {
             return trial.e < TOO_GOOD * self.contest.accuracy && !is_coarsest;
         }
         let n_phases = benchmark.n_events as u64 + 1;
-        let are_many = trial.stats.n_accepted >= STEPS_OF_EVENTS * n_phases;
+        let are_many = trial.stats.n_accepted >= FEW_STEPS * n_phases;
         are_many && growth.is_some_and(|growth| growth < libm::exp10(0.25 / method.order as f64))
     }
 
