@@ -201,9 +201,10 @@ fn written(horizon: Option<Horizon>) -> &'static str {
     }
 }
 
-fn horizon_line(horizon: Option<Horizon>) -> String {
+fn horizon_line(horizon: Option<Horizon>, has_failed: bool) -> String {
     match horizon {
         Some(Horizon::LostAt(t)) => format!("predictable up to {} s\n", as_meant(t)),
+        Some(Horizon::WholeRun) if has_failed => "predictable as far as it came\n".to_owned(),
         Some(Horizon::WholeRun) => "predictable to its end\n".to_owned(),
         Some(Horizon::NotMeasured) => {
             "horizon not measured: no tight run came to the end at a few times the work\n"
@@ -369,7 +370,8 @@ fn report_lines(summary: &Value, parts: &[Simulated<'_>], horizon: Option<Horizo
         text += &part_line(part);
         text += &contact_line(part).unwrap_or_default();
     }
-    text += &horizon_line(horizon);
+    let has_failed = parts.iter().any(|part| error(part).is_some());
+    text += &horizon_line(horizon, has_failed);
     match summary["warnings"].as_array().map_or(0, Vec::len) {
         0 => {}
         n => text += &format!("{}, in run.json\n", count_of(n, "warning")),
