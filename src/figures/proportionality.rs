@@ -39,8 +39,7 @@ pub(super) fn drawing(table: &WorkPrecision, rows: &[ToleranceRow]) -> Drawing {
 fn panel(table: &WorkPrecision, rows: &[ToleranceRow], events: Events, names: bool) -> Panel {
     let mut series: Vec<Series> = Vec::new();
     for (method, own, runs) in groups(&table.rows) {
-        let points: Vec<(f64, f64)> =
-            runs.iter().filter_map(|row| row.rtol.zip(row.e.filter(|e| *e > 0.0))).collect();
+        let points: Vec<(f64, f64)> = runs.iter().filter_map(|row| row.rtol.zip(row.e)).collect();
         if own == events {
             series.push(Series {
                 label: if names { method.into() } else { String::new() },

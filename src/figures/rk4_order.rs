@@ -15,8 +15,7 @@ const SLOPE_RANGE: (f64, f64) = (1e-11, 1e-2);
 pub(super) fn drawing(table: &WorkPrecision) -> Drawing {
     let (mut series, mut guides, mut slopes) = (Vec::new(), Vec::new(), Vec::new());
     for (method, events, rows) in groups(&table.rows) {
-        let points: Vec<(f64, f64)> =
-            rows.iter().filter_map(|row| row.step.zip(row.e.filter(|e| *e > 0.0))).collect();
+        let points: Vec<(f64, f64)> = rows.iter().filter_map(|row| row.step.zip(row.e)).collect();
         if method != "rk4" || points.is_empty() {
             continue;
         }
