@@ -122,10 +122,10 @@ fn what_cannot_be_drawn_is_refused_with_a_way_out() {
         ),
         (&["--x", "contact.stiffness", "--y", "friction.law"], "with --color"),
         (&["--x", "n_rhs", "--color", "friction.coefficient"], "too many values to tell apart"),
-        (&["--x", "largest_impact_speed_m_s"], "no run has a number in each of"),
+        (&["--x", "largest_impact_speed_m_s"], "no run has a value in each of"),
         (
             &["--x", "n_rhs", "--y", "peak_force_n", "--color", "largest_impact_speed_m_s"],
-            "no run has a number in each of n_rhs, peak_force_n, largest_impact_speed_m_s",
+            "no run has a value in each of n_rhs, peak_force_n, largest_impact_speed_m_s",
         ),
         (&["--sobol", "peak_force_n"], "sampling = \"saltelli\""),
         (&["--sobol", "n_rhs", "--x", "n_rhs"], "cannot be used with"),

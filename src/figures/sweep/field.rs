@@ -12,6 +12,9 @@ const DECADES: f64 = 2.0;
 /// Most classes that a figure tells apart.
 pub(super) const MOST_CLASSES: usize = 8;
 
+/// The column of words whose empty word says something.
+const WARNINGS: &str = "warnings";
+
 /// Largest number that may be a code or a count to tell apart.
 const LARGEST_CODE: f64 = 1000.0;
 
@@ -55,9 +58,7 @@ impl<'a> Field<'a> {
     /// Its axis: with numbers, or with the words as places.
     pub(super) fn axis(&self) -> Axis {
         match self.column {
-            Column::Words { words, .. } => {
-                Axis::named(&self.label, words.iter().map(|word| named(word)).collect())
-            }
+            Column::Words { .. } => Axis::named(&self.label, self.levels().names),
             Column::Numbers(_) => {
                 Axis { label: self.label.clone(), scale: self.scale, ..Axis::default() }
             }
@@ -72,11 +73,14 @@ impl<'a> Field<'a> {
         matches!(self.column, Column::Words { .. })
     }
 
-    /// Where each row stands on its axis.
+    /// Where each row stands on its axis; not a number for one without a value.
     pub(super) fn places(&self) -> Vec<f64> {
         match self.column {
             Column::Numbers(numbers) => numbers.clone(),
-            Column::Words { of_row, .. } => of_row.iter().map(|word| f64::from(*word)).collect(),
+            Column::Words { .. } => {
+                let of_row = self.levels().of_row.into_iter();
+                of_row.map(|word| word.map_or(f64::NAN, |word| word as f64)).collect()
+            }
         }
     }
 
@@ -91,11 +95,7 @@ impl<'a> Field<'a> {
     /// Its different values in order.
     pub(super) fn levels(&self) -> Levels {
         match self.column {
-            Column::Words { words, of_row } => Levels {
-                names: words.iter().map(|word| named(word)).collect(),
-                places: (0..words.len()).map(|i| i as f64).collect(),
-                of_row: of_row.iter().map(|word| Some(*word as usize)).collect(),
-            },
+            Column::Words { words, of_row } => self.word_levels(words, of_row),
             Column::Numbers(numbers) => {
                 let mut places: Vec<f64> =
                     numbers.iter().copied().filter(|x| !x.is_nan()).collect();
@@ -105,6 +105,23 @@ impl<'a> Field<'a> {
                 let of_row = numbers.iter().map(of).collect();
                 Levels { names: places.iter().copied().map(short).collect(), places, of_row }
             }
+        }
+    }
+
+    /// Its words in the order of the rows. An empty one is no value, but that of warnings says that there is none.
+    fn word_levels(&self, words: &[String], of_row: &[u32]) -> Levels {
+        let empty = if self.name == WARNINGS { Some("none") } else { None };
+        let mut names = Vec::new();
+        let mut level = |word: &String| {
+            let name = if word.is_empty() { empty? } else { word };
+            names.push(name.to_owned());
+            Some(names.len() - 1)
+        };
+        let of_word: Vec<Option<usize>> = words.iter().map(&mut level).collect();
+        Levels {
+            places: (0..names.len()).map(|place| place as f64).collect(),
+            of_row: of_row.iter().map(|word| of_word[*word as usize]).collect(),
+            names,
         }
     }
 
@@ -166,11 +183,6 @@ impl Levels {
     pub(super) fn one(n: usize) -> Self {
         Self { names: vec![String::new()], places: vec![0.0], of_row: vec![Some(0); n] }
     }
-}
-
-/// A word as a label has it.
-fn named(word: &str) -> String {
-    if word.is_empty() { "none".to_owned() } else { word.to_owned() }
 }
 
 /// A value to four digits.

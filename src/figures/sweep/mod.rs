@@ -104,8 +104,7 @@ pub fn drawing_of(
         n: table.n_rows(),
         failed: table.failed,
     };
-    let has_number = |field: &Field<'_>| field.places().iter().any(|x| x.is_finite());
-    if !data.has_points() || !data.color.as_ref().is_none_or(has_number) {
+    if data.n_points() == 0 {
         return Err(nothing());
     }
     data.drawing()
@@ -130,17 +129,11 @@ impl Data<'_> {
         scatter::drawing(self, y)
     }
 
-    /// Whether any run has a place in the figure.
-    fn has_points(&self) -> bool {
-        self.n_points() > 0
-    }
-
-    /// Number of runs that have one.
+    /// Number of runs that have a place in the figure, and a colour where there are some.
     fn n_points(&self) -> usize {
-        let y = self.y.as_ref().map(Field::places);
-        let is_there =
-            |(i, x): &(usize, &f64)| x.is_finite() && y.as_ref().is_none_or(|y| y[*i].is_finite());
-        self.x.places().iter().enumerate().filter(is_there).count()
+        let fields = [Some(&self.x), self.y.as_ref(), self.color.as_ref()];
+        let places: Vec<Vec<f64>> = fields.into_iter().flatten().map(Field::places).collect();
+        (0..self.n).filter(|row| places.iter().all(|own| own[*row].is_finite())).count()
     }
 
     /// The end of a caption: how many runs it is of.
