@@ -6,17 +6,17 @@ use super::results::Results;
 const MOST: usize = 6;
 /// What is asked, each a column of all sites, and where there are several one of each site.
 const ASKED: [&str; 6] =
-    ["peak_force_n", "n_contacts", "impulse_n_s", "dissipated_j", "estimated_e", WORK];
-/// What every run has, whatever it is of.
-const WORK: &str = "n_rhs";
+    ["peak_force_n", "n_contacts", "impulse_n_s", "dissipated_j", OF_ALL[0], OF_ALL[1]];
+/// What a run may have whatever it is of: its estimated error and its work.
+const OF_ALL: [&str; 2] = ["estimated_e", "n_rhs"];
 /// What stands before the states of a site, and what comes after those of the last.
 const TIME: &str = "t_s";
 const MODE: &str = "mode";
 const EVENTS: &str = "n_events";
 
 /// Those of peak force, contacts, impulse, dissipation, estimated error and work that the sweep has. Each site's own are in the
-/// place of those of all, in their order, as long as there are no more than six in all. A sweep that tells of work alone has
-/// the states at the end before it.
+/// place of those of all, in their order, as long as there are no more than six in all. A sweep that tells of neither contacts
+/// nor energy has the states at the end before the rest.
 pub fn default_columns(results: &Results) -> Vec<&str> {
     of(&results.columns)
 }
@@ -25,9 +25,9 @@ fn of(all: &[String]) -> Vec<&str> {
     let has = |name: &&str| all.iter().any(|own| own == name);
     let asked: Vec<&str> = ASKED.into_iter().filter(has).collect();
     let prefixes = prefixes(all);
-    if asked == [WORK] {
-        let states = states(all, &prefixes).into_iter().take(MOST - 1);
-        return states.chain([WORK]).collect();
+    if asked.iter().all(|name| OF_ALL.contains(name)) {
+        let states = states(all, &prefixes).into_iter().take(MOST - asked.len());
+        return states.chain(asked).collect();
     }
     let of_sites = |name: &str| -> Vec<&str> {
         let own = |prefix: &&str| all.iter().find(|own| **own == format!("{prefix}{name}"));
@@ -123,6 +123,8 @@ mod tests {
         );
         let two = "run status outcome a1_t_s a1_mode a1_x_m a2_t_s a2_mode a2_x_m a1_n_events a2_n_events n_events n_rhs";
         assert_eq!(chosen(two), ["a1_x_m", "a2_x_m", "n_rhs"]);
+        let checked = "run status outcome t_s mode x_m v n_events n_rhs horizon_s estimated_e";
+        assert_eq!(chosen(checked), ["x_m", "v", "estimated_e", "n_rhs"]);
         let many = "run status outcome t_s mode a b c d e f g n_events n_rhs";
         assert_eq!(chosen(many), ["a", "b", "c", "d", "e", "n_rhs"]);
     }
