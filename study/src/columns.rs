@@ -146,8 +146,18 @@ pub const COLUMNS: &[Column] = &[
     column("n_events", "", "events of the whole run, the start's own left out", |row| {
         size(row.n_events)
     }),
-    column("missed", "", "events of the reference that it lacks", |row| size(row.missed)),
-    column("spurious", "", "events that the reference lacks", |row| size(row.spurious)),
+    column(
+        "missed",
+        "",
+        "events of the reference that it lacks, up to the horizon, without those at the very end",
+        |row| size(row.missed),
+    ),
+    column(
+        "spurious",
+        "",
+        "events that the reference lacks, up to the horizon, without those at the very end",
+        |row| size(row.spurious),
+    ),
     column("horizon_s", "s", "time up to which errors are taken", |row| {
         Number(Some(row.horizon_s))
     }),
@@ -218,7 +228,7 @@ pub const COLUMNS: &[Column] = &[
     column(
         "e_final",
         "",
-        "worst of the states at the end, each over the largest value that it takes",
+        "worst of the states at the end, each over the largest value that it takes; empty where one jumps there",
         |row| Number(row.errors.e_final),
     ),
     column(

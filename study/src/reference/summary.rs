@@ -10,8 +10,7 @@ use crate::selection::chooses;
 use crate::warning::Warning;
 
 /// What is said where a part has no sample by which runs could be compared.
-const NO_SAMPLE: &str =
-    "a part has no sample before its end and its horizon, so e is not defined; shorten run.sample";
+const NO_SAMPLE: &str = "a part has no sample between its start and its end or horizon, so e is not defined; shorten run.sample, or start it where it does not end at once";
 
 /// The scale of a group of states.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
