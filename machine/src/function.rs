@@ -125,6 +125,11 @@ impl<'a> Function<'a> {
         Number(self.builder.ins().fneg(a.0))
     }
 
+    /// `|a|`.
+    pub fn absolute(&mut self, a: Number) -> Number {
+        Number(self.builder.ins().fabs(a.0))
+    }
+
     /// `√a`
     pub fn sqrt(&mut self, a: Number) -> Number {
         Number(self.builder.ins().sqrt(a.0))

@@ -3,15 +3,21 @@
 //! A model is written once, generic over [`Real`]. With `f64` it is integrated, with dual numbers differentiated,
 //! with extended-precision numbers computed to more digits, and with Taylor coefficients expanded in a series.
 
+mod elementary;
+mod numbers;
+
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Sub};
-
-use num_dual::Dual64;
 
 /// A real number, or a type that follows the same arithmetic, such as a dual number or a Taylor series.
 ///
 /// Elementary functions of `f64` come from `libm`, not from the platform, so that the same input
 /// gives the same bits on every machine.
+///
+/// A constant stands to the right of an operator: `y * 2.0`, `-y + 1.0`. Rust cannot promise `2.0 * y` for every such type.
+///
+/// The functions from [`sinh`](Self::sinh) to [`atan2`](Self::atan2), and [`sign`](Self::sign), decide on the value of a number. So a
+/// mode with [parameters](crate::Alike::parameters), of which several runs are computed at once, must not use them.
 pub trait Real:
     Copy
     + Debug
@@ -89,6 +95,72 @@ pub trait Real:
 
     /// `selfᵃ` for a base of at least zero.
     fn powf(self, a: f64) -> Self;
+
+    /// Hyperbolic sine.
+    fn sinh(self) -> Self {
+        self.outlined(&elementary::Sinh)
+    }
+
+    /// Hyperbolic cosine.
+    fn cosh(self) -> Self {
+        self.outlined(&elementary::Cosh)
+    }
+
+    /// Hyperbolic tangent; ±1 where the exponential overflows.
+    fn tanh(self) -> Self {
+        self.outlined(&elementary::Tanh)
+    }
+
+    /// Arc sine, in radians from −π/2 to π/2; NaN beyond ±1. At ±1 its slope is not a number.
+    fn asin(self) -> Self {
+        self.atan2(elementary::leg(self))
+    }
+
+    /// Arc cosine, in radians from 0 to π; NaN beyond ±1. At ±1 its slope is not a number.
+    fn acos(self) -> Self {
+        elementary::leg(self).atan2(self)
+    }
+
+    /// Arc tangent, in radians from −π/2 to π/2.
+    fn atan(self) -> Self {
+        self.atan2(Self::cst(1.0))
+    }
+
+    /// The angle of the point `(x, y)` in radians from −π to π, where this number is `y`. Of the origin it is that of
+    /// `f64::atan2` for an `f64`, and NaN for what has a derivative.
+    fn atan2(self, x: Self) -> Self {
+        let [angle] = Self::all_outlined([self, x], &elementary::ArcTangent);
+        angle
+    }
+
+    /// Absolute value, by a branch on the [value](Self::value): where that crosses zero a step is not smooth. At zero it is
+    /// the branch of positive numbers.
+    #[inline]
+    fn abs(self) -> Self {
+        if self.value() < 0.0 { -self } else { self }
+    }
+
+    /// −1, 0 or 1, a constant: its derivative is zero. It is a step, which belongs to a mode and a guard. (`f64::signum` is
+    /// never zero.)
+    #[inline]
+    fn sign(self) -> Self {
+        Self::cst(elementary::sign(self.value()))
+    }
+
+    /// The smaller of the two, by a branch as in [`abs`](Self::abs); this one where they are equal, NaN where one of them is
+    /// (`f64::min` then gives the other).
+    #[inline]
+    fn min(self, other: Self) -> Self {
+        let (a, b) = (self.value(), other.value());
+        if b < a || b.is_nan() { other } else { self }
+    }
+
+    /// The larger of the two, as [`min`](Self::min).
+    #[inline]
+    fn max(self, other: Self) -> Self {
+        let (a, b) = (self.value(), other.value());
+        if b > a || b.is_nan() { other } else { self }
+    }
 
     /// This number prepared as a [divisor](Self::over), with its reciprocal.
     #[inline(always)]
@@ -264,9 +336,6 @@ pub trait Ordered: Real {
     /// The result of a comparison: true or false for each run.
     type Mask: Copy + BitAnd<Output = Self::Mask>;
 
-    /// Absolute value.
-    fn abs(self) -> Self;
-
     /// The smaller of the two; where one is NaN, any of both. A vector has one instruction for it.
     fn lesser(self, other: Self) -> Self;
 
@@ -281,133 +350,4 @@ pub trait Ordered: Real {
 pub trait Function {
     /// Its value at `x`.
     fn of<S: Real>(&self, x: S) -> S;
-}
-
-impl Real for f64 {
-    const NEWTON_STEPS: usize = 0;
-
-    fn cst(x: f64) -> Self {
-        x
-    }
-
-    fn value(self) -> f64 {
-        self
-    }
-
-    fn sqrt(self) -> Self {
-        self.sqrt()
-    }
-
-    #[inline]
-    fn sin_cos(self) -> (Self, Self) {
-        libm::sincos(self)
-    }
-
-    fn exp(self) -> Self {
-        libm::exp(self)
-    }
-
-    fn ln(self) -> Self {
-        libm::log(self)
-    }
-
-    fn powf(self, a: f64) -> Self {
-        libm::pow(self, a)
-    }
-
-    #[inline(always)]
-    fn as_f64s(numbers: &[Self]) -> Option<&[f64]> {
-        Some(numbers)
-    }
-
-    #[inline(always)]
-    fn as_f64s_mut(numbers: &mut [Self]) -> Option<&mut [f64]> {
-        Some(numbers)
-    }
-}
-
-impl Ordered for f64 {
-    type Mask = bool;
-
-    fn abs(self) -> Self {
-        self.abs()
-    }
-
-    fn lesser(self, other: Self) -> Self {
-        if self < other { self } else { other }
-    }
-
-    fn larger(self, other: Self) -> Self {
-        if self > other { self } else { other }
-    }
-
-    fn is_above(self, other: Self) -> bool {
-        self > other
-    }
-}
-
-/// A value and its derivative along one direction (forward-mode differentiation).
-impl Real for Dual64 {
-    const NEWTON_STEPS: usize = 1;
-
-    #[inline]
-    fn cst(x: f64) -> Self {
-        Self::from_re(x)
-    }
-
-    fn value(self) -> f64 {
-        self.re
-    }
-
-    fn sqrt(self) -> Self {
-        let root = self.re.sqrt();
-        Self::new(root, self.eps / (2.0 * root))
-    }
-
-    fn sin_cos(self) -> (Self, Self) {
-        let (sin, cos) = libm::sincos(self.re);
-        (Self::new(sin, cos * self.eps), Self::new(cos, -sin * self.eps))
-    }
-
-    fn exp(self) -> Self {
-        let e = libm::exp(self.re);
-        Self::new(e, e * self.eps)
-    }
-
-    fn ln(self) -> Self {
-        Self::new(libm::log(self.re), self.eps / self.re)
-    }
-
-    fn powf(self, a: f64) -> Self {
-        Self::new(libm::pow(self.re, a), a * libm::pow(self.re, a - 1.0) * self.eps)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn dual_derivatives_agree_with_closed_forms() {
-        let x = 0.7;
-        let d = Dual64::new(x, 1.0);
-        let (sin, cos) = d.sin_cos();
-        let pairs = [
-            (Real::sqrt(d).eps, 0.5 / x.sqrt()),
-            (sin.eps, x.cos()),
-            (cos.eps, -x.sin()),
-            (Real::sin(d).eps, x.cos()),
-            (Real::cos(d).eps, -x.sin()),
-            (Real::tan(d).eps, 1.0 + x.tan() * x.tan()),
-            (Real::powi(d, 0).eps, 0.0),
-            (Real::powi(d, 5).eps, 5.0 * x.powi(4)),
-            (Real::exp(d).eps, x.exp()),
-            (Real::ln(d).eps, 1.0 / x),
-            (Real::powf(d, 1.5).eps, 1.5 * x.sqrt()),
-            ((d * d / (d + 1.0)).eps, (x * x + 2.0 * x) / (x + 1.0).powi(2)),
-        ];
-        for (found, expected) in pairs {
-            assert!((found - expected).abs() < 1e-15, "{found} against {expected}");
-        }
-    }
 }

@@ -195,7 +195,6 @@ impl Real for Bounded {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::functions::arc_tangent;
 
     /// An operation of two numbers, with bounds and as it is.
     type Operation = (&'static str, fn(Bounded, Bounded) -> Bounded, fn(f64, f64) -> f64, Rounding);
@@ -238,9 +237,9 @@ mod tests {
             Real::exp(b) => OfFunction,
             Real::ln(a) => OfFunction,
             Real::powf(a, 1.7) => OfFunction,
-            arc_tangent(a, b) => OfFormula,
-            arc_tangent(b, Real::cst(1.0)) => OfFormula,
-            arc_tangent(a, Real::sqrt(-(a * a) + 1.0)) => OfFormula,
+            Real::atan2(a, b) => OfFormula,
+            Real::atan(b) => OfFormula,
+            Real::asin(a) => OfFormula,
         )
     }
 

@@ -2,7 +2,7 @@
 
 use deltazero_solvers::Real;
 
-use crate::functions::{arc_tangent, larger, power, smaller};
+use crate::functions::power;
 use crate::tape::{Input, Instruction, Output, Tape};
 
 /// What a tape reads.
@@ -148,9 +148,9 @@ fn execute<S: Real, R: Registers<S>>(instructions: &[Instruction], r: &mut R) {
                 r.set(cos, c);
             }
             Instruction::Elementary { to, a, function } => r.set(to, function.of(r.at(a))),
-            Instruction::ArcTangent { to, y, x } => r.set(to, arc_tangent(r.at(y), r.at(x))),
-            Instruction::Smaller { to, a, b } => r.set(to, smaller(r.at(a), r.at(b))),
-            Instruction::Larger { to, a, b } => r.set(to, larger(r.at(a), r.at(b))),
+            Instruction::ArcTangent { to, y, x } => r.set(to, r.at(y).atan2(r.at(x))),
+            Instruction::Smaller { to, a, b } => r.set(to, r.at(a).min(r.at(b))),
+            Instruction::Larger { to, a, b } => r.set(to, r.at(a).max(r.at(b))),
             Instruction::Power { to, a, p } => r.set(to, power(r.at(a), p)),
         }
     }

@@ -2,7 +2,9 @@
 
 use std::collections::{HashMap, HashSet};
 
-use crate::functions::{Elementary, arc_tangent, larger, power, smaller};
+use deltazero_solvers::Real;
+
+use crate::functions::{Elementary, power};
 
 /// A node of a graph, by its number. Operands have smaller numbers than what is made of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -230,14 +232,14 @@ impl Graph {
 
     pub(crate) fn arc_tangent(&mut self, y: Id, x: Id) -> Id {
         match self.values(y, x) {
-            (Some(y), Some(x)) => self.constant(arc_tangent(y, x)),
+            (Some(y), Some(x)) => self.constant(Real::atan2(y, x)),
             _ => self.id(Node::ArcTangent(y, x)),
         }
     }
 
     pub(crate) fn smaller(&mut self, a: Id, b: Id) -> Id {
         match self.values(a, b) {
-            (Some(a), Some(b)) => self.constant(smaller(a, b)),
+            (Some(a), Some(b)) => self.constant(Real::min(a, b)),
             _ if a == b => a,
             _ => self.id(Node::Smaller(a, b)),
         }
@@ -245,7 +247,7 @@ impl Graph {
 
     pub(crate) fn larger(&mut self, a: Id, b: Id) -> Id {
         match self.values(a, b) {
-            (Some(a), Some(b)) => self.constant(larger(a, b)),
+            (Some(a), Some(b)) => self.constant(Real::max(a, b)),
             _ if a == b => a,
             _ => self.id(Node::Larger(a, b)),
         }

@@ -222,10 +222,7 @@ impl<'f, 'a> Writer<'f, 'a> {
     fn elementary(&mut self, function: Elementary, a: Number) -> Number {
         match function {
             Elementary::Sqrt | Elementary::Norm => self.function.sqrt(a),
-            Elementary::Abs => {
-                let (zero, negative) = (self.function.constant(0.0), self.function.negative(a));
-                self.function.if_less([a, zero], negative, a)
-            }
+            Elementary::Abs => self.function.absolute(a),
             Elementary::Sign => {
                 let [zero, one, less] = [0.0, 1.0, -1.0].map(|c| self.function.constant(c));
                 let not_above = self.function.if_less([a, zero], less, a);
@@ -277,7 +274,7 @@ mod outside {
     }
 
     pub(super) extern "C" fn arc_tangent(y: f64, x: f64) -> f64 {
-        functions::arc_tangent(y, x)
+        Real::atan2(y, x)
     }
 }
 

@@ -334,6 +334,43 @@ impl Real for Interval {
     fn powf(self, _a: f64) -> Self {
         Self::WHOLE
     }
+
+    /// All numbers.
+    fn sinh(self) -> Self {
+        Self::WHOLE
+    }
+
+    /// All numbers.
+    fn cosh(self) -> Self {
+        Self::WHOLE
+    }
+
+    /// All numbers.
+    fn tanh(self) -> Self {
+        Self::WHOLE
+    }
+
+    /// All numbers.
+    fn atan2(self, _x: Self) -> Self {
+        Self::WHOLE
+    }
+
+    fn abs(self) -> Self {
+        Self::abs(self)
+    }
+
+    fn sign(self) -> Self {
+        let sign = |x: f64| f64::from(i8::from(x > 0.0) - i8::from(x < 0.0));
+        Self::new(sign(self.lo), sign(self.hi))
+    }
+
+    fn min(self, other: Self) -> Self {
+        Self::new(self.lo.min(other.lo), self.hi.min(other.hi))
+    }
+
+    fn max(self, other: Self) -> Self {
+        Self::new(self.lo.max(other.lo), self.hi.max(other.hi))
+    }
 }
 
 impl Coefficient for Interval {

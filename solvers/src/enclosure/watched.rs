@@ -50,6 +50,14 @@ impl<'w> Watched<'w> {
     fn of(self, x: Interval) -> Self {
         Self { x, ..self }
     }
+
+    /// The result of a function that no interval is known of: what uses it is not decided.
+    fn unknown(self) -> Self {
+        if let Some(watch) = self.watch {
+            watch.is_undecided.set(true);
+        }
+        self.of(Interval::WHOLE)
+    }
 }
 
 impl Neg for Watched<'_> {
@@ -124,11 +132,53 @@ impl Real for Watched<'_> {
     fn powf(self, a: f64) -> Self {
         self.of(self.x.powf(a))
     }
+
+    fn sinh(self) -> Self {
+        self.unknown()
+    }
+
+    fn cosh(self) -> Self {
+        self.unknown()
+    }
+
+    fn tanh(self) -> Self {
+        self.unknown()
+    }
+
+    fn atan2(self, x: Self) -> Self {
+        x.unknown();
+        self.unknown()
+    }
+
+    // The sign of the difference may be decided where neither is a single number.
+    fn min(self, other: Self) -> Self {
+        if (other - self).value() < 0.0 { other } else { self }
+    }
+
+    fn max(self, other: Self) -> Self {
+        if (other - self).value() > 0.0 { other } else { self }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn functions_without_an_interval_and_undecided_choices_are_seen() {
+        let low = |x: Interval, f: &dyn Fn(Watched<'_>) -> Watched<'_>| {
+            let watch = Watch::new(Allowed::SignsLow);
+            let found = f(Watched::new(x, &watch)).x;
+            (found, watch.is_undecided())
+        };
+        let x = Interval::new(1.0, 1.5);
+        assert!(low(x, &|x| x.tanh()).1 && low(x, &|x| x.atan()).1 && low(x, &|x| x.asin()).1);
+        assert_eq!(low(-x, &|x| x.abs()), (x, false));
+        assert!(low(Interval::new(-1.0, 1.0), &|x| x.abs()).1);
+        assert_eq!(low(x, &|x| x.max(Real::cst(2.0))), (Interval::from(2.0), false));
+        assert_eq!(low(x, &|x| x.min(Real::cst(2.0))), (x, false));
+        assert!(low(x, &|x| x.max(Real::cst(1.2))).1 && low(x, &|x| x.min(Real::cst(1.2))).1);
+    }
 
     /// Whether the sign of a number of this interval is decided.
     fn is_decided(allowed: Allowed, x: Interval) -> bool {

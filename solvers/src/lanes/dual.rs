@@ -23,14 +23,22 @@ impl<V: Simd> DualLanes<V> {
         Self { re, eps }
     }
 
-    fn map(self, f: impl Fn(Dual64) -> Dual64) -> Self {
+    fn lane(&self, i: usize) -> Dual64 {
+        Dual64::new(self.re.lane(i), self.eps.lane(i))
+    }
+
+    fn from_fn(each: impl Fn(usize) -> Dual64) -> Self {
         let mut eps = [0.0; LANES];
         let re = Lanes::from_fn(|i| {
-            let each = f(Dual64::new(self.re.lane(i), self.eps.lane(i)));
+            let each = each(i);
             eps[i] = each.eps;
             each.re
         });
         Self::new(re, Lanes::from_fn(|i| eps[i]))
+    }
+
+    fn map(self, f: impl Fn(Dual64) -> Dual64) -> Self {
+        Self::from_fn(|i| f(self.lane(i)))
     }
 }
 
@@ -143,6 +151,18 @@ impl<V: Simd> Real for DualLanes<V> {
     fn powf(self, a: f64) -> Self {
         self.map(|x| Real::powf(x, a))
     }
+
+    fn abs(self) -> Self {
+        self.map(Real::abs)
+    }
+
+    fn min(self, other: Self) -> Self {
+        Self::from_fn(|i| Real::min(self.lane(i), other.lane(i)))
+    }
+
+    fn max(self, other: Self) -> Self {
+        Self::from_fn(|i| Real::max(self.lane(i), other.lane(i)))
+    }
 }
 
 #[cfg(test)]
@@ -159,7 +179,8 @@ mod tests {
         fn of<S: Real>(&self, x: S) -> S {
             let (sin, cos) = (x * 0.7).sin_cos();
             let quotient = (sin + 1.0) / (cos - x * 0.1) - -x / 3.0;
-            (x.sqrt() + quotient * quotient).ln() + x.powf(1.7) * (x - 2.0).exp()
+            let folded = (x - 0.5).abs().max(sin).min(cos + 1.0);
+            (x.sqrt() + quotient * quotient).ln() + x.powf(1.7) * (x - 2.0).exp() + folded
         }
     }
 

@@ -250,16 +250,24 @@ impl<V: Simd> Real for Lanes<V> {
     fn powf(self, a: f64) -> Self {
         self.map(|x| Real::powf(x, a))
     }
-}
-
-impl<V: Simd> Ordered for Lanes<V> {
-    /// A bit for each lane.
-    type Mask = u32;
 
     #[inline(always)]
     fn abs(self) -> Self {
         Self(self.0.abs())
     }
+
+    fn min(self, other: Self) -> Self {
+        Self::from_fn(|i| Real::min(self.lane(i), other.lane(i)))
+    }
+
+    fn max(self, other: Self) -> Self {
+        Self::from_fn(|i| Real::max(self.lane(i), other.lane(i)))
+    }
+}
+
+impl<V: Simd> Ordered for Lanes<V> {
+    /// A bit for each lane.
+    type Mask = u32;
 
     #[inline(always)]
     fn lesser(self, other: Self) -> Self {

@@ -189,7 +189,7 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
             last = [last[1], last[2], term];
         }
         let own = (last[2] - explained * power).abs();
-        let [before, last_but_one, last] = last.map(Ordered::abs);
+        let [before, last_but_one, last] = last.map(Real::abs);
         let of_last = last_but_one + last;
         // With s_j the sum to order j, Σ_k≤N k g_k hᵏ = N s_N − Σ_j<N s_j. What the sum lacks at the end is taken for a
         // term of the next order.
