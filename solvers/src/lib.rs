@@ -81,6 +81,7 @@
 //!   the method that chooses between others ([`auto`]).
 //! - One step: [`step`] with its [`dense`] output, accepted or rejected by [`control`] to a [`tolerance`].
 //! - Events: [`event_location`] finds guards that fall within a step, and when, by the root finders of [`root`].
+//!   What counts as rounding there is found in [`rounding`].
 //! - One smooth phase: [`phase`] defines the contract, [`one_step`] fulfils it for methods that hand on a step.
 //! - The run: [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in an outcome or an
 //!   [`error`]. Runs of systems of a kind are computed several at once by [`Method::run_batch`], in a [`batch`].
@@ -122,6 +123,7 @@ pub mod real;
 pub mod record;
 pub mod root;
 pub mod rosenbrock;
+pub mod rounding;
 pub mod rules;
 pub mod sensitivity;
 mod sparsity;

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use num_dual::Dual64;
 
 use crate::real::{Over, Real};
-use crate::sparsity;
+use crate::{rounding, sparsity};
 
 /// A vector of scalars of one length: `[S; N]` where it is small and known, `Vec<S>` otherwise.
 pub trait Vector<S>: Clone + Debug + AsRef<[S]> + AsMut<[S]> {
@@ -145,13 +145,21 @@ pub trait System {
 
     /// Writes bounds of the rounding errors of [`guards`](Self::guards) to `bounds`, in the units of the guards and
     /// above zero. A guard is *violated* when it is below minus its bound.
+    ///
+    /// The default follows the rounding of each operation of the guards ([`rounding`]). It takes a state for as exact as its own
+    /// last digits. A model knows better where a state comes from terms that cancel, as a gap does that is a difference of two
+    /// positions, or where it wants to save the evaluations.
     fn guard_bounds(
         &self,
         mode: Self::Mode,
         t: f64,
         y: &Self::State<f64>,
         bounds: &mut Self::Guards<f64>,
-    );
+    ) where
+        Self: Sized,
+    {
+        rounding::guard_bounds(self, mode, t, y, |_| 0.0, bounds);
+    }
 
     /// A span such that no guard depends on two states whose indices differ by a multiple of it. States this far
     /// apart never enter the same guard, so one evaluation with dual numbers differentiates the guards by all of them

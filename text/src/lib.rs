@@ -58,7 +58,6 @@
 //! What formulas mean where a paper leaves it open: `xⁿ` of a whole number is a product; with an exponent above one that is
 //! not whole it is continued past zero as an odd function, as a law of contact `K δⁿ` must be; a product with zero is zero.
 
-mod bounds;
 mod columns;
 mod compile;
 mod declarations;

@@ -3,11 +3,11 @@
 use std::marker::PhantomData;
 use std::sync::Arc;
 
+use deltazero_solvers::rounding::guard_bounds;
 use deltazero_solvers::{Next, Real, System, Vector};
 use deltazero_study::problem::Quantity;
 use num_dual::Dual64;
 
-use crate::bounds::guard_bounds;
 use crate::compile::Target;
 use crate::declarations::ModeRole;
 use crate::evaluate::Inputs;
@@ -17,6 +17,9 @@ use crate::mode::Mode;
 use crate::sparsity::{Column, Sparsity};
 use crate::tape::Tape;
 use crate::vector::{Any, Family, Few};
+
+/// A state below this part of its scale is taken for zero, so that bounces do not shrink for ever.
+const LEAST: f64 = 1e-14;
 
 /// A model from a file, compiled with the values of its parameters; one part of it where the file has parts.
 #[derive(Clone, Debug)]
@@ -219,7 +222,7 @@ impl<F: Family> System for TextModel<F> {
     }
 
     fn guard_bounds(&self, mode: Mode, t: f64, y: &F::State<f64>, bounds: &mut Vec<f64>) {
-        guard_bounds::<F>(&self.0, &mode, t, y, bounds);
+        guard_bounds(self, mode, t, y, |i| LEAST * self.0.scales[i], bounds);
     }
 
     /// By its formulas; where there are none by dual numbers, all columns of a group at once.

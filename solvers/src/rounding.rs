@@ -1,14 +1,13 @@
 //! Bounds of the rounding errors of guards: each operation carries the bound of its result along with its value.
+//!
+//! N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed., SIAM (2002), section 3.3: running error analysis.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use deltazero_solvers::{Real, Vector};
 use num_dual::Dual64;
 
-use crate::evaluate::Inputs;
-use crate::mode::Mode;
-use crate::system::Model;
-use crate::vector::{Buffer, Family};
+use crate::real::Real;
+use crate::system::{System, Vector};
 
 /// Half the spacing of numbers next to one.
 const UNIT: f64 = 0.5 * f64::EPSILON;
@@ -16,45 +15,46 @@ const UNIT: f64 = 0.5 * f64::EPSILON;
 const OF_FUNCTION: f64 = 2.0 * f64::EPSILON;
 /// Rounding error of a state, over its value: it is a sum of several terms.
 const OF_STATE: f64 = 2.0 * f64::EPSILON;
-/// What is nothing beside the natural size of a state: a bounce that is lower has no size of its own.
-const LEAST: f64 = 1e-14;
-/// Guards that need no memory of their own.
-const FEW: usize = 4;
 
-/// Writes bounds of the rounding errors of the guards of `mode`.
+/// Writes bounds of the rounding errors of the guards of `mode` at `(t, y)`, in the units of the guards and above zero:
 ///
-/// A state is known to its own rounding, and to the rounding of the time at which it has its value.
-pub(crate) fn guard_bounds<F: Family>(
-    model: &Model,
-    mode: &Mode,
+/// ```text
+/// bound of g = Σ (rounding of each operation, carried on to g) + ½ε |t ġ|,   |Δy_i| ≤ 2ε (|y_i| + least(i))
+/// ```
+///
+/// A state is known to its own rounding, and to the rounding of the time at which it has its value, along which a guard moves by
+/// its rate ġ. `least(i)` is a size of state i that is nothing beside its natural one, or zero.
+///
+/// It is what [`System::guard_bounds`] writes by default, with sizes of zero. It evaluates the right-hand side once, which is not
+/// counted, and the guards twice, with numbers that carry a bound and with dual numbers. A guard whose bound is not a number,
+/// as at the angle of the origin, has that of its rate alone.
+pub fn guard_bounds<P: System>(
+    system: &P,
+    mode: P::Mode,
     t: f64,
-    y: &F::State<f64>,
-    bounds: &mut [f64],
+    y: &P::State<f64>,
+    least: impl Fn(usize) -> f64,
+    bounds: &mut P::Guards<f64>,
 ) {
-    let mode_of = &model.modes[usize::from(mode.number)];
-    bounds.fill(f64::EPSILON);
-    let y = y.as_ref();
-    let state = |i: usize| {
-        let least = LEAST * model.scales[i];
-        Bounded { value: y[i], bound: OF_STATE * (y[i].abs() + least) }
-    };
-    let states = F::State::<Bounded>::from_fn(y.len(), state);
+    let (n, n_guards) = (system.dim(), system.n_guards());
+    let mut slopes = P::State::<f64>::from_fn(n, |_| 0.0);
+    system.rhs(mode.clone(), t, y, &mut slopes);
+    let (y, slopes) = (y.as_ref(), slopes.as_ref());
+
+    let state = |i: usize| Bounded { value: y[i], bound: OF_STATE * (y[i].abs() + least(i)) };
+    let states = P::State::<Bounded>::from_fn(n, state);
     let time = Bounded { value: t, bound: UNIT * t.abs() };
-    let n = mode_of.guards.first_outputs.len();
-    let mut own = Buffer::<Bounded, FEW>::new(n);
-    let inputs = Inputs { t: time, y: states.as_ref(), held: &mode.held };
-    mode_of.guards.run(&inputs, own.numbers());
-    let mut slopes = F::State::<f64>::from_fn(y.len(), |_| 0.0);
-    mode_of.tape.run(&Inputs { t, y, held: &mode.held }, slopes.as_mut());
-    let slopes = slopes.as_ref();
-    let along = F::State::<Dual64>::from_fn(y.len(), |i| Dual64::new(y[i], slopes[i]));
-    let mut rates = Buffer::<Dual64, FEW>::new(n);
-    let inputs = Inputs { t: Dual64::new(t, 1.0), y: along.as_ref(), held: &mode.held };
-    mode_of.guards.run(&inputs, rates.numbers());
-    // The angle of the origin has neither bound nor rate.
+    let mut own = P::Guards::<Bounded>::from_fn(n_guards, |_| Bounded::cst(f64::NAN));
+    system.guards(mode.clone(), time, &states, &mut own);
+
+    let along = P::State::<Dual64>::from_fn(n, |i| Dual64::new(y[i], slopes[i]));
+    let mut rates = P::Guards::<Dual64>::from_fn(n_guards, |_| Dual64::cst(0.0));
+    system.guards(mode, Dual64::new(t, 1.0), &along, &mut rates);
+
     let known = |x: f64| if x.is_nan() { 0.0 } else { x };
     let finite = |rate: f64| if rate.is_finite() { rate } else { 0.0 };
-    for ((bound, guard), rate) in bounds.iter_mut().zip(own.numbers()).zip(rates.numbers()) {
+    let guards = own.as_ref().iter().zip(rates.as_ref());
+    for (bound, (guard, rate)) in bounds.as_mut().iter_mut().zip(guards) {
         *bound = known(guard.bound) + UNIT * (t * finite(rate.eps)).abs() + f64::MIN_POSITIVE;
     }
 }
@@ -187,8 +187,11 @@ impl Real for Bounded {
     }
 
     fn powf(self, a: f64) -> Self {
-        let slope = a * libm::pow(self.value, a - 1.0);
-        self.function(libm::pow(self.value, a), slope)
+        let (power, slope) = (libm::pow(self.value, a), a * libm::pow(self.value, a - 1.0));
+        if self.value == 0.0 && slope.is_infinite() {
+            return Self { value: power, bound: libm::pow(self.bound, a) };
+        }
+        self.function(power, slope)
     }
 }
 
@@ -239,7 +242,7 @@ mod tests {
             Real::powf(a, 1.7) => OfFunction,
             Real::atan2(a, b) => OfFormula,
             Real::atan(b) => OfFormula,
-            Real::asin(a) => OfFormula,
+            Real::atan2(a, Real::sqrt(-(a * a) + 1.0)) => OfFormula,
         )
     }
 
@@ -284,5 +287,6 @@ mod tests {
     #[test]
     fn a_root_at_zero_has_the_root_of_the_bound() {
         assert_eq!(Real::sqrt(Bounded { value: 0.0, bound: 1e-12 }).bound, 1e-6);
+        assert_eq!(Real::powf(Bounded { value: 0.0, bound: 1e-12 }, 0.25).bound, 1e-3);
     }
 }
