@@ -37,9 +37,6 @@ impl System for Hammer {
     fn guards<S: Real>(&self, on_pad: bool, _t: S, y: &[S; 2], g: &mut [S; 1]) {
         *g = [if on_pad { self.push(true, y) } else { y[0] }];
     }
-    fn guard_bounds(&self, on_pad: bool, _t: f64, y: &[f64; 2], bounds: &mut [f64; 1]) {
-        *bounds = [1e-15 * if on_pad { self.k * y[0].abs() + self.d * y[1].abs() } else { 1.0 }];
-    }
     fn transition<S: Real>(&self, on_pad: bool, _: usize, _t: S, _y: &mut [S; 2]) -> Next<bool> {
         Next::Mode(!on_pad)
     }

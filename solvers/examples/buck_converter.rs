@@ -5,9 +5,7 @@
 //! `K = 2 L/(R T)`: R. W. Erickson, D. Maksimović, *Fundamentals of Power Electronics*, 2nd ed., Kluwer (2001), chapter 5.
 #![allow(clippy::print_stdout)]
 
-use deltazero_solvers::{
-    Control, Grid, Integration, Method, Next, Real, System, Tolerance, Trajectory,
-};
+use deltazero_solvers::{Grid, Next, Real, Run, System, Trajectory};
 
 const SOURCE: f64 = 24.0; // V
 const COIL: f64 = 2e-5; // H
@@ -49,8 +47,6 @@ impl System for Buck {
             Way::None(k) => [S::cst(1.0), -t + f64::from(k + 1) * PERIOD],
         };
     }
-    // Of the size of a current of 1 A and of times of 4 ms.
-    fn guard_bounds(&self, _: Way, _t: f64, _: &[f64; 2], b: &mut [f64; 2]) { *b = [1e-15, 1e-18]; }
     fn transition<S: Real>(&self, way: Way, guard: usize, _t: S, [i, _]: &mut [S; 2]) -> Next<Way> {
         Next::Mode(match (way, guard) {
             (Way::Source(k), _) => Way::Diode(k),
@@ -61,20 +57,15 @@ impl System for Buck {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let method = Method::named("dop853").ok_or("no such method")?;
-    let tolerance = Tolerance { rtol: 1e-9, atol: vec![1e-9, 1e-9] };
-    let mut solver = method.solver(&Buck, Control::Adaptive(tolerance))?;
-    let mut trajectory = Trajectory::on(Grid::uniform(PERIOD / 16.0, 0.04));
-    Integration::new(&Buck, 0.0, [0.0, 0.0]).run(0.04, &mut *solver, &mut trajectory)?;
+    let samples = Trajectory::on(Grid::uniform(PERIOD / 16.0, 0.04));
+    let run = Run::of(&Buck, [0.0, 0.0]).method("dop853").tolerance(1e-9, 1e-9);
+    let Trajectory { samples, events, .. } = run.keep(samples).to(0.04)?.trajectory;
 
-    let settled = &trajectory.samples[trajectory.samples.len() / 2..];
+    let settled = &samples[samples.len() / 2..];
     let mean = settled.iter().map(|sample| sample.y[1]).sum::<f64>() / settled.len() as f64;
     let k = 2.0 * COIL / (LOAD * PERIOD);
     let expected = 2.0 * SOURCE / (1.0 + (1.0 + 4.0 * k / (DUTY * DUTY)).sqrt());
-    println!(
-        "{} changes of the way, mean of {mean:.3} V, expected {expected:.3} V",
-        trajectory.events.len()
-    );
+    println!("{} changes of the way, mean of {mean:.3} V, expected {expected:.3} V", events.len());
     if (mean / expected - 1.0).abs() > 0.01 {
         return Err("the mean voltage is not that of discontinuous conduction".into());
     }

@@ -5,9 +5,7 @@
 //! University Press (2014), section 1.3.
 #![allow(clippy::print_stdout)]
 
-use deltazero_solvers::{
-    Control, Grid, Integration, METHODS, Next, Real, System, Tolerance, Trajectory,
-};
+use deltazero_solvers::{METHODS, Next, Real, Run, System, Trajectory};
 
 const TIME: f64 = 10.0; // τ [ms]
 const DRIVEN: f64 = -50.0; // E + R I [mV]
@@ -37,8 +35,6 @@ impl System for Neuron {
     fn guards<S: Real>(&self, mode: Mode, t: S, &[v]: &[S; 1], g: &mut [S; 1]) {
         *g = [match mode { Mode::Charging => -v + THRESHOLD, Mode::HeldSince(fired) => -t + (fired + HELD) }];
     }
-    // Of the size of a potential of 80 mV and of times of 500 ms.
-    fn guard_bounds(&self, _: Mode, _t: f64, _: &[f64; 1], b: &mut [f64; 1]) { *b = [1e-13]; }
     fn transition<S: Real>(&self, mode: Mode, _: usize, t: S, y: &mut [S; 1]) -> Next<Mode> {
         Next::Mode(match mode {
             Mode::Charging => { *y = [S::cst(RESET)]; Mode::HeldSince(t.value()) }
@@ -50,11 +46,9 @@ impl System for Neuron {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let period = HELD + TIME * ((DRIVEN - RESET) / (DRIVEN - THRESHOLD)).ln();
     for method in METHODS.iter().filter(|method| !method.is_fixed_step()) {
-        let tolerance = Tolerance { rtol: 1e-10, atol: vec![1e-10] };
-        let mut solver = method.solver(&Neuron, Control::Adaptive(tolerance))?;
-        let mut trajectory = Trajectory::on(Grid::Times(Vec::new()));
-        Integration::new(&Neuron, 0.0, [RESET]).run(500.0, &mut *solver, &mut trajectory)?;
-        let spikes = trajectory.events.iter().filter(|event| event.before == Mode::Charging);
+        let run = Run::of(&Neuron, [RESET]).method(method.name).tolerance(1e-10, 1e-10);
+        let run = run.keep(Trajectory::of_events()).to(500.0)?;
+        let spikes = run.trajectory.events.iter().filter(|event| event.before == Mode::Charging);
         let error = (0_u32..)
             .zip(spikes)
             .map(|(number, spike)| (spike.t - (period - HELD) - f64::from(number) * period).abs());

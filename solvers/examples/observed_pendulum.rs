@@ -19,7 +19,6 @@ impl System for Pendulum {
         *dydt = [rate, -angle.sin()];
     }
     fn guards<S: Real>(&self, _: (), _t: S, _: &[S; 2], _: &mut [S; 0]) {}
-    fn guard_bounds(&self, _: (), _t: f64, _: &[f64; 2], _: &mut [f64; 0]) {}
     fn transition<S: Real>(&self, _: (), _: usize, _t: S, _: &mut [S; 2]) -> Next<()> { Next::Mode(()) }
 }
 

@@ -1,9 +1,7 @@
 //! A model of one's own: a tank whose valve opens at 2 m and shuts at 1 m.
 #![allow(clippy::print_stdout)]
 
-use deltazero_solvers::{
-    Control, Grid, Integration, Method, Next, Real, System, Tolerance, Trajectory,
-};
+use deltazero_solvers::{Next, Real, Run, System};
 
 /// `ḣ = 0.5 − (√h if the valve is open)`, in metres and seconds; the mode is whether it is.
 struct Tank;
@@ -13,8 +11,6 @@ impl System for Tank {
     type Mode = bool;
     type State<S: Real> = [S; 1];
     type Guards<S: Real> = [S; 1];
-    fn dim(&self) -> usize { 1 }
-    fn n_guards(&self) -> usize { 1 }
     fn initial_mode(&self, _t: f64, h: &[f64; 1]) -> bool { h[0] > 2.0 }
     fn rhs<S: Real>(&self, open: bool, _t: S, h: &[S; 1], dhdt: &mut [S; 1]) {
         *dhdt = [if open { -h[0].sqrt() + 0.5 } else { S::cst(0.5) }];
@@ -22,17 +18,12 @@ impl System for Tank {
     fn guards<S: Real>(&self, open: bool, _t: S, h: &[S; 1], g: &mut [S; 1]) {
         *g = [if open { h[0] - 1.0 } else { -h[0] + 2.0 }];
     }
-    fn guard_bounds(&self, _: bool, _t: f64, _: &[f64; 1], b: &mut [f64; 1]) { *b = [1e-15]; }
     fn transition<S: Real>(&self, open: bool, _: usize, _t: S, _: &mut [S; 1]) -> Next<bool> { Next::Mode(!open) }
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let (rtol, atol) = (1e-8, vec![1e-10]);
-    let method = Method::named("rk45").ok_or("no such method")?;
-    let mut solver = method.solver(&Tank, Control::Adaptive(Tolerance { rtol, atol }))?;
-    let mut trajectory = Trajectory::on(Grid::Steps);
-    Integration::new(&Tank, 0.0, [1.5]).run(10.0, &mut *solver, &mut trajectory)?;
-    for switch in &trajectory.events {
+    let run = Run::of(&Tank, [1.5]).method("rk45").tolerance(1e-8, 1e-10).to(10.0)?;
+    for switch in &run.trajectory.events {
         println!("t = {:.9} s: {:?}", switch.t, switch.after);
     }
     Ok(())

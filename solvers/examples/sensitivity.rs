@@ -16,7 +16,6 @@ impl System for Ball {
         *dydt = [*v, S::cst(-9.8), S::cst(0.0)];
     }
     fn guards<S: Real>(&self, (): (), _t: S, y: &[S; 3], g: &mut [S; 1]) { *g = [y[0]]; }
-    fn guard_bounds(&self, (): (), _t: f64, _y: &[f64; 3], b: &mut [f64; 1]) { *b = [1e-15]; }
     fn transition<S: Real>(&self, (): (), _: usize, _t: S, [y, v, e]: &mut [S; 3]) -> Next<()> {
         (*y, *v) = (S::cst(0.0), -*v * *e);
         Next::Mode(())

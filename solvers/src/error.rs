@@ -142,6 +142,14 @@ pub enum Error {
         /// What `rhs` or `guards` computed.
         expected: f64,
     },
+    /// There is no method of this name.
+    #[error("no method {name}; there are {known}")]
+    UnknownMethod {
+        /// The name.
+        name: String,
+        /// The names that there are.
+        known: String,
+    },
     /// The model is no longer valid. Integrations in this crate never return this error; it is for code that checks
     /// the validity of a model during a run.
     #[error("the model ends at t = {t} in mode {mode}: {reason}")]

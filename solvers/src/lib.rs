@@ -17,16 +17,13 @@
 //!
 //! ```
 //! use deltazero_solvers::problems::BouncingBall;
-//! use deltazero_solvers::{Control, Error, Grid, Integration, METHODS, Tolerance, Trajectory};
+//! use deltazero_solvers::{Error, METHODS, Run};
 //!
 //! let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
 //! for method in METHODS.iter().filter(|method| !method.is_fixed_step()) {
-//!     let tolerance = Tolerance { rtol: 1e-9, atol: vec![1e-9; 2] };
-//!     let mut solver = method.solver(&ball, Control::Adaptive(tolerance))?;
-//!     let mut trajectory = Trajectory::on(Grid::Steps);
-//!     Integration::new(&ball, 0.0, ball.start()).run(1.3, &mut *solver, &mut trajectory)?;
-//!     assert_eq!(trajectory.events.len(), 5);
-//!     for (n, bounce) in trajectory.events.iter().enumerate() {
+//!     let run = Run::of(&ball, ball.start()).method(method.name).tolerance(1e-9, 1e-9).to(1.3)?;
+//!     assert_eq!(run.trajectory.events.len(), 5);
+//!     for (n, bounce) in run.trajectory.events.iter().enumerate() {
 //!         assert!((bounce.t - ball.bounce_time(n)).abs() < 1e-7);
 //!     }
 //! }
@@ -60,6 +57,22 @@
 //!
 //! A Butcher tableau that is not in this list is used as [`tableau`] shows.
 //!
+//! # Choosing a method
+//!
+//! 1. You do not know, or the stiffness changes during the run: `auto`.
+//! 2. Nothing is stiff, and some three digits are enough: `rk45`, or `rk4` with a step that you know.
+//! 3. Six digits: `dop853`; `taylor`, where the states are few and in an array.
+//! 4. Nine digits and more: `taylor`, or `vern98`.
+//! 5. Stiff: a fast motion dies out, as in a contact with a damping ratio of one and more: `radau5`. To three digits `rodas5p` or
+//!    `bdf` may be faster.
+//! 6. A fast motion that does not die out (a stiff spring without damping) must be followed, and an explicit method does it best; where
+//!    its swings no longer count, `radau5` steps over them.
+//! 7. Many states that are stiff: `radau5`, whose linear systems are sparse from 32 states on.
+//! 8. `bdf` begins at order one after each event, so events make it slow. The methods of `diffsol` have no limit of the step.
+//! 9. Run twice, the second time at a hundredth of the tolerance: the difference is the error of the first run, and an event that
+//!    one of them lacks is uncertain.
+//! 10. `deltazero recommend` measures it on your model.
+//!
 //! # Features
 //!
 //! | feature | default | adds |
@@ -83,7 +96,7 @@
 //! - Events: [`event_location`] finds guards that fall within a step, and when, by the root finders of [`root`].
 //!   What counts as rounding there is found in [`rounding`].
 //! - One smooth phase: [`phase`] defines the contract, [`one_step`] fulfils it for methods that hand on a step.
-//! - The run: [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in an outcome or an
+//! - The run: [`run`] has its options with their defaults; [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in an outcome or an
 //!   [`error`]. Runs of systems of a kind are computed several at once by [`Method::run_batch`], in a [`batch`].
 //! - Derivatives by start values and parameters, through events: [`sensitivity`].
 //! - Proofs: intervals that contain the exact solution and the times of its events ([`enclosure`]).
@@ -125,6 +138,7 @@ pub mod root;
 pub mod rosenbrock;
 pub mod rounding;
 pub mod rules;
+pub mod run;
 pub mod sensitivity;
 mod sparsity;
 pub mod stats;
@@ -143,6 +157,7 @@ pub use methods::{METHODS, Method};
 pub use phase::{PhaseSolver, Point};
 pub use real::{Over, Real};
 pub use record::{Accepted, Event, Grazing, Needs, Record, Watch};
+pub use run::{Run, Solution};
 pub use sensitivity::Sensitive;
 pub use stats::{Stats, Work, WorkByKind};
 pub use step::Step;

@@ -8,8 +8,8 @@ use std::ops::ControlFlow;
 use common::{at_most, distance, steps_itself};
 use deltazero_solvers::problems::{BouncingBall, BouncingMode, SpringStop, StopMode};
 use deltazero_solvers::{
-    Control, Error, Grid, Integration, METHODS, Method, Next, Outcome, Point, Real, Sample, Steps,
-    System, Tolerance, Trajectory, Watch,
+    Control, Error, Grid, Integration, METHODS, Method, Next, Outcome, Point, Real, Run, Sample,
+    Steps, System, Tolerance, Trajectory, Watch,
 };
 
 const BALL: BouncingBall = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
@@ -254,4 +254,55 @@ fn a_dense_trajectory_runs_backward_too() {
         at_most("backward", distance(&found, &STOP.solution(t).0), 2e-9);
     }
     assert_eq!((trajectory.at(-1e-9), trajectory.at(3.0 + 1e-9)), (None, None));
+}
+
+#[test]
+fn a_run_does_what_an_integration_with_the_same_options_does() {
+    let method = Method::named("rk45").unwrap();
+    let steps = Steps { first: Some(1e-4), longest: 0.05, control: common::tolerance(1e-8) };
+    let mut solver = method.solver(&BALL, steps).unwrap();
+    let (mut own, y) = (Trajectory::on(Grid::Steps), [1.0, 2.0]);
+    let mut integration = Integration::new(&BALL, 0.5, y);
+    integration.run(1.5, &mut *solver, &mut own).unwrap();
+
+    let run = Run::of(&BALL, y).from(0.5).method("rk45").tolerance(1e-8, 1e-8);
+    let run = run.first_step(1e-4).longest_step(0.05).to(1.5).unwrap();
+    assert_eq!((run.outcome, &run.trajectory.samples), (Outcome::Finished, &own.samples));
+    assert_eq!((run.end.t, run.end.y), (1.5, integration.point.y));
+    assert_eq!((run.trajectory.events, run.stats), (own.events, integration.stats));
+}
+
+#[test]
+fn a_run_has_defaults_and_keeps_its_limits() {
+    let run = || Run::of(&BALL, BALL.start()).tolerance(1e-6, 1e-9);
+    let ended = run().to(1.3).unwrap();
+    assert_eq!(ended.trajectory.events.len(), 5);
+    at_most("by default", distance(&ended.end.y, &BALL.state(1.3)), 1e-5);
+    let untold = Run::of(&BALL, BALL.start()).to(1.3).unwrap_err();
+    assert_eq!(untold, Error::BadControl { method: "auto", needs: "a tolerance or a step" });
+
+    let rest = run().in_mode(BouncingMode::Rest).to(1.3).unwrap();
+    assert_eq!((rest.end.y, rest.trajectory.events.len()), (BALL.start(), 0));
+    let fixed = run().method("rk4").step(0.01).keep(Trajectory::dense()).to(0.4).unwrap();
+    assert!((39..=41).contains(&fixed.stats.n_accepted) && fixed.trajectory.at(0.333).is_some());
+
+    let few = run().longest_step(1e-3).most_work(500).to(1.3).unwrap();
+    assert_eq!(few.outcome, Outcome::Interrupted);
+    assert!((500..700).contains(&few.stats.work.n_rhs), "{:?}", few.stats);
+    let none = run().most_time(std::time::Duration::ZERO).to(1.3).unwrap();
+    assert_eq!((none.outcome, none.stats.n_accepted), (Outcome::Interrupted, 1));
+    let mut latest = 0.0;
+    let broken_off = run().longest_step(0.01).progress(|t, _| {
+        latest = t;
+        if t < 0.2 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    });
+    assert_eq!(broken_off.to(1.3).unwrap().outcome, Outcome::Interrupted);
+    assert!((0.2..0.22).contains(&latest), "{latest}");
+}
+
+#[test]
+fn a_method_that_is_not_there_is_named() {
+    let error = Run::of(&BALL, BALL.start()).method("rk54").to(1.0).unwrap_err();
+    assert!(matches!(&error, Error::UnknownMethod { name, .. } if name == "rk54"));
+    assert!(error.to_string().contains("no method rk54; there are rk4, rk43, "), "{error}");
 }

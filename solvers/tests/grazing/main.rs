@@ -8,6 +8,7 @@
 
 mod cases;
 mod draw;
+mod nasty;
 
 use deltazero_solvers::{
     Control, Grazing, Grid, Integration, METHODS, Method, Outcome, Tolerance, Trajectory,
