@@ -78,7 +78,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     let parts: Vec<_> = simulated.collect();
     let tight = (!args.no_horizon).then(|| {
         bar.say("horizon");
-        tight_runs(&subject, &spans(&config, &setting, &parts), stop)
+        tight_runs(&subject, &setting, &spans(&config, &setting, &parts), stop)
     });
     drop(bar);
     let horizon = tight.as_ref().map(|tight| tight.horizon);

@@ -5,7 +5,11 @@
 //! tolerance, where a step is accepted in the one and rejected in the other, without any chaos.
 //!
 //! As long as both have the same sequence of events, a run with another sequence has lost or made up a contact, or has
-//! one that grazes: no tolerance of its own tells it that.
+//! one that grazes: no tolerance of its own tells it that. Where they do not come to their end at a few times the work, and
+//! have not parted, one somewhat finer judges beyond them.
+
+mod finer;
+mod judge;
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,7 +23,10 @@ use crate::reference::{parted_at, settings};
 use crate::run::{Brake, Events, ModeChange, PartRun, Setting};
 use crate::selection::work;
 use crate::trace::Trace;
-use crate::warning::{Code, Warning};
+use crate::warning::Warning;
+use judge::{Judge, TightEvents};
+
+pub use judge::parting;
 
 /// Times at which runs are compared.
 const TIMES: usize = 1000;
@@ -31,8 +38,6 @@ const MOST_NUMBERS: usize = 600_000;
 /// Each of the two runs takes at most this many times the work of the run asked about, all methods that are tried
 /// together.
 const SHARE: f64 = 8.0;
-/// Events this close to the end of a run are not looked at, in units of the subject's time.
-const AT_END: f64 = 1e-3;
 /// Right-hand sides, times sites, that it may take in any case: a tenth of a second.
 const LEAST_WORK: f64 = 4e6;
 
@@ -76,15 +81,8 @@ impl Span {
 pub struct TightRuns {
     /// How far it is predictable.
     pub horizon: Horizon,
-    /// The events of each part; none of one that no tight run was made of.
-    events: Vec<Option<TightEvents>>,
-}
-
-/// The counted events of each site of a part in a tight run, and for how long they are certain [s].
-#[derive(Clone, Debug, PartialEq)]
-struct TightEvents {
-    changes: Vec<Vec<ModeChange>>,
-    until: Vec<f64>,
+    /// The events that each part is compared with, one after the other.
+    events: Vec<Vec<TightEvents>>,
 }
 
 impl TightRuns {
@@ -97,36 +95,20 @@ impl TightRuns {
         run: &[Vec<ModeChange>],
         reached: f64,
     ) -> Option<Warning> {
-        let (part, tight) = (subject.parts.get(i)?, self.events.get(i)?.as_ref()?);
-        (0..run.len().min(tight.changes.len())).find_map(|site| {
-            let own = counted(&run[site], part.starts_on_surface);
-            let (tight, until) = (&tight.changes[site], tight.until[site]);
-            // An event so close to the end may lie beyond it in the other run.
-            let until = until.min(reached - AT_END * part.unit_of_time);
-            let t = parting(own, tight).filter(|t| *t < until)?;
-            let count = |all: &[ModeChange]| all.iter().filter(|change| change.t < until).count();
-            let message = format!(
-                "from t = {t:.6e} s on the run has another sequence of events than runs at rounding ({} for {} up \
-                 to {until:.6e} s): it has lost a contact or made one up, or one grazes; take a tighter tolerance or \
-                 another method",
-                count(own),
-                count(tight)
-            );
-            Some(Warning { code: Code::Events, message }.of(&part.sites[site]))
-        })
+        let (part, judges) = (subject.parts.get(i)?, self.events.get(i)?);
+        judges.iter().find_map(|judge| judge.warning(part, run, reached))
     }
 }
 
-/// The first time at which two sequences differ in what changes, whenever it does [s].
-pub fn parting(a: &[ModeChange], b: &[ModeChange]) -> Option<f64> {
-    let is_same = |(a, b): &(&ModeChange, &ModeChange)| a.is_like(b);
-    let same = a.iter().zip(b).take_while(is_same).count();
-    [a.get(same), b.get(same)].into_iter().flatten().map(|change| change.t).reduce(f64::min)
-}
-
-/// Makes two tight runs of each part of `subject` over its span, both at the same time.
-pub fn tight_runs(subject: &Subject, spans: &[Span], stop: &AtomicBool) -> TightRuns {
-    Pairs::new(subject, spans, 2, stop).told()
+/// Makes two tight runs of each part of `subject` over its span, both at the same time, to be compared with a run at
+/// `setting`.
+pub fn tight_runs(
+    subject: &Subject,
+    setting: &Setting,
+    spans: &[Span],
+    stop: &AtomicBool,
+) -> TightRuns {
+    Pairs::new(subject, spans, 2, stop).told_with_finer(subject, setting, spans, stop)
 }
 
 /// What a run looks like beside two tight ones.
@@ -178,8 +160,26 @@ impl<'a> Pairs<'a> {
         };
         TightRuns {
             horizon,
-            events: self.0.iter().map(|pair| Some(pair.as_ref()?.events())).collect(),
+            events: self.0.iter().map(|pair| pair.iter().map(Pair::events).collect()).collect(),
         }
+    }
+
+    /// The same with a finer run of each part whose pair tells nothing of its end.
+    fn told_with_finer(
+        &self,
+        subject: &Subject,
+        setting: &Setting,
+        spans: &[Span],
+        stop: &AtomicBool,
+    ) -> TightRuns {
+        let mut told = self.told();
+        let each = self.0.iter().zip(&subject.parts).zip(spans).zip(&mut told.events);
+        for (((pair, part), span), events) in each {
+            if !pair.as_ref().is_some_and(Pair::is_settled) {
+                events.extend(finer::events(part, setting, *span, stop));
+            }
+        }
+        told
     }
 
     /// The estimate of a run of `subject` at `setting` over `spans`, which is made once more.
@@ -258,14 +258,15 @@ impl Pair<'_> {
     fn events(&self) -> TightEvents {
         let [own, nudged] = [&self.own, &self.nudged];
         let reached = own.0.t.min(nudged.0.t);
-        let changes = |trace: &Trace| -> Vec<Vec<ModeChange>> {
-            let is_start = self.part.starts_on_surface;
-            trace.changes.iter().map(|all| counted(all, is_start).to_vec()).collect()
-        };
-        let [changes, other] = [changes(&own.1), changes(&nudged.1)];
+        let [changes, other] = [&own.1, &nudged.1].map(|trace| changes(self.part, trace));
         let until = |(a, b): (&Vec<_>, &Vec<_>)| parting(a, b).map_or(reached, |t| t.min(reached));
         let until = changes.iter().zip(&other).map(until).collect();
-        TightEvents { changes, until }
+        TightEvents { changes, until, by: Judge::Tight }
+    }
+
+    /// Whether they tell how far the motion is predictable.
+    fn is_settled(&self) -> bool {
+        self.is_whole() || self.lost_by_itself().is_some()
     }
 
     /// Whether both came to their end.
@@ -297,7 +298,7 @@ fn pair<'a>(part: &'a Part, span: Span, threads: usize, stop: &AtomicBool) -> Op
         let mut runs = in_parallel(&[Start::Exact, Start::Up], threads, run).into_iter();
         let (grid, own, nudged) = (grid.clone(), runs.next()?, runs.next()?);
         let pair = Pair { part, grid, own, nudged };
-        let is_settled = pair.is_whole() || pair.lost_by_itself().is_some();
+        let is_settled = pair.is_settled();
         left -= bound.work(&pair.own.0.stats);
         last = Some(pair);
         if is_settled || stop.load(Ordering::Relaxed) {
@@ -305,6 +306,11 @@ fn pair<'a>(part: &'a Part, span: Span, threads: usize, stop: &AtomicBool) -> Op
         }
     }
     last
+}
+
+/// The counted events of each site.
+fn changes(part: &Part, trace: &Trace) -> Vec<Vec<ModeChange>> {
+    trace.changes.iter().map(|all| counted(all, part.starts_on_surface).to_vec()).collect()
 }
 
 /// What breaks a run off.
@@ -401,6 +407,35 @@ mod tests {
     }
 
     #[test]
+    fn a_finer_run_judges_beyond_tight_ones_that_did_not_come_to_the_end() {
+        let (subject, setting, spans) = two_balls();
+        let mut pairs = Pairs::new(&subject, &spans, 1, &RUNNING);
+        let told = |pairs: &Pairs<'_>, setting: &Setting| {
+            pairs.told_with_finer(&subject, setting, &spans, &RUNNING)
+        };
+        assert_eq!(told(&pairs, &setting).events[0].len(), 1);
+        let Some(pair) = &mut pairs.0[0] else { panic!("no tight runs") };
+        let all = pair.events().changes;
+        for (run, _) in [&mut pair.own, &mut pair.nudged] {
+            (run.outcome, run.t) = (Ok(Outcome::Interrupted), 0.05);
+        }
+        let judges = told(&pairs, &setting);
+        assert_eq!(judges.events.iter().map(Vec::len).collect::<Vec<_>>(), [2, 1]);
+        let message = |run: &[Vec<ModeChange>]| {
+            judges.warning(&subject, 0, run, 0.1).map(|warning| warning.message)
+        };
+        assert_eq!(message(&all), None);
+        for (t, by) in [(0.0, "than runs at rounding"), (0.05, "than a run at rtol 1e-11 (")] {
+            let mut run = all.clone();
+            let lost = run[0].iter().position(|change| change.t > t).unwrap();
+            run[0].remove(lost);
+            assert!(message(&run).is_some_and(|own| own.contains(by)), "{by}: {:?}", message(&run));
+        }
+        let blind = Setting { events: Events::Blind, ..setting };
+        assert_eq!(told(&pairs, &blind).events[0].len(), 1);
+    }
+
+    #[test]
     fn where_tight_runs_part_at_once_no_error_is_told() {
         let (subject, setting, spans) = two_balls();
         let mut pairs = Pairs::new(&subject, &spans, 1, &RUNNING);
@@ -419,18 +454,6 @@ mod tests {
         };
         assert!(!ends(100.0, &RUNNING, 64) && ends(100.0, &RUNNING, 128));
         assert!(ends(f64::INFINITY, &AtomicBool::new(true), 64));
-    }
-
-    fn events(list: &[(f64, i8)]) -> Vec<ModeChange> {
-        list.iter().map(|(t, after)| ModeChange::new(*t, 1 - after, *after)).collect()
-    }
-
-    #[test]
-    fn sequences_part_where_one_lacks_an_event_and_not_where_it_is_late() {
-        let tight = events(&[(0.1, 1), (0.2, 0), (0.3, 1)]);
-        assert_eq!(parting(&tight, &events(&[(0.11, 1), (0.2, 0), (0.29, 1)])), None);
-        assert_eq!(parting(&tight, &events(&[(0.1, 1), (0.2, 0)])), Some(0.3));
-        assert_eq!(parting(&tight, &events(&[(0.2, 0), (0.3, 1)])), Some(0.1));
     }
 
     #[test]

@@ -185,7 +185,10 @@ fn without_a_sample_before_the_horizon_no_error_is_told() {
     assert_eq!(row.status, Status::Ok);
     assert!(row.e.is_some_and(f64::is_nan) && !reference.can_decide(0.1), "{row:?}");
     let told = [reference.undecided(), reference.limits().concat()];
-    assert!(told.iter().all(|text| text.contains("no sample between its start and its end")), "{told:?}");
+    assert!(
+        told.iter().all(|text| text.contains("no sample between its start and its end")),
+        "{told:?}"
+    );
 
     // So too where the horizon ends before the one sample that there is.
     let mut one = Reference::new(&subject, T_END, &[T_END], Limits::none(&stop)).unwrap();

@@ -12,12 +12,12 @@ use deltazero::report::html::{Heading, Page, Part, Section, Table};
 use deltazero::study::plan::{plan, reference, work_precision};
 use deltazero::study::stability::stability;
 use deltazero::{figures, report};
-use deltazero_solvers::METHODS;
+use deltazero_solvers::{METHODS, Method};
 use deltazero_study::columns::{Column, Value};
 use deltazero_study::horizon::{Horizon, Span, tight_runs};
 use deltazero_study::motion::Motion;
 use deltazero_study::run::Limits;
-use deltazero_study::setting::Events;
+use deltazero_study::setting::{Accuracy, Events, Setting};
 use deltazero_study::steps::StepTables;
 use deltazero_study::work_precision::{Progress, Row, Status, WorkPrecision, cheapest};
 use std::sync::Mutex;
@@ -409,10 +409,16 @@ fn the_configuration_knows_the_methods_of_the_solvers() {
 
 static RUNNING: AtomicBool = AtomicBool::new(false);
 
+/// The setting of the runs that are compared with tight ones.
+fn asked() -> Setting {
+    let accuracy = Accuracy::Rtol(1e-6, None);
+    Setting { method: Method::named("rk45").unwrap(), events: Events::Located, accuracy }
+}
+
 fn horizon(config: &Config, work: f64) -> Horizon {
     let subject = config.mechanism.subject(config);
     let span = Span { t_end: config.run.t_end, reached: config.run.t_end, work };
-    tight_runs(&subject, &vec![span; subject.parts.len()], &RUNNING).horizon
+    tight_runs(&subject, &asked(), &vec![span; subject.parts.len()], &RUNNING).horizon
 }
 
 #[test]
@@ -434,7 +440,7 @@ fn a_motion_that_costs_too_much_to_follow_is_not_measured() {
     let subject = config.mechanism.subject(&config);
     assert_eq!(horizon(&config, 0.0), Horizon::WholeRun);
     let spans = [Span { t_end: 1e3, reached: 1e3, work: 0.0 }; 2];
-    let measured = |spans, stop| tight_runs(&subject, spans, &stop).horizon;
+    let measured = |spans, stop| tight_runs(&subject, &asked(), spans, &stop).horizon;
     assert_eq!(measured(&spans, AtomicBool::new(true)), Horizon::NotMeasured);
     let failed_at_once = [Span { t_end: 2.0, reached: 0.0, work: 0.0 }; 2];
     assert_eq!(measured(&failed_at_once, AtomicBool::new(false)), Horizon::NotMeasured);
