@@ -38,8 +38,8 @@ pub(crate) struct Expander<'a> {
     pub(crate) parameters: Vec<f64>,
     pub(crate) layout: Layout,
     pub(crate) outside: Outside,
-    /// Where functions with a kink stand, by their results.
-    pub(crate) kinks: HashMap<Id, (Span, &'static str)>,
+    /// Where functions stand that are not smooth or not defined everywhere, by their results.
+    pub(crate) flawed: HashMap<Id, (Span, &'static str, Flaw)>,
     /// Whether a definition of the mode itself was used.
     pub(crate) used_own: bool,
     /// Events so far.
@@ -55,6 +55,33 @@ pub(crate) struct Expander<'a> {
     work: usize,
 }
 
+/// What may be wrong with a function of something that moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Flaw {
+    /// It is not smooth somewhere.
+    Kink,
+    /// There it is not a number.
+    Edge(&'static str),
+}
+
+/// The flaw of a root, whose argument has this sign.
+fn of_root(argument: Sign) -> Option<Flaw> {
+    match argument {
+        Sign::Unknown => Some(Flaw::Edge("below zero")),
+        Sign::Square => Some(Flaw::Kink),
+        Sign::Squares | Sign::Above => None,
+    }
+}
+
+/// The flaw of a logarithm, whose argument has this sign.
+fn of_logarithm(argument: Sign) -> Option<Flaw> {
+    match argument {
+        Sign::Unknown => Some(Flaw::Edge("below zero")),
+        Sign::Square | Sign::Squares => Some(Flaw::Edge("at zero")),
+        Sign::Above => None,
+    }
+}
+
 impl<'a> Expander<'a> {
     pub(crate) fn new(file: &'a Declarations, names: &'a Names, parameters: Vec<f64>) -> Self {
         Self {
@@ -64,7 +91,7 @@ impl<'a> Expander<'a> {
             parameters,
             layout: Layout::default(),
             outside: Outside::Refused,
-            kinks: HashMap::new(),
+            flawed: HashMap::new(),
             used_own: false,
             n_events: 0,
             mode: None,
@@ -149,11 +176,13 @@ impl<'a> Expander<'a> {
             Kind::Power(base, exponent) => {
                 let (base, exponent) = (self.node(base)?, self.node(exponent)?);
                 let node = self.graph.power(base, exponent);
-                let is_root = |p: f64| p < 1.0 && p.fract() != 0.0;
-                let base_may_be_zero = self.graph.sign(base) < Sign::Squares;
-                if self.graph.value(exponent).is_some_and(is_root) && base_may_be_zero {
-                    self.kinks.entry(node).or_insert((formula.span, "^"));
-                }
+                let sign = self.graph.sign(base);
+                let flaw = match self.graph.value(exponent) {
+                    Some(p) if p >= 1.0 || p.fract() == 0.0 => None,
+                    Some(_) => of_root(sign),
+                    None => of_logarithm(sign),
+                };
+                self.flaw(node, (formula.span, "^"), flaw);
                 Ok(node)
             }
             Kind::Call(name, arguments) => self.call(name, arguments, formula.span),

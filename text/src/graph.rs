@@ -339,6 +339,12 @@ impl Graph {
                 _ => Sign::Squares,
             },
             Node::Elementary(Elementary::Exp | Elementary::Cosh, _) => Sign::Above,
+            Node::Elementary(Elementary::Abs, a) => self.sign_within(a, left).max(Sign::Square),
+            Node::Constant(bits) if f64::from_bits(bits) == 0.0 => Sign::Square,
+            Node::Larger(a, b) => {
+                let [a, b] = both(a, b);
+                a.max(b)
+            }
             _ => Sign::Unknown,
         }
     }

@@ -214,6 +214,32 @@ fn roots_of_what_passes_zero_are_warned_of() {
 }
 
 #[test]
+fn functions_that_end_are_told_from_those_with_a_kink() {
+    let told = |rate: &str| {
+        let text = BALL.replace("-9.81", &format!("\"{rate}\""));
+        file(&text).warnings().iter().map(ToString::to_string).collect::<String>()
+    };
+    for edge in ["sqrt(x)", "x^0.3", "x^v", "log(x)"] {
+        assert!(
+            told(edge).contains("is not a number where that is below zero"),
+            "{edge}: {}",
+            told(edge)
+        );
+    }
+    for edge in ["asin(x)", "acos(x/2)"] {
+        assert!(told(edge).contains("where that is beyond −1 and 1"), "{edge}: {}", told(edge));
+    }
+    assert!(told("log(x^2)").contains("is not a number where that is at zero"));
+    for kink in ["abs(x)", "sqrt(x^2)", "(x^2)^0.75", "sqrt(max(x, 0))", "log(1 + abs(x))"] {
+        assert!(told(kink).contains("is not smooth"), "{kink}: {}", told(kink));
+    }
+    assert!(!told("sqrt(max(x, 0))").contains("not a number"));
+    for whole in ["log(1 + x^2)", "2^v", "asin(0.5)*x"] {
+        assert_eq!(told(whole), "", "{whole}");
+    }
+}
+
+#[test]
 fn the_end_of_the_runs_is_given_at_the_top_or_among_the_settings() {
     assert_eq!(file(ROW).t_end(), Some(0.5));
     let long = format!("{BALL}[run]\nt_end = 2\n[solver]\nmethod = \"any\"\n");

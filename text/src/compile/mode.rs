@@ -3,7 +3,7 @@
 use super::told::told;
 use super::{Assignment, Purpose, Target, assignments, instances, within};
 use crate::declarations::{Definition, EventDeclaration, Follows, ModeRole};
-use crate::expand::Expander;
+use crate::expand::{Expander, Flaw};
 use crate::expression::{Comparison, Relation};
 use crate::graph::Id;
 use crate::layout::MOST_EVENTS;
@@ -12,6 +12,8 @@ use crate::report::{Checked, Complaint};
 use crate::system::{CompiledMode, Goal, Setting, Transition};
 use crate::tape::Tape;
 
+/// What is told beside a warning of an edge.
+const EDGE: &str = "if the motion, or a step that is tried a little past an event, comes there: let an event end the mode before, or write a formula that goes on";
 /// What is told beside a warning of a kink.
 const KINK: &str = "where it has its kink, a step sees two smooth pieces as one: two modes with an event between them are exact";
 
@@ -69,7 +71,7 @@ pub(super) fn mode(
             transitions.push(transition);
         }
     }
-    warn_of_kinks(expander, &rates, &guards, warnings);
+    warn_of_flaws(expander, &rates, &guards, warnings);
     let keep = declared.keep.iter().map(|kept| {
         let node = expander.node(&kept.value)?;
         // What is kept is computed from the state before anything is.
@@ -156,24 +158,28 @@ fn setting(expander: &mut Expander<'_>, follows: &Follows, is_held: bool) -> Che
     Ok(Setting { tape: Tape::of(&expander.graph, &values), targets, goal })
 }
 
-/// Warns of functions that are not smooth, where rates or guards use them.
-fn warn_of_kinks(
+/// Warns of functions that are not smooth or not defined everywhere, where rates or guards use them.
+fn warn_of_flaws(
     expander: &Expander<'_>,
     rates: &[Id],
     guards: &[Id],
     warnings: &mut Vec<Complaint>,
 ) {
     let used = expander.graph.used_by(rates.iter().chain(guards));
-    let mut kinks: Vec<_> = expander.kinks.iter().filter(|(id, _)| used.contains(*id)).collect();
-    if kinks.is_empty() {
+    let mut flawed: Vec<_> = expander.flawed.iter().filter(|(id, _)| used.contains(*id)).collect();
+    if flawed.is_empty() {
         return;
     }
     let varying = expander.graph.varying();
-    kinks.retain(|(id, _)| varying.contains(*id));
-    kinks.sort_by_key(|(_, (span, _))| span.start);
-    for (_, (span, function)) in kinks {
-        let message = format!("`{function}` of something that moves is not smooth");
-        warnings.push(Complaint::new(*span, message).help(KINK));
+    flawed.retain(|(id, _)| varying.contains(*id));
+    flawed.sort_by_key(|(_, (span, ..))| span.start);
+    for (_, (span, function, flaw)) in flawed {
+        let (what, help) = match flaw {
+            Flaw::Kink => ("is not smooth".to_owned(), KINK),
+            Flaw::Edge(there) => (format!("is not a number where that is {there}"), EDGE),
+        };
+        let message = format!("`{function}` of something that moves {what}");
+        warnings.push(Complaint::new(*span, message).help(help));
     }
 }
 

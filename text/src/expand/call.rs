@@ -2,10 +2,10 @@
 
 use deltazero_study::digits::count_of;
 
-use super::Expander;
+use super::{Expander, Flaw, of_logarithm, of_root};
 use crate::expression::Expression;
 use crate::functions::Elementary;
-use crate::graph::{Id, Node, Sign};
+use crate::graph::{Id, Node};
 use crate::names::FUNCTIONS;
 use crate::report::{Checked, Complaint, Span};
 
@@ -31,17 +31,30 @@ impl Expander<'_> {
             }
             None => self.of_one(name, a),
         };
-        let has_kink = match self.graph.node(node) {
+        let flaw = match (self.graph.node(node), *known) {
             // `sqrt` and `hypot`
-            Node::Elementary(Elementary::Sqrt | Elementary::Norm, a) => {
-                self.graph.sign(a) < Sign::Squares
+            (Node::Elementary(Elementary::Sqrt | Elementary::Norm, a), _) => {
+                of_root(self.graph.sign(a))
             }
-            _ => matches!(*known, "log" | "ln" | "log10" | "abs" | "sign" | "min" | "max"),
+            (_, "log" | "ln" | "log10") => of_logarithm(self.graph.sign(a)),
+            (_, "asin" | "acos") => Some(Flaw::Edge("beyond −1 and 1")),
+            (_, "abs" | "sign" | "min" | "max") => Some(Flaw::Kink),
+            _ => None,
         };
-        if has_kink {
-            self.kinks.entry(node).or_insert((span, known));
-        }
+        self.flaw(node, (span, known), flaw);
         Ok(node)
+    }
+
+    /// Notes a flaw of the function that gives `node`.
+    pub(super) fn flaw(
+        &mut self,
+        node: Id,
+        (span, function): (Span, &'static str),
+        flaw: Option<Flaw>,
+    ) {
+        if let Some(flaw) = flaw {
+            self.flawed.entry(node).or_insert((span, function, flaw));
+        }
     }
 
     fn of_two(&mut self, name: &str, a: Id, b: Id) -> Id {
