@@ -61,6 +61,7 @@ const FIRST_LOOKS: [f64; 5] = [1e-6, 1e-4, 1e-2, 0.2, 1.0];
 
 /// A zero of an observed function.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Zero<Y, M> {
     /// Time.
     pub t: f64,

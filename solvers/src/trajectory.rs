@@ -158,7 +158,7 @@ impl<Y: Vector<f64>, M: Clone> Trajectory<Y, M> {
 
 impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
     /// # Errors
-    /// [`Error::BadArgument`] for a sample time that is not a number, before the start, or not after the one before it.
+    /// [`Error::BadArgument`] for a sample time that is not finite, before the start, or not after the one before it.
     fn begin(&mut self, start: &Point<P>, t_end: f64) -> Result<(), Error> {
         let Point { t: t0, y, mode } = start;
         self.start.get_or_insert_with(|| Sample { t: *t0, mode: mode.clone(), y: y.clone() });
@@ -167,7 +167,7 @@ impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
         let mut before = *t0;
         for (i, &t) in times[self.next..].iter().enumerate() {
             let is_in_order = (t - before) * ahead > 0.0 || i == 0 && t == *t0;
-            if !is_in_order {
+            if !(is_in_order && t.is_finite()) {
                 let allowed = "sample times must be finite, not before the start, each after the one before it";
                 return Err(Error::BadArgument { name: "sample time", value: t, allowed });
             }

@@ -104,7 +104,9 @@ fn sample_times_out_of_order_are_refused() {
         outcome.map(|_| trajectory.samples.len())
     };
     for setting in settings() {
-        for times in [&[0.5, 0.2][..], &[-0.1, 0.5], &[0.2, f64::NAN], &[0.2, 0.2]] {
+        for times in
+            [&[0.5, 0.2][..], &[-0.1, 0.5], &[0.2, f64::NAN], &[0.2, 0.2], &[0.2, f64::INFINITY]]
+        {
             let refused = run(times, (0.0, 1.0), &setting);
             let expected = matches!(refused, Err(Error::BadArgument { name: "sample time", .. }));
             assert!(expected, "{} at {times:?}: {refused:?}", setting.0.name);
