@@ -16,6 +16,20 @@ use crate::system::{ModeOfState, Next, System, Vector};
 ///
 /// A step whose stages lie on both sides of a surface has order one or two, whatever the method. Runs with
 /// [located](crate::integrate) events are compared with this baseline.
+///
+/// ```
+/// use deltazero_solvers::problems::SpringStop;
+/// use deltazero_solvers::{Blind, Run};
+///
+/// let (mass, stiffness, stop_stiffness) = (1.0, 4.0, 400.0);
+/// let stop = SpringStop { mass, stiffness, stop_stiffness, gap: 0.1, start: [-0.3, 0.4] };
+/// let exact = Run::of(&stop, stop.start).method("dop853").tolerance(1e-12, 1e-12).to(3.0)?;
+/// let located = Run::of(&stop, stop.start).method("rk4").step(1e-3).to(3.0)?;
+/// let blind = Run::of(&Blind(&stop), stop.start).method("rk4").step(1e-3).to(3.0)?;
+/// let error = |y: [f64; 2]| (y[0] - exact.end.y[0]).abs();
+/// assert!(error(blind.end.y) > 100.0 * error(located.end.y));
+/// # Ok::<(), deltazero_solvers::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Blind<'a, P>(pub &'a P);
 

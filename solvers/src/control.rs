@@ -18,6 +18,18 @@ const CREEP: f64 = 1.1;
 const LOG_ERROR_FLOOR: f64 = -13.287_712_379_549_449;
 
 /// How the step size is chosen.
+///
+/// ```
+/// # use deltazero_solvers::problems::BouncingBall;
+/// use deltazero_solvers::{Control, Method, Tolerance};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let rk4 = Method::named("rk4").ok_or("no such method")?;
+/// let tolerance = Tolerance { rtol: 1e-6, atol: vec![1e-9; 2] };
+/// assert!(rk4.solver(&ball, Control::Fixed(1e-3)).is_ok());
+/// assert!(rk4.solver(&ball, Control::Adaptive(tolerance)).is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Control {

@@ -1,6 +1,16 @@
 //! Errors and outcomes.
 
 /// How an integration without an error ended.
+///
+/// ```
+/// # use deltazero_solvers::problems::BouncingBall;
+/// use deltazero_solvers::{Outcome, Run};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let run = Run::of(&ball, ball.start()).tolerance(1e-6, 1e-6);
+/// assert_eq!(run.most_work(100).longest_step(1e-3).to(1.0)?.outcome, Outcome::Interrupted);
+/// # Ok::<(), deltazero_solvers::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Outcome {
@@ -13,6 +23,15 @@ pub enum Outcome {
 }
 
 /// Why an integration cannot go on. What was reached before the error stays valid.
+///
+/// ```
+/// # use deltazero_solvers::problems::BouncingBall;
+/// use deltazero_solvers::{Error, Run};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let error = Run::of(&ball, [f64::NAN, 0.0]).tolerance(1e-6, 1e-6).to(1.0).err();
+/// assert!(matches!(error, Some(Error::NonFinite { component: 0, .. })));
+/// ```
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -29,7 +29,25 @@ const STORM_OF_RUN: f64 = 1e-12;
 
 /// An integration of one system: its present point and the work done so far.
 ///
-/// After an error both are valid, and are those of the last accepted step.
+/// After an error both are valid, and are those of the last accepted step. It may be gone on with, by the same or by another
+/// method; the options of a single run are simpler said to [`Run`](crate::Run).
+///
+/// ```
+/// # use deltazero_solvers::problems::BouncingBall;
+/// use deltazero_solvers::{Control, Integration, Method, Tolerance};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let control = Control::Adaptive(Tolerance { rtol: 1e-9, atol: vec![1e-9; 2] });
+/// let mut run = Integration::new(&ball, 0.0, ball.start());
+/// for (name, t_end) in [("dop853", 0.8), ("taylor", 1.3)] {
+///     let method = Method::named(name).ok_or("no such method")?;
+///     let mut solver = method.solver(&ball, control.clone())?;
+///     run.run(t_end, &mut *solver, &mut ())?;
+/// }
+/// assert!((run.point.y[0] - ball.state(1.3)[0]).abs() < 1e-8);
+/// assert_eq!(run.stats.n_events, 5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Integration<'a, P: System> {
     pub(crate) problem: &'a P,
     /// Time, state and mode.

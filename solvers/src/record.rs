@@ -41,6 +41,34 @@ pub struct Event<'a, P: System> {
 
 /// A guard that comes within the error of the method of its surface: whether there is an event there is not known, and
 /// either may be right.
+///
+/// ```
+/// use deltazero_solvers::{Next, Real, Run, System};
+///
+/// /// `ẋ = 1`, and a guard that touches zero at x = 0.6.
+/// struct Touch;
+///
+/// impl System for Touch {
+///     type Mode = ();
+///     type State<S: Real> = [S; 1];
+///     type Guards<S: Real> = [S; 1];
+///     fn initial_mode(&self, _t: f64, _: &[f64; 1]) {}
+///     fn rhs<S: Real>(&self, (): (), _t: S, _: &[S; 1], dydt: &mut [S; 1]) {
+///         *dydt = [S::cst(1.0)];
+///     }
+///     fn guards<S: Real>(&self, (): (), _t: S, &[x]: &[S; 1], g: &mut [S; 1]) {
+///         *g = [(x - 0.6) * (x - 0.6)];
+///     }
+///     fn transition<S: Real>(&self, (): (), _: usize, _t: S, _: &mut [S; 1]) -> Next<()> {
+///         Next::Stop
+///     }
+/// }
+///
+/// let run = Run::of(&Touch, [0.0]).method("dop853").tolerance(1e-6, 1e-6).to(1.0)?;
+/// let [touch] = &run.trajectory.grazings[..] else { panic!("it touches once") };
+/// assert!((touch.t - 0.6).abs() < 1e-6 && !touch.is_event);
+/// # Ok::<(), deltazero_solvers::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Grazing<M> {
@@ -92,6 +120,40 @@ pub const REJECTIONS_A_LOOK: u64 = 64;
 /// Sees, in order, every accepted step that it [needs](Record::needs) and every event, each once; is [told](Record::passed)
 /// of every accepted step that it does not see; and is called now and then while attempts are
 /// [rejected](Record::rejected). [`ControlFlow::Break`] ends the run as [`Interrupted`](crate::Outcome::Interrupted).
+///
+/// ```
+/// # use deltazero_solvers::problems::BouncingBall;
+/// use std::ops::ControlFlow;
+///
+/// use deltazero_solvers::{
+///     Accepted, Control, Event, Integration, Method, Needs, Record, System, Tolerance,
+/// };
+///
+/// /// The longest step.
+/// struct Longest(f64);
+///
+/// impl<P: System> Record<P> for Longest {
+///     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
+///         self.0 = self.0.max(accepted.step.t1() - accepted.step.t0());
+///         ControlFlow::Continue(())
+///     }
+///     fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
+///         ControlFlow::Continue(())
+///     }
+///     fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+///         Needs::Ends
+///     }
+/// }
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let method = Method::named("rk45").ok_or("no such method")?;
+/// let control = Control::Adaptive(Tolerance { rtol: 1e-6, atol: vec![1e-6; 2] });
+/// let mut solver = method.solver(&ball, control)?;
+/// let mut longest = Longest(0.0);
+/// Integration::new(&ball, 0.0, ball.start()).run(1.0, &mut *solver, &mut longest)?;
+/// assert!(longest.0 > 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Record<P: System> {
     /// A run from `start` towards `t_end` begins.
     ///

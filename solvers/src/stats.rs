@@ -22,6 +22,18 @@ pub struct Work {
 }
 
 /// Counts of all work of an integration.
+///
+/// ```
+/// # use deltazero_solvers::problems::BouncingBall;
+/// use deltazero_solvers::Run;
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let stats = Run::of(&ball, ball.start()).method("rk45").tolerance(1e-6, 1e-6).to(1.0)?.stats;
+/// assert_eq!(stats.n_events, 2);
+/// let rest = stats.restart.n_rhs + stats.location.n_rhs;
+/// assert_eq!(stats.stepping().n_rhs, stats.work.n_rhs - rest);
+/// # Ok::<(), deltazero_solvers::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stats {

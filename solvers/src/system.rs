@@ -8,6 +8,13 @@ use crate::real::{Over, Real};
 use crate::{rounding, sparsity};
 
 /// A vector of scalars of one length: `[S; N]` where it is small and known, `Vec<S>` otherwise.
+///
+/// ```
+/// use deltazero_solvers::Vector;
+///
+/// let squares: Vec<f64> = Vector::from_fn(3, |i| (i * i) as f64);
+/// assert_eq!(squares, [0.0, 1.0, 4.0]);
+/// ```
 pub trait Vector<S>: Clone + Debug + AsRef<[S]> + AsMut<[S]> {
     /// Whether the length is part of the type, and small. Such vectors get code specialised to their length, and
     /// dense matrices.
@@ -66,6 +73,16 @@ impl<S: Clone + Debug> Vector<S> for Vec<S> {
 }
 
 /// What follows an event.
+///
+/// ```
+/// use deltazero_solvers::Next;
+///
+/// /// A ball flies on from its first two bounces, and the run ends at the third.
+/// fn after(bounces: u32) -> Next<u32> {
+///     if bounces < 2 { Next::Mode(bounces + 1) } else { Next::Stop }
+/// }
+/// assert_eq!((after(1), after(2)), (Next::Mode(2), Next::Stop));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Next<M> {

@@ -4,6 +4,15 @@ use crate::error::Error;
 use crate::real::{Ordered, Over, Real};
 
 /// The accuracy required of each step.
+///
+/// ```
+/// use deltazero_solvers::Tolerance;
+///
+/// let tolerance = Tolerance { rtol: 1e-3, atol: vec![1e-3, 1.0] };
+/// // Each error is half of what is allowed: 1e-3 + 1e-3·1, and 1 + 1e-3·1000.
+/// assert!((tolerance.norm(&[1e-3, 1.0], &[1.0, 0.0], &[0.0, 1000.0]) - 0.5).abs() < 1e-15);
+/// assert!(tolerance.check(3).is_err());
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Tolerance {

@@ -12,6 +12,12 @@ use crate::record::{Accepted, Event, Grazing, Needs, Record};
 use crate::system::{Next, System, Vector};
 
 /// The times at which a trajectory keeps samples.
+///
+/// ```
+/// use deltazero_solvers::Grid;
+///
+/// assert_eq!(Grid::uniform(0.5, 1.2), Grid::Times(vec![0.5, 1.0]));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Grid {
@@ -62,6 +68,21 @@ pub struct Switch<M> {
 }
 
 /// Samples, events and grazing guards of a run.
+///
+/// ```
+/// # use deltazero_solvers::problems::BouncingBall;
+/// use deltazero_solvers::{Grid, Run, Trajectory};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let samples = Trajectory::on(Grid::uniform(0.1, 1.0));
+/// let run = Run::of(&ball, ball.start()).tolerance(1e-8, 1e-8);
+/// let trajectory = run.keep(samples).to(1.0)?.trajectory;
+/// assert_eq!(trajectory.samples.len(), 10);
+/// let (bounce, [before, after]) = (&trajectory.events[0], trajectory.sides[0]);
+/// assert!((bounce.t - ball.bounce_time(0)).abs() < 1e-6);
+/// assert_eq!(after[1], -0.5 * before[1]);
+/// # Ok::<(), deltazero_solvers::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Trajectory<Y, M> {

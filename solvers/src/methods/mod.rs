@@ -186,6 +186,13 @@ pub static METHODS: &[Method] = &[
 
 impl Method {
     /// The method called `name`.
+    ///
+    /// ```
+    /// use deltazero_solvers::Method;
+    ///
+    /// assert_eq!(Method::named("radau5").map(|method| method.order), Some(5));
+    /// assert!(Method::named("euler").is_none());
+    /// ```
     pub fn named(name: &str) -> Option<&'static Self> {
         METHODS.iter().find(|method| method.name == name)
     }
@@ -322,6 +329,24 @@ impl Method {
     /// # Panics
     /// Where there are fewer `controls` or `records` than `runs`, where two systems give different numbers of
     /// parameters, or where one branches on a number in a mode that has parameters.
+    ///
+    /// ```
+    /// use deltazero_solvers::problems::BouncingBall;
+    /// use deltazero_solvers::{Control, Integration, Method, Tolerance};
+    ///
+    /// let ball = |gravity| BouncingBall { restitution: 0.5, gravity, height: 1.0 };
+    /// let balls = [9.8, 1.6, 3.7].map(ball);
+    /// let control = Control::Adaptive(Tolerance { rtol: 1e-9, atol: vec![1e-9; 2] });
+    /// let mut runs: Vec<_> =
+    ///     balls.iter().map(|ball| Integration::new(ball, 0.0, ball.start())).collect();
+    /// let method = Method::named("dop853").ok_or("no such method")?;
+    /// let controls = vec![control; 3];
+    /// method.run_batch(&mut runs, 1.0, &controls, &mut [&mut (), &mut (), &mut ()])?;
+    /// for (run, ball) in runs.iter().zip(&balls) {
+    ///     assert!((run.point.y[0] - ball.state(1.0)[0]).abs() < 1e-7);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn run_batch<P: Alike>(
         &self,
         runs: &mut [Integration<'_, P>],
