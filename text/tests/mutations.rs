@@ -1,4 +1,4 @@
-//! No text makes the parser panic, hang or take much memory.
+//! No text makes the parser or a run of its model panic, hang or take much memory.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,
@@ -7,12 +7,19 @@
 
 use std::time::{Duration, Instant};
 
-use deltazero_solvers::System;
+use deltazero_solvers::{Run, System, Trajectory};
 use deltazero_study::Problem;
-use deltazero_text::ModelFile;
+use deltazero_text::models::MODELS;
+use deltazero_text::{Any, ModelFile, TextModel};
 use fastrand::Rng;
 
-const MODELS: [&str; 2] = [include_str!("models/row.toml"), include_str!("models/stop.toml")];
+/// Two that have every piece of the language between them.
+const OWN: [&str; 2] = [include_str!("models/row.toml"), include_str!("models/stop.toml")];
+
+/// These and those that come with the program.
+fn models() -> Vec<&'static str> {
+    OWN.into_iter().chain(MODELS.iter().map(|model| model.text)).collect()
+}
 
 /// Pieces that are put in, besides pieces of the models themselves.
 const PIECES: &[&str] = &[
@@ -108,12 +115,34 @@ fn with_other_tokens(rng: &mut Rng, text: &str) -> String {
     all.concat()
 }
 
-/// Parses a text, and evaluates every function of its models once.
+/// Right-hand sides of a run.
+const MOST_WORK: u64 = 200;
+/// States of a model that is run.
+const FEW: usize = 100;
+
+/// Runs a model for a short while by three kinds of method: either it says why it cannot go on, or its end is finite.
+fn try_run(model: &TextModel<Any>, text: &str) {
+    let y = Problem::start(model);
+    for method in ["rk45", "taylor", "radau5"] {
+        let run = Run::of(model, y.clone()).method(method).tolerance(1e-6, 1e-6);
+        let ended = run.most_work(MOST_WORK).keep(Trajectory::of_events()).to(1.0);
+        let is_right = match ended {
+            Ok(run) => run.end.y.iter().all(|y| y.is_finite()),
+            Err(error) => !error.to_string().is_empty(),
+        };
+        assert!(is_right, "{method}: {text}");
+    }
+}
+
+/// Parses a text, evaluates every function of its models once, and runs them.
 fn try_out(text: &str) -> bool {
     let file = match ModelFile::parse("mutant.toml", text) {
         Ok(file) => file,
         Err(report) => {
             assert!(!report.to_string().is_empty());
+            let ((line, column), lines) = (report.line_and_column(), text.split('\n').count());
+            assert!((1..=lines + 1).contains(&line) && column > 0, "{line}:{column} of\n{text}");
+            assert!(report.span().end <= text.len() + 1, "{:?} of\n{text}", report.span());
             return false;
         }
     };
@@ -133,8 +162,9 @@ fn try_out(text: &str) -> bool {
         model.touch(&mode, 0.0, &y, 0);
         model.powers(&mode, 0.0, &y);
         model.rows(&mode, 0.0, &y, &mut |_, _| {});
-        if model.dim() < 100 {
+        if model.dim() < FEW {
             model.jacobian(mode, 0.0, &y, |_, _, _| {});
+            try_run(&model, text);
         }
     }
     true
@@ -143,8 +173,9 @@ fn try_out(text: &str) -> bool {
 fn mutate(n: usize, seed: u64) {
     let mut rng = Rng::with_seed(seed);
     let (mut n_valid, mut longest) = (0, Duration::ZERO);
+    let models = models();
     for i in 0..n {
-        let text = MODELS[i % MODELS.len()];
+        let text = models[i % models.len()];
         let mutant = if rng.u8(0..3) == 0 {
             with_other_bytes(&mut rng, text)
         } else {
@@ -162,7 +193,7 @@ fn mutate(n: usize, seed: u64) {
 
 #[test]
 fn models_as_they_are_pass() {
-    assert!(MODELS.iter().all(|text| try_out(text)));
+    assert!(models().into_iter().all(try_out));
 }
 
 #[test]
