@@ -1,7 +1,8 @@
 //! `deltazero study`.
 
+use std::fmt::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::SystemTime;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::Args;
 use deltazero::config::Config;
@@ -94,7 +95,7 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
             Progress::Row(row) => kept.take(*row),
             progress => bar.show(progress),
         });
-    let mut study = StudyRecord { time: now(), table, ..kept.into_study()? };
+    let mut study = StudyRecord { time: told(SystemTime::now()), table, ..kept.into_study()? };
     let about = About::of(&config);
     output.write("study.csv", report::study_csv(&about, &study.table).as_bytes())?;
     write_json(&output, &study)?;
@@ -132,15 +133,19 @@ fn unfinished(output: &Output, config: &Config, table: WorkPrecision) -> StudyRe
         version: env!("CARGO_PKG_VERSION").to_owned(),
         recipe: RECIPE,
         machine: Some(Machine::here()),
-        time: now(),
+        time: told(SystemTime::now()),
         config: config.clone(),
         finished: false,
         table,
     }
 }
 
-fn now() -> Option<String> {
-    Some(format_rfc3339_seconds(SystemTime::now()).to_string())
+/// A time as a record has it; none of a clock that is before 1970 or after 9999.
+fn told(time: SystemTime) -> Option<String> {
+    time.duration_since(UNIX_EPOCH).ok()?;
+    let mut text = String::new();
+    write!(text, "{}", format_rfc3339_seconds(time)).ok()?;
+    Some(text)
 }
 
 /// What results are of, apart from the axes of a figure, which change no run.
@@ -219,4 +224,19 @@ fn summarise(output: &Output, table: &WorkPrecision) {
         "written to {}: report.html, study.md, study.csv, study.json, figures/",
         output.path()
     ));
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    #[test]
+    fn a_clock_that_is_far_off_tells_no_time() {
+        let day = Duration::from_secs(86_400);
+        assert_eq!(told(UNIX_EPOCH + day).as_deref(), Some("1970-01-02T00:00:00Z"));
+        assert_eq!(told(UNIX_EPOCH - day), None);
+        assert_eq!(told(UNIX_EPOCH + 4_000_000 * day), None);
+    }
 }
