@@ -20,6 +20,11 @@
 //! It is less good at loose tolerances with many events: after a restart the iteration has no starting guess, and each
 //! step retaken on an event is iterated to rounding. Where accuracy limits the step, an explicit pair needs less work.
 //!
+//! Its error at a tolerance is larger than that of a code that holds the same estimate to rtol itself, because the estimate is of third
+//! order, and is held to `0.1 rtol^(2/3)`, as in RADAU5: 215 times more at 10⁻¹⁰. On van der Pol's equation with μ = 1000 the errors
+//! there are 1.1·10⁻⁸ and, of scipy's `Radau`, 3.4·10⁻¹¹. So errors follow rtol as those of a method of fifth order should; what
+//! counts is the time at equal error.
+//!
 //! A fixed step iterates to rounding or fails. Where the slope jumps inside it, as in an [event-blind
 //! run](crate::blind), its equations may have no solution, and the run ends in
 //! [`NoConvergence`](crate::Error::NoConvergence). Under a tolerance the step is halved instead.
