@@ -82,8 +82,7 @@ enum Command {
     Model(model::ModelArgs),
     /// What a shell is told to complete this command line: deltazero completions bash
     Completions(completions::CompletionsArgs),
-    /// Pages of the manual, for those who package the program
-    #[command(hide = true)]
+    /// Pages of the manual, one for each command, into a directory: deltazero man DIR
     Man(completions::ManArgs),
 }
 
@@ -235,11 +234,8 @@ fn misplaced_command(args: &study::StudyArgs) -> Option<Failure> {
     let word = args.run.from.config.as_deref()?;
     let is_word = word.to_str()?.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
     (is_word && !word.exists()).then(|| {
-        let commands: Vec<_> = Cli::command()
-            .get_subcommands()
-            .filter(|command| !command.is_hide_set())
-            .map(|command| command.get_name().to_owned())
-            .collect();
+        let commands: Vec<_> =
+            Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
         Failure::Usage(format!(
             "{}: neither a configuration file nor, in the first place, a command ({})",
             word.display(),
