@@ -1,5 +1,7 @@
 //! Whether what a problem says of itself fits together, before anything runs.
 
+use std::fmt::Debug;
+
 use crate::problem::{GroupScale, Problem};
 
 /// Why a problem cannot be studied.
@@ -14,6 +16,14 @@ pub enum ProblemError {
     StatesDiffer {
         /// Names.
         named: usize,
+        /// States.
+        dim: usize,
+    },
+    /// It starts with more or fewer states than it has.
+    #[error("the problem starts with {given} states and has {dim}; Problem::start must give each")]
+    StartDiffers {
+        /// States of the start.
+        given: usize,
         /// States.
         dim: usize,
     },
@@ -48,45 +58,103 @@ pub enum ProblemError {
         /// Sites of the problem.
         n_sites: usize,
     },
+    /// A site has more or fewer columns than values.
+    #[error(
+        "site {site} has {named} columns by Problem::columns and {given} values by Problem::rows; each column must have one"
+    )]
+    ColumnsDiffer {
+        /// The site.
+        site: usize,
+        /// Columns.
+        named: usize,
+        /// Values at the start.
+        given: usize,
+    },
     /// A number at the start is none.
     #[error("{item} is {value} at the start")]
     NotFinite {
-        /// State, force or energy.
+        /// State, column, force, energy or power.
         item: String,
         /// Its value.
         value: f64,
     },
     /// A mode is contact, and no force is given.
     #[error(
-        "the start is a contact by Problem::role at site {site}, but Problem::touch gives no force there"
+        "mode {mode}, met at t = {t} s, is a contact by Problem::role at site {site}, but Problem::touch gives no force \
+         there; give one, or none in any mode and let Problem::tells_forces be false"
     )]
     NoForce {
+        /// When the mode was met [s].
+        t: f64,
+        /// The mode.
+        mode: String,
         /// The site.
         site: usize,
+    },
+    /// A force is given in one mode or at one site, and not at the start or at another site.
+    #[error(
+        "Problem::touch gives a force in mode {mode}, met at t = {t} s, at site {site}, and none at the start at site {silent}; \
+         give it in every mode and at every site, zero where it is no contact"
+    )]
+    ForceInPart {
+        /// When the mode was met [s].
+        t: f64,
+        /// The mode.
+        mode: String,
+        /// The site.
+        site: usize,
+        /// A site without at the start.
+        silent: usize,
+    },
+    /// Energies are given, and no powers.
+    #[error(
+        "Problem::energies gives energies at the start, but Problem::powers no powers; give both"
+    )]
+    NoPowers,
+    /// The end is not after the start.
+    #[error("the end of the run is {t_end} s; it must be a time after the start, which is at 0 s")]
+    End {
+        /// The end [s].
+        t_end: f64,
     },
 }
 
 /// See [`Part::check`](crate::Part::check).
 pub(crate) fn check<P: Problem>(problem: &P) -> Result<(), ProblemError> {
+    let y = problem.start();
+    states(problem, y.as_ref())?;
+    groups(problem)?;
+    let mode = problem.initial_mode(0.0, &y);
+    sites(problem, &mode)?;
+    columns(problem, &mode, &y)?;
+    forces(problem, &mode, &y)?;
+    energies(problem, &mode, &y)
+}
+
+/// Whether a run can end at `t_end` [s].
+pub(crate) fn check_end(t_end: f64) -> Result<(), ProblemError> {
+    if t_end > 0.0 && t_end.is_finite() { Ok(()) } else { Err(ProblemError::End { t_end }) }
+}
+
+fn states<P: Problem>(problem: &P, y: &[f64]) -> Result<(), ProblemError> {
     let (dim, states) = (problem.dim(), problem.states());
     if dim == 0 {
         return Err(ProblemError::NoStates);
     }
-    let (y, named) = (problem.start(), states.len());
-    if named != dim || y.as_ref().len() != dim {
-        return Err(ProblemError::StatesDiffer { named, dim });
+    if states.len() != dim {
+        return Err(ProblemError::StatesDiffer { named: states.len(), dim });
     }
-    for (state, y) in states.iter().zip(y.as_ref()) {
-        let is_scale = state.scale > 0.0 && state.scale.is_finite();
-        // A state that rests at zero, and stays there, may have no scale.
-        if !is_scale && (state.scale != 0.0 || *y != 0.0) {
-            let item = format!("state {}", state.name);
+    if y.len() != dim {
+        return Err(ProblemError::StartDiffers { given: y.len(), dim });
+    }
+    for (state, y) in states.iter().zip(y) {
+        let item = format!("state {}", state.name);
+        if !is_scale(state.scale) {
             return Err(ProblemError::Scale { item, scale: state.scale });
         }
-        finite(&format!("state {}", state.name), *y)?;
+        finite(item, *y)?;
     }
-    groups(problem)?;
-    start(problem, &y)
+    Ok(())
 }
 
 fn groups<P: Problem>(problem: &P) -> Result<(), ProblemError> {
@@ -103,7 +171,7 @@ fn groups<P: Problem>(problem: &P) -> Result<(), ProblemError> {
             return Err(ProblemError::Site { item: name, site: group.site, n_sites });
         }
         if let GroupScale::Fixed(scale) = group.scale
-            && !(scale > 0.0 && scale.is_finite())
+            && !is_scale(scale)
         {
             return Err(ProblemError::Scale { item: name, scale });
         }
@@ -111,35 +179,101 @@ fn groups<P: Problem>(problem: &P) -> Result<(), ProblemError> {
     Ok(())
 }
 
-/// What is given of forces and energies where it starts.
-fn start<P: Problem>(problem: &P, y: &P::State<f64>) -> Result<(), ProblemError> {
-    let (mode, n_sites) = (problem.initial_mode(0.0, y), problem.n_sites());
+fn sites<P: Problem>(problem: &P, mode: &P::Mode) -> Result<(), ProblemError> {
+    let n_sites = problem.n_sites();
     for guard in 0..problem.n_guards() {
-        let site = problem.site_of_guard(&mode, guard);
+        let site = problem.site_of_guard(mode, guard);
         if site >= n_sites {
             return Err(ProblemError::Site { item: format!("guard {guard}"), site, n_sites });
         }
     }
-    for site in 0..n_sites {
-        match problem.touch(&mode, 0.0, y, site) {
-            Some(touch) => {
-                finite("the penetration", touch.depth)?;
-                finite("the contact force", touch.force)?;
-            }
-            None if problem.tells_forces() && problem.role(&mode, site).is_contact() => {
-                return Err(ProblemError::NoForce { site });
-            }
-            None => {}
-        }
+    Ok(())
+}
+
+/// States and observables as a table of the motion has them.
+fn columns<P: Problem>(problem: &P, mode: &P::Mode, y: &P::State<f64>) -> Result<(), ProblemError> {
+    let n_sites = problem.n_sites();
+    let mut rows = Vec::new();
+    problem.rows(mode, 0.0, y, &mut |site, values| rows.push((site, values.to_vec())));
+    if let Some((site, _)) = rows.iter().find(|(site, _)| *site >= n_sites) {
+        return Err(ProblemError::Site { item: "a row".to_owned(), site: *site, n_sites });
     }
-    if let Some(energy) = problem.energies(&mode, 0.0, y) {
-        finite("the energy", energy.kinetic + energy.elastic)?;
+    for site in 0..n_sites {
+        let columns = problem.columns(site);
+        let mut own = rows.iter().filter(|(of, _)| *of == site).flat_map(|(_, values)| values);
+        let (named, given) = (columns.len(), own.clone().count());
+        if named != given {
+            return Err(ProblemError::ColumnsDiffer { site, named, given });
+        }
+        for (column, value) in columns.iter().zip(&mut own) {
+            finite(format!("column {} of site {site}", column.name), *value)?;
+        }
     }
     Ok(())
 }
 
-fn finite(item: &str, value: f64) -> Result<(), ProblemError> {
-    let item = item.to_owned();
+fn forces<P: Problem>(problem: &P, mode: &P::Mode, y: &P::State<f64>) -> Result<(), ProblemError> {
+    let touches: Vec<_> =
+        (0..problem.n_sites()).map(|site| problem.touch(mode, 0.0, y, site)).collect();
+    let told = touches.iter().position(Option::is_some);
+    for (site, touch) in touches.iter().enumerate() {
+        match touch {
+            Some(touch) => {
+                finite(format!("the penetration at site {site}"), touch.depth)?;
+                finite(format!("the contact force at site {site}"), touch.force)?;
+            }
+            None => check_untold(problem, (0.0, mode), site, told)?,
+        }
+    }
+    Ok(())
+}
+
+/// Whether [`Problem::touch`] may give no force at `site` in a mode, met at a time, where it gives one at the site `told` or
+/// at none.
+pub(crate) fn check_untold<P: Problem>(
+    problem: &P,
+    met: (f64, &P::Mode),
+    site: usize,
+    told: Option<usize>,
+) -> Result<(), ProblemError> {
+    if problem.tells_forces() && problem.role(met.1, site).is_contact() {
+        return Err(no_force(met, site));
+    }
+    told.map_or(Ok(()), |told| Err(force_in_part(met, told, site)))
+}
+
+/// [`ProblemError::NoForce`] of a mode met at a time.
+pub(crate) fn no_force((t, mode): (f64, &impl Debug), site: usize) -> ProblemError {
+    ProblemError::NoForce { t, mode: format!("{mode:?}"), site }
+}
+
+/// [`ProblemError::ForceInPart`] of a mode met at a time.
+pub(crate) fn force_in_part(
+    (t, mode): (f64, &impl Debug),
+    site: usize,
+    silent: usize,
+) -> ProblemError {
+    ProblemError::ForceInPart { t, mode: format!("{mode:?}"), site, silent }
+}
+
+fn energies<P: Problem>(
+    problem: &P,
+    mode: &P::Mode,
+    y: &P::State<f64>,
+) -> Result<(), ProblemError> {
+    let Some(energy) = problem.energies(mode, 0.0, y) else { return Ok(()) };
+    finite("the energy", energy.kinetic + energy.elastic)?;
+    let power = problem.powers(mode, 0.0, y).ok_or(ProblemError::NoPowers)?;
+    finite("the power of the drive", power.drive)?;
+    finite("the dissipated power", power.dissipated())
+}
+
+fn is_scale(scale: f64) -> bool {
+    scale > 0.0 && scale.is_finite()
+}
+
+fn finite(item: impl Into<String>, value: f64) -> Result<(), ProblemError> {
+    let item = item.into();
     if value.is_finite() { Ok(()) } else { Err(ProblemError::NotFinite { item, value }) }
 }
 
@@ -150,40 +284,51 @@ mod tests {
     use deltazero_solvers::{Next, Real, System};
 
     use super::*;
-    use crate::problem::{Group, Quantity, Role};
+    use crate::problem::{Energy, Group, Power, Quantity, Role, Touch};
 
     /// `ẏ = −y` that says of itself what it is told to.
     #[derive(Clone)]
     struct Told {
+        dim: usize,
+        start: Vec<f64>,
         states: Vec<Quantity>,
         group: Option<Group>,
-        start: f64,
+        /// Values of its one column, of each site.
+        rows: Vec<Vec<f64>>,
         role: Role,
+        /// Contact force, of each site.
+        forces: Vec<Option<f64>>,
+        energy: Option<f64>,
+        power: Option<f64>,
     }
 
     impl System for Told {
         type Mode = ();
-        type State<S: Real> = [S; 1];
+        type State<S: Real> = Vec<S>;
         type Guards<S: Real> = [S; 0];
 
-        fn initial_mode(&self, _: f64, _: &[f64; 1]) {}
-
-        fn rhs<S: Real>(&self, (): (), _: S, y: &[S; 1], dydt: &mut [S; 1]) {
-            *dydt = [-y[0]];
+        fn dim(&self) -> usize {
+            self.dim
         }
 
-        fn guards<S: Real>(&self, (): (), _: S, _: &[S; 1], _: &mut [S; 0]) {}
+        fn initial_mode(&self, _: f64, _: &Vec<f64>) {}
 
-        fn guard_bounds(&self, (): (), _: f64, _: &[f64; 1], _: &mut [f64; 0]) {}
+        fn rhs<S: Real>(&self, (): (), _: S, y: &Vec<S>, dydt: &mut Vec<S>) {
+            dydt.iter_mut().zip(y).for_each(|(dydt, y)| *dydt = -*y);
+        }
 
-        fn transition<S: Real>(&self, (): (), _: usize, _: S, _: &mut [S; 1]) -> Next<()> {
+        fn guards<S: Real>(&self, (): (), _: S, _: &Vec<S>, _: &mut [S; 0]) {}
+
+        fn guard_bounds(&self, (): (), _: f64, _: &Vec<f64>, _: &mut [f64; 0]) {}
+
+        fn transition<S: Real>(&self, (): (), _: usize, _: S, _: &mut Vec<S>) -> Next<()> {
             Next::Stop
         }
     }
 
     impl Problem for Told {
-        fn start(&self) -> [f64; 1] {
-            [self.start]
+        fn start(&self) -> Vec<f64> {
+            self.start.clone()
         }
 
         fn states(&self) -> Vec<Quantity> {
@@ -194,8 +339,33 @@ mod tests {
             self.group.iter().cloned().collect()
         }
 
+        fn n_sites(&self) -> usize {
+            self.forces.len()
+        }
+
         fn role(&self, (): &(), _: usize) -> Role {
             self.role
+        }
+
+        fn touch<S: Real>(&self, (): &(), _: S, _: &Vec<S>, site: usize) -> Option<Touch<S>> {
+            let [depth, rate] = [S::cst(0.0); 2];
+            self.forces[site].map(|force| Touch { depth, rate, force: S::cst(force) })
+        }
+
+        fn energies(&self, (): &(), _: f64, _: &Vec<f64>) -> Option<Energy> {
+            self.energy.map(|kinetic| Energy { kinetic, elastic: 0.0 })
+        }
+
+        fn powers(&self, (): &(), _: f64, _: &Vec<f64>) -> Option<Power> {
+            self.power.map(|damping| Power { damping, ..Power::default() })
+        }
+
+        fn columns(&self, _: usize) -> Vec<Quantity> {
+            vec![Quantity::new("f", "N", 1.0)]
+        }
+
+        fn rows(&self, (): &(), _: f64, _: &Vec<f64>, row: &mut dyn FnMut(usize, &[f64])) {
+            self.rows.iter().enumerate().for_each(|(site, values)| row(site, values));
         }
     }
 
@@ -207,35 +377,105 @@ mod tests {
             scale: GroupScale::Fixed(1.0),
             site: 0,
         };
-        let states = vec![Quantity::new("y", "m", 1.0)];
-        Told { states, group: Some(group), start: 1.0, role: Role::Free }
+        Told {
+            dim: 1,
+            start: vec![1.0],
+            states: vec![Quantity::new("y", "m", 1.0)],
+            group: Some(group),
+            rows: vec![vec![1.0]],
+            role: Role::Free,
+            forces: vec![None],
+            energy: None,
+            power: None,
+        }
+    }
+
+    fn assert_refused(problem: &Told, what: &str) {
+        let message = check(problem).unwrap_err().to_string();
+        assert!(message.contains(what), "{what}: {message}");
     }
 
     #[test]
-    fn a_problem_that_contradicts_itself_is_told_what_is_wrong() {
+    fn states_that_do_not_fit_together_are_refused() {
+        let states = |scale| vec![Quantity::new("y", "m", scale)];
+        assert_eq!(check(&told()), Ok(()));
+        let none = Told { dim: 0, start: vec![], states: vec![], ..told() };
+        for (problem, what) in [
+            (none, "has no states"),
+            (Told { states: vec![], ..told() }, "names 0 states and has 1"),
+            (Told { start: vec![0.0; 2], ..told() }, "starts with 2 states and has 1"),
+            (Told { states: states(0.0), ..told() }, "scale of state y is 0"),
+            (Told { start: vec![0.0], states: states(0.0), ..told() }, "scale of state y is 0"),
+            (Told { states: states(f64::NAN), ..told() }, "scale of state y is NaN"),
+            (Told { start: vec![f64::INFINITY], ..told() }, "state y is inf at the start"),
+        ] {
+            assert_refused(&problem, what);
+        }
+    }
+
+    #[test]
+    fn groups_that_do_not_fit_the_states_are_refused() {
         let group = |change: fn(&mut Group)| {
             let mut told = told();
             told.group.iter_mut().for_each(change);
             told
         };
-        let cases = [
-            (Told { states: vec![], ..told() }, "names 0 states and has 1"),
-            (
-                Told { states: vec![Quantity::new("y", "m", 0.0)], ..told() },
-                "scale of state y is 0",
-            ),
-            (Told { states: vec![Quantity::new("y", "m", f64::NAN)], ..told() }, "is NaN"),
+        for (problem, what) in [
             (Told { group: None, ..told() }, "no groups"),
             (group(|group| group.states = vec![1]), "group y has the states [1]"),
             (group(|group| group.scale = GroupScale::Fixed(-1.0)), "scale of group y is -1"),
             (group(|group| group.site = 3), "of site 3; the problem has 1"),
-            (Told { start: f64::INFINITY, ..told() }, "state y is inf at the start"),
-            (Told { role: Role::Contact, ..told() }, "gives no force"),
-        ];
-        assert_eq!(check(&told()), Ok(()));
-        for (problem, what) in cases {
-            let message = check(&problem).unwrap_err().to_string();
-            assert!(message.contains(what), "{what}: {message}");
+        ] {
+            assert_refused(&problem, what);
+        }
+    }
+
+    #[test]
+    fn columns_that_their_heads_do_not_fit_or_that_are_no_number_are_refused() {
+        let rows = |rows: &[&[f64]]| Told {
+            rows: rows.iter().map(|values| values.to_vec()).collect(),
+            ..told()
+        };
+        for (problem, what) in [
+            (rows(&[&[1.0, 2.0]]), "site 0 has 1 columns by Problem::columns and 2 values"),
+            (rows(&[]), "site 0 has 1 columns by Problem::columns and 0 values"),
+            (rows(&[&[1.0], &[1.0]]), "a row is of site 1; the problem has 1"),
+            (rows(&[&[f64::NAN]]), "column f of site 0 is NaN at the start"),
+        ] {
+            assert_refused(&problem, what);
+        }
+    }
+
+    #[test]
+    fn forces_and_energies_that_are_not_given_whole_are_refused() {
+        let two = Told { rows: vec![vec![1.0]; 2], ..told() };
+        let energy = |energy, power| Told { energy: Some(energy), power, ..told() };
+        for (problem, what) in [
+            (
+                Told { role: Role::Contact, ..told() },
+                "at site 0, but Problem::touch gives no force",
+            ),
+            (
+                Told { forces: vec![None, Some(1.0)], ..two },
+                "at site 1, and none at the start at site 0",
+            ),
+            (Told { forces: vec![Some(f64::NAN)], ..told() }, "contact force at site 0 is NaN"),
+            (energy(1.0, None), "Problem::powers no powers"),
+            (energy(f64::NAN, Some(0.0)), "the energy is NaN"),
+            (energy(1.0, Some(f64::INFINITY)), "the dissipated power is inf"),
+        ] {
+            assert_refused(&problem, what);
+        }
+        assert_eq!(check(&energy(1.0, Some(0.0))), Ok(()));
+        assert_eq!(check(&Told { role: Role::Contact, forces: vec![Some(1.0)], ..told() }), Ok(()));
+    }
+
+    #[test]
+    fn an_end_that_is_not_after_the_start_is_refused() {
+        assert_eq!(check_end(1e-9), Ok(()));
+        for t_end in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let message = check_end(t_end).unwrap_err().to_string();
+            assert!(message.contains(&format!("the end of the run is {t_end} s")), "{message}");
         }
     }
 }

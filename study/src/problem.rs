@@ -259,7 +259,8 @@ pub trait Problem: System<Mode: Send + Sync> + Send + Sync {
         true
     }
 
-    /// The contact at a site; none where there is none that a force is known of, in no mode.
+    /// The contact at a site: in every mode at every site, without force where the mode is no contact; or none in any
+    /// mode, where no force is known.
     fn touch<S: Real>(
         &self,
         _mode: &Self::Mode,

@@ -8,6 +8,7 @@ use num_dual::Dual64;
 use serde::{Deserialize, Serialize};
 
 use super::worse;
+use crate::check::{ProblemError, check_untold, force_in_part, no_force};
 use crate::points::{Point, Points, mode_inside};
 use crate::problem::{Problem, Touch};
 use crate::quadrature::{GAUSS, Nodes};
@@ -17,6 +18,9 @@ use crate::setting::Events;
 const PRECISION: f64 = 1e-9;
 /// The most points of a step at which the force is looked at: both ends and the nodes.
 const MOST_POINTS: usize = GAUSS.len() + 2;
+
+/// Where a mode is no contact and nothing is told of it.
+const NO_FORCE: Touch<f64> = Touch { depth: 0.0, rate: 0.0, force: 0.0 };
 
 /// One contact.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -75,7 +79,10 @@ struct Felt {
 pub struct Contacts<'a, P: Problem> {
     problem: &'a P,
     events: Events,
-    /// Of each site; none of a problem that has no contact.
+    /// Whether it gives forces at the start.
+    gives_forces: bool,
+    /// What it said of forces that contradicts itself.
+    contradiction: Option<ProblemError>,
     sites: Vec<SiteContacts>,
     points: Points<P>,
 }
@@ -100,23 +107,42 @@ impl<'a, P: Problem> Contacts<'a, P> {
     pub(crate) fn with(nodes: Nodes, problem: &'a P, events: Events) -> Self {
         let y0 = problem.start();
         let mode = problem.initial_mode(0.0, &y0);
-        let has_contacts = |site| problem.touch(&mode, 0.0, &y0, site).is_some();
         let n_sites = problem.n_sites();
-        let is_any = (0..n_sites).any(has_contacts);
-        let sites = vec![SiteContacts::default(); if is_any { n_sites } else { 0 }];
-        Self { problem, events, sites, points: Points::of(nodes) }
+        Self {
+            problem,
+            events,
+            gives_forces: (0..n_sites).any(|k| problem.touch(&mode, 0.0, &y0, k).is_some()),
+            contradiction: None,
+            sites: vec![SiteContacts::default(); n_sites],
+            points: Points::of(nodes),
+        }
     }
 
-    /// The contacts of each site; its last one may not have ended. None where the problem tells of no contact.
+    /// The contacts of each site; its last one may not have ended. None where forces are not given, or not in every contact.
     pub fn lists(self) -> Option<Vec<Vec<Contact>>> {
-        let lists: Vec<_> = self.sites.into_iter().map(|site| site.list).collect();
-        (!lists.is_empty()).then_some(lists)
+        let are_known = self.gives_forces && self.contradiction.is_none();
+        are_known.then(|| self.sites.into_iter().map(|site| site.list).collect())
     }
 
-    /// The contact of site `k` at `(t, y)` in `mode`.
+    /// What the problem said of forces in the run that contradicts itself, the first that was met.
+    pub(crate) fn contradiction(&self) -> Option<&ProblemError> {
+        self.contradiction.as_ref()
+    }
+
+    /// Looks for what a mode that an event led to says of forces against the start, where there are none.
+    fn look_for_forces(&mut self, mode: &P::Mode, t: f64, y: &P::State<f64>) {
+        for k in 0..self.sites.len() {
+            let told = match self.problem.touch(mode, t, y, k) {
+                Some(_) => Err(force_in_part((t, mode), k, k)),
+                None => check_untold(self.problem, (t, mode), k, None),
+            };
+            self.contradiction = self.contradiction.take().or(told.err());
+        }
+    }
+
+    /// The contact of site `k` at `(t, y)` in `mode`; that of a mode without one has no force.
     fn touch(&self, mode: &P::Mode, t: f64, y: &P::State<f64>, k: usize) -> Touch<f64> {
-        let none = Touch { depth: 0.0, rate: 0.0, force: 0.0 };
-        self.problem.touch(mode, t, y, k).unwrap_or(none)
+        self.problem.touch(mode, t, y, k).unwrap_or(NO_FORCE)
     }
 
     fn is_contact(&self, mode: &P::Mode, k: usize) -> bool {
@@ -161,7 +187,7 @@ impl<'a, P: Problem> Contacts<'a, P> {
     /// What site `k` feels over a step begun in `mode`; its extremes are looked for between the points where they
     /// may be above those of `before`.
     fn of_step(
-        &self,
+        &mut self,
         mode: &P::Mode,
         step: &dyn Step<P::State<f64>>,
         points: &mut [Point<P>],
@@ -172,7 +198,11 @@ impl<'a, P: Problem> Contacts<'a, P> {
         let mut forces = [(0.0, 0.0); MOST_POINTS];
         let mut depths = forces;
         for (i, Point { t, weight, mode, y, .. }) in points.iter().enumerate() {
-            let touch = self.touch(mode, *t, y, k);
+            let touch = self.problem.touch(mode, *t, y, k);
+            if touch.is_none() && self.contradiction.is_none() && self.is_contact(mode, k) {
+                self.contradiction = Some(no_force((*t, mode), k));
+            }
+            let touch = touch.unwrap_or(NO_FORCE);
             impulse += weight * touch.force;
             (forces[i], depths[i], rates[i]) = ((*t, touch.force), (*t, touch.depth), touch.rate);
         }
@@ -202,11 +232,8 @@ impl<'a, P: Problem> Contacts<'a, P> {
 impl<P: Problem> Contacts<'_, P> {
     /// Whether a step begun in `mode` is one to look at.
     pub(crate) fn feels(&self, mode: &P::Mode) -> bool {
-        let mut sites = 0..self.sites.len();
-        match self.events {
-            Events::Located => sites.any(|k| self.is_contact(mode, k)),
-            Events::Blind => !sites.is_empty(),
-        }
+        let is_contact = |k| self.is_contact(mode, k);
+        self.gives_forces && (self.events == Events::Blind || (0..self.sites.len()).any(is_contact))
     }
 
     /// Adds a step with these points.
@@ -276,6 +303,10 @@ impl<P: Problem> Record<P> for Contacts<'_, P> {
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
         let Next::Mode(after) = &event.after else { return ControlFlow::Continue(()) };
+        if !self.gives_forces {
+            self.look_for_forces(after, event.t, event.y);
+            return ControlFlow::Continue(());
+        }
         for k in 0..self.sites.len() {
             let is_in_contact = self.is_contact(after, k);
             let was_in_contact = std::mem::replace(&mut self.sites[k].is_in_contact, is_in_contact);
@@ -291,7 +322,7 @@ impl<P: Problem> Record<P> for Contacts<'_, P> {
     }
 
     fn needs(&self, _t0: f64, _t1: f64) -> Needs {
-        if self.sites.is_empty() { Needs::Nothing } else { Needs::DenseOutput }
+        if self.gives_forces { Needs::DenseOutput } else { Needs::Nothing }
     }
 }
 

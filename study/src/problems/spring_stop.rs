@@ -10,7 +10,14 @@ impl Problem for SpringStop {
     }
 
     fn states(&self) -> Vec<Quantity> {
-        position_and_velocity(self.gap, self.surface_speed())
+        // Without a gap, or where the stop is not reached, that of the swing on the spring alone.
+        let (omega, [x, v]) = ((self.stiffness / self.mass).sqrt(), self.start);
+        let swing = libm::hypot(x, v / omega);
+        let above_zero = |size: f64, other: f64| if size > 0.0 { size } else { other };
+        position_and_velocity(
+            above_zero(self.gap, swing),
+            above_zero(self.surface_speed(), omega * swing),
+        )
     }
 
     fn role(&self, mode: &StopMode, _site: usize) -> Role {

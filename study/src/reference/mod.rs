@@ -7,7 +7,7 @@ mod summary;
 
 use serde::{Deserialize, Serialize};
 
-use crate::check::ProblemError;
+use crate::check::{ProblemError, check_end};
 use crate::energy_balance::Balance;
 use crate::errors::contacts::{Contact, total_impulse};
 use crate::errors::dense::Node;
@@ -153,7 +153,7 @@ impl Reference {
         times: &[f64],
         limits: Limits<'_>,
     ) -> Result<Self, ReferenceError> {
-        Self::by(subject, |part| solve(part, t_end, times, limits))
+        Self::by(subject, t_end, |part| solve(part, t_end, times, limits))
     }
 
     /// The same with 31 digits: Taylor series of order 25 over pairs of f64, at rtol 1e-18, its error told by
@@ -167,13 +167,15 @@ impl Reference {
         times: &[f64],
         limits: Limits<'_>,
     ) -> Result<Self, ReferenceError> {
-        Self::by(subject, |part| solve_extended(part, t_end, times, limits))
+        Self::by(subject, t_end, |part| solve_extended(part, t_end, times, limits))
     }
 
     fn by(
         subject: &Subject,
+        t_end: f64,
         solve: impl FnMut(&Part) -> Result<Solved, ReferenceError>,
     ) -> Result<Self, ReferenceError> {
+        check_end(t_end)?;
         subject.parts.iter().try_for_each(Part::check)?;
         let solved = subject.parts.iter().map(solve).collect::<Result<Vec<_>, _>>()?;
         Ok(Self::joined(subject, solved))

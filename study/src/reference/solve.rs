@@ -161,7 +161,9 @@ pub(super) fn solve(
     let mut failure = None;
     for pair in PAIRS {
         match solve_by(pair, part, t_end, times, limits) {
-            Err(ReferenceError::Interrupted) => return Err(ReferenceError::Interrupted),
+            Err(error @ (ReferenceError::Interrupted | ReferenceError::Problem(_))) => {
+                return Err(error);
+            }
             Err(error) => failure = Some(error),
             Ok(solved) => {
                 let mut largest = Largest::default();
@@ -342,6 +344,9 @@ pub(crate) fn path<P: Problem>(
     );
     let run = maker.run(problem, y0, t_end, &mut record);
     let (((trajectory, _), roots), (nodes, Account { balance, contacts })) = record;
+    if let Some(contradiction) = contacts.contradiction() {
+        return Err(contradiction.clone().into());
+    }
     match &run.outcome {
         Err(error) => Err(ReferenceError::Failed {
             method: maker.name(),

@@ -22,6 +22,7 @@ pub(crate) fn plan(
 }
 
 /// The study of `subject` by `plan`.
+#[allow(dead_code, reason = "some test files make their own")]
 pub(crate) fn study(subject: &Subject, plan: &Plan) -> WorkPrecision {
     work_precision(subject, plan, &[], &AtomicBool::new(false), &|_| {}).unwrap()
 }
