@@ -80,6 +80,11 @@ impl HertzBall {
         }
     }
 
+    /// Force of the wall `K δ |δ|ⁿ⁻¹` [N], at a penetration δ.
+    pub fn force<S: Real>(&self, delta: S) -> S {
+        self.odd_power(delta) * self.stiffness
+    }
+
     /// `δ |δ|ⁿ⁻¹`: δⁿ, continued as an odd function.
     fn odd_power<S: Real>(&self, delta: S) -> S {
         if self.exponent == 1.0 {
@@ -104,7 +109,7 @@ impl System for HertzBall {
     fn rhs<S: Real>(&self, mode: StopMode, _t: S, &[delta, rate]: &[S; 2], dydt: &mut [S; 2]) {
         let force = match mode {
             StopMode::Free => S::cst(0.0),
-            StopMode::Contact => -self.odd_power(delta) * self.stiffness,
+            StopMode::Contact => -self.force(delta),
         };
         *dydt = [rate, force / self.mass];
     }

@@ -127,8 +127,8 @@ impl SlidingStops {
         (2.0 * ahead / (speed + square.sqrt()), Block::At(wall), [self.stop(wall), 0.0])
     }
 
-    /// The drive F [N].
-    fn force(&self, mode: StopsMode) -> f64 {
+    /// The drive F in `mode` [N].
+    pub fn force(&self, mode: StopsMode) -> f64 {
         if mode.half_period.is_multiple_of(2) { self.drive } else { -self.drive }
     }
 

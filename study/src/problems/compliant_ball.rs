@@ -1,3 +1,5 @@
+//! [`CompliantBall`] as a study knows it.
+
 use deltazero_solvers::problems::{BallMode, CompliantBall, Wall};
 use deltazero_solvers::{ModeOfState as _, Real, Record};
 

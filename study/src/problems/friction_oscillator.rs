@@ -1,14 +1,40 @@
-use deltazero_solvers::problems::FrictionOscillator;
+//! [`FrictionOscillator`] as a study knows it.
+
+use deltazero_solvers::problems::{FrictionMode, FrictionOscillator};
 
 use super::position_and_velocity;
-use crate::problem::{Problem, Quantity};
+use crate::problem::{Energy, Power, Problem, Quantity, Role};
 
+/// What presses the mass on its surface is not told, only the friction.
 impl Problem for FrictionOscillator {
     fn start(&self) -> [f64; 2] {
         Self::start(self)
     }
 
     fn states(&self) -> Vec<Quantity> {
-        position_and_velocity(self.release.abs(), self.omega() * self.release.abs())
+        let length = self.release.abs().max(self.friction / self.stiffness);
+        position_and_velocity(length, self.omega() * length)
+    }
+
+    fn role(&self, mode: &FrictionMode, _site: usize) -> Role {
+        if *mode == FrictionMode::Stick { Role::Stick } else { Role::Contact }
+    }
+
+    fn code(&self, mode: &FrictionMode, site: usize) -> i8 {
+        if *mode == FrictionMode::SlipMinus { -1 } else { self.role(mode, site).code() }
+    }
+
+    fn tells_forces(&self) -> bool {
+        false
+    }
+
+    /// The energy of the spring is told as kinetic: the elastic one is that of contacts.
+    fn energies(&self, _mode: &FrictionMode, _t: f64, &[x, v]: &[f64; 2]) -> Option<Energy> {
+        let kinetic = 0.5 * (self.mass * v * v + self.stiffness * x * x);
+        Some(Energy { kinetic, elastic: 0.0 })
+    }
+
+    fn powers(&self, _mode: &FrictionMode, _t: f64, &[_, v]: &[f64; 2]) -> Option<Power> {
+        Some(Power { friction: self.friction * v.abs(), ..Power::default() })
     }
 }

@@ -2,10 +2,15 @@
 //!
 //! Functions that integrate are `inline`: they are compiled where they are called, and the program calls none of them.
 
+mod belt_oscillator;
 mod bouncing_ball;
 mod compliant_ball;
 mod friction_oscillator;
+mod hertz_ball;
+mod sliding_stops;
 mod spring_stop;
+mod thermostat;
+mod two_balls;
 
 use crate::problem::Quantity;
 

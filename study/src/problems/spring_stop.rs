@@ -1,8 +1,10 @@
+//! [`SpringStop`] as a study knows it.
+
 use deltazero_solvers::Real;
 use deltazero_solvers::problems::{SpringStop, StopMode};
 
 use super::position_and_velocity;
-use crate::problem::{Problem, Quantity, Role, Touch};
+use crate::problem::{Energy, Power, Problem, Quantity, Role, Touch};
 
 impl Problem for SpringStop {
     fn start(&self) -> [f64; 2] {
@@ -40,5 +42,19 @@ impl Problem for SpringStop {
             StopMode::Contact => depth * self.stop_stiffness,
         };
         Some(Touch { depth, rate: v, force })
+    }
+
+    /// The energy of the spring is told as kinetic: the elastic one is that of contacts.
+    fn energies(&self, mode: &StopMode, _t: f64, &[x, v]: &[f64; 2]) -> Option<Energy> {
+        let (kinetic, depth) = (self.mass * v * v + self.stiffness * x * x, x - self.gap);
+        let elastic = match mode {
+            StopMode::Free => 0.0,
+            StopMode::Contact => self.stop_stiffness * depth * depth,
+        };
+        Some(Energy { kinetic: 0.5 * kinetic, elastic: 0.5 * elastic })
+    }
+
+    fn powers(&self, _mode: &StopMode, _t: f64, _y: &[f64; 2]) -> Option<Power> {
+        Some(Power::default())
     }
 }

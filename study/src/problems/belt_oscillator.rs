@@ -1,0 +1,46 @@
+//! [`BeltOscillator`] as a study knows it.
+
+use deltazero_solvers::problems::{BeltMode, BeltOscillator};
+
+use super::position_and_velocity;
+use crate::problem::{Energy, Power, Problem, Quantity, Role};
+
+/// The belt drives the mass by friction; what presses it on the belt is not told.
+impl Problem for BeltOscillator {
+    fn start(&self) -> [f64; 2] {
+        self.start
+    }
+
+    fn states(&self) -> Vec<Quantity> {
+        let length = self.static_friction / self.stiffness;
+        position_and_velocity(length, self.belt_speed.max(self.omega() * length))
+    }
+
+    fn role(&self, mode: &BeltMode, _site: usize) -> Role {
+        if *mode == BeltMode::Stick { Role::Stick } else { Role::Contact }
+    }
+
+    fn code(&self, mode: &BeltMode, site: usize) -> i8 {
+        if *mode == BeltMode::SlipMinus { -1 } else { self.role(mode, site).code() }
+    }
+
+    fn tells_forces(&self) -> bool {
+        false
+    }
+
+    /// The energy of the spring is told as kinetic: the elastic one is that of contacts.
+    fn energies(&self, _mode: &BeltMode, _t: f64, &[x, v]: &[f64; 2]) -> Option<Energy> {
+        let kinetic = 0.5 * (self.mass * v * v + self.stiffness * x * x);
+        Some(Energy { kinetic, elastic: 0.0 })
+    }
+
+    fn powers(&self, mode: &BeltMode, _t: f64, &[x, v]: &[f64; 2]) -> Option<Power> {
+        let pull = match mode {
+            BeltMode::Stick => self.stiffness * x,
+            BeltMode::SlipPlus => -self.kinetic_friction,
+            BeltMode::SlipMinus => self.kinetic_friction,
+        };
+        let friction = pull * (self.belt_speed - v);
+        Some(Power { drive: pull * self.belt_speed, damping: 0.0, friction })
+    }
+}
