@@ -69,6 +69,9 @@ pub(super) fn runs(rows: &[Row]) -> String {
     text
 }
 
+/// What tells a run from the others, before its columns.
+const RUN: [&str; 3] = ["method", "events", "setting"];
+
 /// Columns of the report's table of further errors.
 const ERRORS: [&str; 8] = [
     "e_max",
@@ -109,17 +112,16 @@ fn of_columns(rows: &[Row], names: &[&str]) -> String {
     let shown = shown(rows);
     let columns = || shown.iter().filter(is_asked);
     let header: Vec<&str> = columns().map(|column| column.name).collect();
-    let mut text = format!("| method | events | setting | {} |\n", header.join(" | "));
-    text += &("|---".repeat(3 + header.len()) + "|\n");
+    let mut text = format!("| {} |\n", [&RUN[..], &header].concat().join(" | "));
+    text += &("|---".repeat(RUN.len() + header.len()) + "|\n");
     for row in rows {
         let values = columns().map(|column| match (column.value)(row) {
             Value::Text(text) => text,
             Value::Number(x) => rounded(x, 2),
             Value::Count(n) => n.map_or_else(String::new, |n| n.to_string()),
         });
-        let values: Vec<String> = values.collect();
-        let (method, events, setting) = (&row.method, row.events, row.setting());
-        let _ = writeln!(text, "| {method} | {events} | {setting} | {} |", values.join(" | "));
+        let run = [row.method.clone(), row.events.to_string(), row.setting()].into_iter();
+        let _ = writeln!(text, "| {} |", run.chain(values).collect::<Vec<_>>().join(" | "));
     }
     text
 }

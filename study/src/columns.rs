@@ -15,6 +15,15 @@ pub enum Value {
 }
 
 impl Value {
+    /// Whether there is one.
+    fn is_known(&self) -> bool {
+        match self {
+            Self::Text(text) => !text.is_empty(),
+            Self::Number(x) => x.is_some(),
+            Self::Count(n) => n.is_some(),
+        }
+    }
+
     /// As a number, if it is one.
     pub fn number(self) -> Option<f64> {
         match self {
@@ -34,47 +43,45 @@ pub struct Column {
     pub unit: &'static str,
     /// What it is.
     pub about: &'static str,
-    /// Of which problems it is.
+    /// Which tables have it.
     pub given: Given,
     /// What a row has there.
     pub value: fn(&Row) -> Value,
 }
 
-/// Of which problems a column is.
+/// Which tables have a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Given {
-    /// All.
+    /// All: what reads a table relies on them.
     Always,
-    /// Those that tell of contacts.
-    Contact,
-    /// Those that tell of forces in them.
-    Force,
-    /// Those that tell of energies.
-    Energy,
-    /// Those of several parts that are computed at once.
+    /// Those in which a row has a value.
+    Known,
+    /// Those of problems that tell of contact, in which a row has steps of this phase.
+    Phase,
+    /// Those in which parts were computed at once.
     Batch,
-}
-
-impl Given {
-    /// Whether these rows are of such a problem.
-    fn is_in(self, rows: &[Row]) -> bool {
-        let any = |has: fn(&Row) -> bool| rows.iter().any(has);
-        match self {
-            Self::Always => true,
-            Self::Contact => any(|row| row.work_by_phase.tells_of_contact()),
-            Self::Force => any(|row| row.errors.impulse_n_s.is_some()),
-            Self::Energy => any(|row| row.errors.dissipated_j.is_some()),
-            Self::Batch => any(|row| row.batch > 1),
-        }
-    }
 }
 
 /// The columns of a table of these rows: what the problem does not tell has none.
 pub fn shown(rows: &[Row]) -> Vec<&'static Column> {
-    COLUMNS.iter().filter(|column| column.given.is_in(rows)).collect()
+    COLUMNS.iter().filter(|column| column.is_of(rows)).collect()
 }
 
 impl Column {
+    /// Whether a table of these rows has it.
+    fn is_of(&self, rows: &[Row]) -> bool {
+        let any = |has: &dyn Fn(&Row) -> bool| rows.iter().any(has);
+        match self.given {
+            Given::Always => true,
+            Given::Known => any(&|row| (self.value)(row).is_known()),
+            Given::Phase => {
+                any(&|row| row.work_by_phase.tells_of_contact())
+                    && any(&|row| (self.value)(row) != count(0))
+            }
+            Given::Batch => any(&|row| row.batch > 1),
+        }
+    }
+
     /// The column called `name`.
     pub fn named(name: &str) -> Option<&'static Self> {
         COLUMNS.iter().find(|column| column.name == name)
@@ -108,6 +115,16 @@ fn evaluations(phase: Option<PhaseWork>) -> Value {
     count(phase.map_or(0, |phase| phase.counts.n_rhs))
 }
 
+/// A line of the table, of a column that every table has.
+const fn always(
+    name: &'static str,
+    unit: &'static str,
+    about: &'static str,
+    value: fn(&Row) -> Value,
+) -> Column {
+    column(name, unit, about, value).of(Given::Always)
+}
+
 /// A line of the table.
 const fn column(
     name: &'static str,
@@ -115,11 +132,11 @@ const fn column(
     about: &'static str,
     value: fn(&Row) -> Value,
 ) -> Column {
-    Column { name, unit, about, given: Given::Always, value }
+    Column { name, unit, about, given: Given::Known, value }
 }
 
 impl Column {
-    /// The same of problems that tell of this alone.
+    /// The same of these tables.
     const fn of(self, given: Given) -> Self {
         Self { given, ..self }
     }
@@ -127,52 +144,52 @@ impl Column {
 
 /// Every column, in order.
 pub const COLUMNS: &[Column] = &[
-    column("method", "", "method", |row| Text(row.method.clone())),
-    column("events", "", "what it does with events", |row| Text(row.events.to_string())),
-    column("rtol", "", "relative tolerance, if it has one", |row| Number(row.rtol)),
-    column("step", "s", "fixed step, if it has one", |row| Number(row.step)),
-    column(
+    always("method", "", "method", |row| Text(row.method.clone())),
+    always("events", "", "what it does with events", |row| Text(row.events.to_string())),
+    always("rtol", "", "relative tolerance, if it has one", |row| Number(row.rtol)),
+    always("step", "s", "fixed step, if it has one", |row| Number(row.step)),
+    always(
         "status",
         "",
         "ok, failed, cut (by study.max_rhs or study.max_seconds) or interrupted",
         |row| Text(row.status.name().to_owned()),
     ),
-    column("e", "", "worst sample's largest error of a group of states over its scale", |row| {
+    always("e", "", "worst sample's largest error of a group of states over its scale", |row| {
         Number(row.e)
     }),
-    column("event_time_error_s", "s", "worst time error of the paired events", |row| {
+    always("event_time_error_s", "s", "worst time error of the paired events", |row| {
         Number(row.event_time_error_s)
     }),
-    column("n_events", "", "events of the whole run, the start's own left out", |row| {
+    always("n_events", "", "events of the whole run, the start's own left out", |row| {
         size(row.n_events)
     }),
-    column(
+    always(
         "missed",
         "",
         "events of the reference that it lacks, up to the horizon, without those at the very end",
         |row| size(row.missed),
     ),
-    column(
+    always(
         "spurious",
         "",
         "events that the reference lacks, up to the horizon, without those at the very end",
         |row| size(row.spurious),
     ),
-    column("horizon_s", "s", "time up to which errors are taken", |row| {
+    always("horizon_s", "s", "time up to which errors are taken", |row| {
         Number(Some(row.horizon_s))
     }),
-    column(
+    always(
         "n_rhs",
         "",
         "evaluations of the right-hand side of a part, those of Jacobians apart",
         |row| count(row.n_rhs),
     ),
-    column("n_accepted", "", "accepted steps", |row| count(row.n_accepted)),
-    column("n_rejected", "", "rejected steps", |row| count(row.n_rejected)),
-    column("n_jac", "", "Jacobians", |row| count(row.n_jac)),
-    column("n_lin_solves", "", "linear systems solved", |row| count(row.n_lin_solves)),
-    column("wall_s_min", "s", "shortest time of the repeats", |row| Number(row.wall_s_min)),
-    column("wall_s_median", "s", "median time of the repeats", |row| Number(row.wall_s_median)),
+    always("n_accepted", "", "accepted steps", |row| count(row.n_accepted)),
+    always("n_rejected", "", "rejected steps", |row| count(row.n_rejected)),
+    always("n_jac", "", "Jacobians", |row| count(row.n_jac)),
+    always("n_lin_solves", "", "linear systems solved", |row| count(row.n_lin_solves)),
+    always("wall_s_min", "s", "shortest time of the repeats", |row| Number(row.wall_s_min)),
+    always("wall_s_median", "s", "median time of the repeats", |row| Number(row.wall_s_median)),
     column("wall_s_max", "s", "longest time of the repeats", |row| Number(row.wall_s_max)),
     column("cpu_s_min", "s", "shortest processor time of the repeats, which ranks", |row| {
         Number(row.cpu_s_min)
@@ -189,15 +206,15 @@ pub const COLUMNS: &[Column] = &[
     column("n_rhs_flight", "", "of n_rhs, those of steps in flight", |row| {
         evaluations(row.work_by_phase.flight)
     })
-    .of(Given::Contact),
+    .of(Given::Phase),
     column("n_rhs_contact", "", "of n_rhs, those of steps slipping in contact", |row| {
         evaluations(row.work_by_phase.contact)
     })
-    .of(Given::Contact),
+    .of(Given::Phase),
     column("n_rhs_stick", "", "of n_rhs, those of steps sticking", |row| {
         evaluations(row.work_by_phase.stick)
     })
-    .of(Given::Contact),
+    .of(Given::Phase),
     column("n_rhs_restart", "", "of n_rhs, those that began phases", |row| {
         count(row.n_rhs_restart)
     }),
@@ -210,15 +227,15 @@ pub const COLUMNS: &[Column] = &[
     column("n_accepted_flight", "", "of n_accepted, those in flight", |row| {
         steps(row.work_by_phase.flight)
     })
-    .of(Given::Contact),
+    .of(Given::Phase),
     column("n_accepted_contact", "", "of n_accepted, those slipping in contact", |row| {
         steps(row.work_by_phase.contact)
     })
-    .of(Given::Contact),
+    .of(Given::Phase),
     column("n_accepted_stick", "", "of n_accepted, those sticking", |row| {
         steps(row.work_by_phase.stick)
     })
-    .of(Given::Contact),
+    .of(Given::Phase),
     column("e_max", "", "largest e on the dense output, between the samples too", |row| {
         Number(row.errors.e_max)
     }),
@@ -236,49 +253,44 @@ pub const COLUMNS: &[Column] = &[
         "",
         "worst error of a contact's peak force, over the largest peak",
         |row| Number(row.errors.peak_force_error),
-    )
-    .of(Given::Force),
+    ),
     column(
         "contact_impulse_error",
         "",
         "worst error of a contact's impulse, over the largest one",
         |row| Number(row.errors.contact_impulse_error),
-    )
-    .of(Given::Force),
+    ),
     column(
         "impulse_error",
         "",
         "error of the impulse of all contacts of the whole run, relative",
         |row| Number(row.errors.impulse_error),
-    )
-    .of(Given::Force),
+    ),
     column(
         "dissipation_error",
         "",
         "error of the energy dissipated in the whole run, over the work of the drive",
         |row| Number(row.errors.dissipation_error),
-    )
-    .of(Given::Energy),
+    ),
     column(
         "energy_residual",
         "",
         "what the run's own energy balance lacks, over the work of the drive",
         |row| Number(row.errors.energy_residual),
-    )
-    .of(Given::Energy),
+    ),
     column("peak_force_n", "N", "largest normal force of the whole run", |row| {
         Number(row.errors.peak_force_n)
-    })
-    .of(Given::Force),
-    column("impulse_n_s", "N s", "impulse of all contacts of the whole run", |row| {
-        Number(row.errors.impulse_n_s)
-    })
-    .of(Given::Force),
+    }),
+    column(
+        "impulse_n_s",
+        "N s",
+        "impulse of all contacts of the whole run, impacts of no duration apart",
+        |row| Number(row.errors.impulse_n_s),
+    ),
     column("dissipated_j", "J", "energy dissipated in the whole run", |row| {
         Number(row.errors.dissipated_j)
-    })
-    .of(Given::Energy),
-    column("error", "", "why it failed, or what cut it", |row| {
+    }),
+    always("error", "", "why it failed, or what cut it", |row| {
         Text(row.error.clone().unwrap_or_default())
     }),
     column("warnings", "", "codes of what it tells of itself and the reference does not", |row| {

@@ -48,7 +48,7 @@ pub struct Errors {
     /// Largest peak force [N].
     #[serde(default, with = "json_number::maybe")]
     pub peak_force_n: Option<f64>,
-    /// Impulse of all contacts [N s].
+    /// Impulse of all contacts, impacts of no duration apart [N s].
     #[serde(default, with = "json_number::maybe")]
     pub impulse_n_s: Option<f64>,
     /// Dissipated energy [J].
@@ -220,13 +220,16 @@ impl MeasuredPart {
     }
 }
 
-/// Enters the errors of the contacts of a site.
+/// Enters the errors of the contacts of a site. Where neither has one nothing is known: impacts of no duration have no force.
 fn compare_contacts(
     errors: &mut Errors,
     all: &[Contact],
     exact_all: &[Contact],
     reference: &PartReference,
 ) {
+    if all.is_empty() && exact_all.is_empty() {
+        return;
+    }
     let within = |contacts: &[Contact]| -> Vec<Contact> {
         contacts.iter().filter(|contact| reference.is_within(contact.end)).copied().collect()
     };

@@ -11,9 +11,10 @@ use deltazero_solvers::problems::{
     SlidingStops, SpringStop, Thermostat, TwoBalls,
 };
 use deltazero_study::Subject;
+use deltazero_study::columns::{Given, Value, shown};
 use deltazero_study::problem::Problem;
 use deltazero_study::setting::Events;
-use deltazero_study::work_precision::{Status, against, reference};
+use deltazero_study::work_precision::{Row, Status, against, reference};
 
 const BALL: BouncingBall = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
 const LOWER_BALL: BouncingBall = BouncingBall { restitution: 0.8, height: 0.25, ..BALL };
@@ -127,5 +128,15 @@ fn the_study_of_each_problem_has_its_closed_form_and_its_events() {
             // Energies that are given balance.
             assert_eq!(row.warnings, [], "{name}");
         }
+        assert_no_empty_column(name, &table.rows);
+    }
+}
+
+/// Fails where no row has a value in a column that is there for its values.
+fn assert_no_empty_column(name: &str, rows: &[Row]) {
+    for column in shown(rows).iter().filter(|column| column.given != Given::Always) {
+        let nothing = [Value::Text(String::new()), Value::Number(None), Value::Count(None)];
+        let is_empty = rows.iter().all(|row| nothing.contains(&(column.value)(row)));
+        assert!(!is_empty, "{name}: no run has {}", column.name);
     }
 }

@@ -1,6 +1,7 @@
 //! Every mechanism of the list, by the same commands.
 
 use deltazero::mechanisms::MECHANISMS;
+use deltazero_study::columns::{COLUMNS, Given};
 use serde_json::json;
 
 use super::{Scratch, number};
@@ -51,7 +52,17 @@ fn every_mechanism_has_a_study_and_a_recommendation() {
         scratch.study("out", &sets, &["--quiet"]);
         let table = scratch.table("out/study.csv");
         assert_eq!(table.rows.len(), 2, "{}", entry.name);
+        let always = COLUMNS.iter().filter(|column| column.given == Given::Always);
+        let always: Vec<&str> = always.map(|column| column.name).collect();
+        for column in table.rows[0].keys().filter(|name| !always.contains(&name.as_str())) {
+            let is_known = table.rows.iter().any(|row| !row[column].is_empty());
+            assert!(is_known, "{}: no run has {column}", entry.name);
+        }
         for row in &table.rows {
+            let forces = ["peak_force_n", "impulse_n_s"].map(|name| row.get(name));
+            let are_known =
+                forces.iter().flatten().all(|cell| cell.parse().is_ok_and(|x: f64| x > 0.0));
+            assert!(are_known, "{}: {forces:?}", entry.name);
             let right = ["status", "missed", "spurious"].map(|column| row[column].as_str());
             assert_eq!(right, ["ok", "0", "0"], "{}: {row:?}", entry.name);
             // Measured: at most 2.3e-3, of the cam, a sample of which is amid an impact.

@@ -329,7 +329,7 @@ impl PartReference {
         let site = |(name, site): (&String, &SiteReference)| SiteSummary {
             name: name.clone(),
             n_events: counted(&site.events, own.starts_on_surface).len(),
-            impulse_n_s: site.contacts.as_deref().map(total_impulse),
+            impulse_n_s: site.contacts.as_deref().filter(|all| !all.is_empty()).map(total_impulse),
         };
         PartSummary {
             name: part.name.clone(),

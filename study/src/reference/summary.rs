@@ -32,7 +32,7 @@ pub struct SiteSummary {
     pub name: String,
     /// Counted events, the start's own left out.
     pub n_events: usize,
-    /// Impulse of its contacts [N s], where they are known.
+    /// Impulse of its contacts [N s], where there are any.
     pub impulse_n_s: Option<f64>,
 }
 
