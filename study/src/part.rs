@@ -229,6 +229,8 @@ pub struct Part {
     pub states: Vec<Quantity>,
     /// How its errors are measured.
     pub groups: Vec<Group>,
+    /// [Names](Problem::named_modes) of its modes, where figures tell modes by name.
+    pub modes: Vec<String>,
     /// In what its time is counted [s].
     pub unit_of_time: f64,
     /// Whether it has runs that read their mode off the state.
@@ -254,6 +256,7 @@ impl Part {
             end_name: problem.end_name(),
             states: problem.states(),
             groups: problem.groups(),
+            modes: problem.named_modes(),
             unit_of_time: problem.unit_of_time(),
             has_blind_runs: problem.has_blind_runs(),
             starts_on_surface: problem.starts_on_surface(),

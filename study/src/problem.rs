@@ -238,6 +238,12 @@ pub trait Problem: System<Mode: Send + Sync> + Send + Sync {
         0
     }
 
+    /// Names of the modes by their [numbers](Self::mode_number), where figures tell modes by name; where there are none
+    /// they tell what a site does: flight, slip, stick.
+    fn named_modes(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Whether an event that leads from one mode to another at a site is one that runs are compared by.
     fn is_counted(&self, _before: &Self::Mode, _after: &Self::Mode, _site: usize) -> bool {
         true

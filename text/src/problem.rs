@@ -75,6 +75,10 @@ impl<F: Family> Problem for TextModel<F> {
         mode.number
     }
 
+    fn named_modes(&self) -> Vec<String> {
+        self.0.modes.iter().map(|mode| mode.name.clone()).collect()
+    }
+
     /// The span of a run where it is shorter than a second.
     fn unit_of_time(&self) -> f64 {
         self.0.unit_of_time

@@ -25,7 +25,7 @@ pub struct StepTables {
     pub histories: Vec<StepHistory>,
     /// How many of each size.
     pub histogram: Vec<BinRow>,
-    /// How many in each contact and flight, of sites that step alone.
+    /// How many in each contact and flight, or mode with a name, of sites that step alone.
     pub stays: Vec<StayRow>,
     /// The first ones after an event, of sites that step alone.
     pub restarts: Vec<RestartRow>,

@@ -1,5 +1,7 @@
 //! What does a restart cost: which steps follow an event?
 
+use std::collections::HashSet;
+
 use serde::{Deserialize, Serialize};
 
 use super::step_size::{StepHistory, StepRow};
@@ -19,6 +21,8 @@ pub struct RestartRow {
     pub setting: String,
     /// Whether the event led into contact, or from one contact mode to another; else into flight.
     pub into_contact: bool,
+    /// What the event led into: contact, flight, or the mode by its name.
+    pub mode: String,
     /// Number of the step after the event, from 1.
     pub step: usize,
     /// Such steps, those that land on the next event left out: their size is not the method's choice.
@@ -89,21 +93,33 @@ fn settled(history: &StepHistory) -> Option<f64> {
     quantile(&mut sizes, 0.5)
 }
 
-/// The first ten steps after each event, step by step, after events into contact and into flight.
+/// What events may lead into, in the order of figures.
+fn stay_names<'a>(own: &[&'a StepHistory]) -> Vec<&'a str> {
+    let Some(first) = own.first().filter(|first| !first.modes.is_empty()) else {
+        return vec!["contact", "flight"];
+    };
+    let steps = own.iter().flat_map(|history| &history.steps);
+    let taken: HashSet<usize> = steps.map(|step| usize::from(step.mode_number)).collect();
+    let names = first.modes.iter().enumerate().filter(|(i, _)| taken.contains(i));
+    names.map(|(_, name)| name.as_str()).collect()
+}
+
+/// The first ten steps after each event, step by step, after events into contact and into flight, or into each mode.
 pub fn restarts(histories: &[StepHistory]) -> Vec<RestartRow> {
     let mut rows = Vec::new();
     for own in by_method(histories) {
-        for (into_contact, step) in
-            [true, false].into_iter().flat_map(|c| (1..=FIRST).map(move |i| (c, i)))
-        {
+        let names = stay_names(&own);
+        for (mode, step) in names.iter().flat_map(|name| (1..=FIRST).map(move |i| (*name, i))) {
             let (mut sizes, mut ratios, mut n_rejected) = (Vec::new(), Vec::new(), 0);
+            let mut into_contact = false;
             for history in &own {
                 let Some(settled) = settled(history) else { continue };
                 for phase in restarted(history) {
                     let Some(row) = phase.get(step - 1) else { continue };
-                    if row.kind().is_contact() != into_contact {
+                    if history.stay_name(row) != mode {
                         continue;
                     }
+                    into_contact = row.kind().is_contact();
                     n_rejected += row.n_rejected;
                     if !row.lands {
                         sizes.push(row.h_s);
@@ -118,6 +134,7 @@ pub fn restarts(histories: &[StepHistory]) -> Vec<RestartRow> {
                 method: own[0].method.clone(),
                 setting: own[0].setting.clone(),
                 into_contact,
+                mode: mode.to_owned(),
                 step,
                 n: sizes.len(),
                 h_s: quartiles(&mut sizes),
@@ -192,6 +209,7 @@ mod tests {
             t_s: i as f64,
             h_s: *sizes.get(i).unwrap_or(&1.0),
             mode: if i < 2 { 0 } else { 1 },
+            mode_number: 0,
             since_restart: if i < 2 { i + 1 } else { i - 1 },
             n_rejected: u64::from(i == 3),
             lands: i == 1,
@@ -203,6 +221,7 @@ mod tests {
             part: 1,
             name: String::new(),
             n_sites: 1,
+            modes: Vec::new(),
             steps: (0..40).map(row).collect(),
             events: vec![2.0],
             n_rhs: 41 * 4 + 5,

@@ -1,10 +1,11 @@
-//! How many steps does each method take in a contact, and in a flight?
+//! How many steps does each method take in a contact, in a flight, or in a mode that has a name?
 
 use serde::{Deserialize, Serialize};
 
-use super::step_size::{StepHistory, StepRow};
+use super::step_size::StepHistory;
 
-/// A contact, from its beginning to its end through all slip reversals and sticks, or a flight.
+/// A contact, from its beginning to its end through all slip reversals and sticks, or a flight; where modes have names,
+/// the time in one from one event to the next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StayRow {
     /// Method.
@@ -15,6 +16,8 @@ pub struct StayRow {
     pub part: usize,
     /// Whether it is a contact.
     pub is_contact: bool,
+    /// What it is called: contact, flight, or the name of the mode.
+    pub mode: String,
     /// Its beginning [s].
     pub t_s: f64,
     /// How long it lasts [s].
@@ -34,12 +37,11 @@ impl StayRow {
     }
 }
 
-/// The contacts and flights of each method and part, in their order.
+/// The stays of each method and part, in their order.
 pub fn stays(histories: &[StepHistory]) -> Vec<StayRow> {
     let mut rows = Vec::new();
     for history in histories {
-        let same = |a: &StepRow, b: &StepRow| a.kind().is_contact() == b.kind().is_contact();
-        let mut stays = history.steps.chunk_by(same).peekable();
+        let mut stays = history.steps.chunk_by(|a, b| history.is_same_stay(a, b)).peekable();
         while let Some(steps) = stays.next() {
             let (Some(first), Some(last)) = (steps.first(), steps.last()) else { continue };
             rows.push(StayRow {
@@ -47,6 +49,7 @@ pub fn stays(histories: &[StepHistory]) -> Vec<StayRow> {
                 setting: history.setting.clone(),
                 part: history.part,
                 is_contact: first.kind().is_contact(),
+                mode: history.stay_name(first).to_owned(),
                 t_s: first.t_s,
                 duration_s: last.end() - first.t_s,
                 is_whole: stays.peek().is_some(),
@@ -56,4 +59,51 @@ pub fn stays(histories: &[StepHistory]) -> Vec<StayRow> {
         }
     }
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::steps::step_size::StepRow;
+
+    /// Two steps in each phase: free twice, then two modes of one contact.
+    fn history(modes: &[&str]) -> StepHistory {
+        let row = |i: u16| StepRow {
+            t_s: f64::from(i),
+            h_s: 1.0,
+            mode: [0, 0, 1, 2][usize::from(i / 2)],
+            mode_number: [0, 0, 1, 2][usize::from(i / 2)],
+            since_restart: usize::from(i % 2 + 1),
+            n_rejected: 0,
+            lands: false,
+        };
+        StepHistory {
+            method: "any".into(),
+            setting: String::new(),
+            e: 0.0,
+            part: 1,
+            name: String::new(),
+            n_sites: 1,
+            modes: modes.iter().map(|name| (*name).to_owned()).collect(),
+            steps: (0..8).map(row).collect(),
+            events: vec![2.0, 4.0, 6.0],
+            n_rhs: 0,
+            n_rhs_restart: 0,
+            n_rhs_location: 0,
+        }
+    }
+
+    fn told(history: StepHistory) -> Vec<(String, usize)> {
+        stays(&[history]).into_iter().map(|row| (row.mode, row.n_steps)).collect()
+    }
+
+    #[test]
+    fn a_contact_is_one_stay_whatever_its_modes_and_a_mode_with_a_name_ends_at_each_event() {
+        let pairs = |all: &[(&str, usize)]| -> Vec<(String, usize)> {
+            all.iter().map(|(mode, n)| ((*mode).to_owned(), *n)).collect()
+        };
+        assert_eq!(told(history(&[])), pairs(&[("flight", 4), ("contact", 4)]));
+        let named = pairs(&[("up", 2), ("up", 2), ("sliding", 2), ("held", 2)]);
+        assert_eq!(told(history(&["up", "sliding", "held"])), named);
+    }
 }

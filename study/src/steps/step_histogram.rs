@@ -1,4 +1,4 @@
-//! Which step sizes does each method take in flight, in slip, in stick?
+//! Which step sizes does each method take in flight, in slip, in stick, or in each mode that has a name?
 
 use serde::{Deserialize, Serialize};
 
@@ -16,38 +16,47 @@ pub struct BinRow {
     pub setting: String,
     /// What the site does.
     pub kind: ModeKind,
+    /// The mode: by its name, where modes have names, else by what the site does.
+    pub mode: String,
     /// Smallest and largest step size of the bin [s].
     pub h_s: (f64, f64),
     /// Accepted steps.
     pub n_steps: u64,
 }
 
+/// What is counted together: method and setting, number of the mode where it has a name, what the site does, bin.
+type Key<'a> = ((&'a str, &'a str), u16, ModeKind, i32);
+
 /// Counts the steps of each method by mode and size, in bins of a tenth of a decade; empty bins
 /// have no row.
 pub fn step_histogram(histories: &[StepHistory]) -> Vec<BinRow> {
-    let mut counts: Vec<((&str, &str), ModeKind, i32, u64)> = Vec::new();
+    let mut counts: Vec<(Key<'_>, &str, u64)> = Vec::new();
     for history in histories {
         let method = (history.method.as_str(), history.setting.as_str());
         for step in &history.steps {
-            let (kind, bin) = (step.kind(), bin(step.h_s));
-            let place = counts
-                .iter_mut()
-                .find(|known| known.0 == method && known.1 == kind && known.2 == bin);
-            match place {
-                Some(known) => known.3 += 1,
-                None => counts.push((method, kind, bin, 1)),
+            let number = if history.modes.is_empty() { 0 } else { step.mode_number };
+            let key = (method, number, step.kind(), bin(step.h_s));
+            match counts.iter_mut().find(|known| known.0 == key) {
+                Some(known) => known.2 += 1,
+                None => counts.push((key, history.mode_name(step), 1)),
             }
         }
     }
     // Methods stay in the order of the histories.
-    let mut methods: Vec<(&str, &str)> = counts.iter().map(|count| count.0).collect();
+    let mut methods: Vec<(&str, &str)> = counts.iter().map(|count| count.0.0).collect();
     methods.dedup();
     let rank = |method| methods.iter().position(|known| *known == method);
-    counts.sort_by_key(|&(method, kind, bin, _)| (rank(method), kind, bin));
-    let row = |((method, setting), kind, bin, n_steps): ((&str, &str), ModeKind, i32, u64)| {
+    counts.sort_by_key(|&((method, number, kind, bin), ..)| (rank(method), number, kind, bin));
+    let row = |((method, _, kind, bin), mode, n_steps): (Key<'_>, &str, u64)| {
         let edge = |half: f64| libm::exp10((f64::from(bin) + half) / BINS_PER_DECADE);
-        let h_s = (edge(-0.5), edge(0.5));
-        BinRow { method: method.to_owned(), setting: setting.to_owned(), kind, h_s, n_steps }
+        BinRow {
+            method: method.0.to_owned(),
+            setting: method.1.to_owned(),
+            kind,
+            mode: mode.to_owned(),
+            h_s: (edge(-0.5), edge(0.5)),
+            n_steps,
+        }
     };
     counts.into_iter().map(row).collect()
 }

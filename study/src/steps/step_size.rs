@@ -64,6 +64,8 @@ pub struct StepRow {
     pub h_s: f64,
     /// Its mode: 0 free, ±1 slip, 2 stick; of several sites that of the [leading](leading_site) one.
     pub mode: i8,
+    /// The [number](Problem::mode_number) of its mode.
+    pub mode_number: u16,
     /// Its number since the last event, or the start of the run, from 1.
     pub since_restart: usize,
     /// Steps rejected since the one before it.
@@ -99,6 +101,8 @@ pub struct StepHistory {
     pub name: String,
     /// Sites of it that step together.
     pub n_sites: usize,
+    /// [Names](Problem::named_modes) of the modes, where they have any.
+    pub modes: Vec<String>,
     /// Accepted steps, in the order of the run.
     pub steps: Vec<StepRow>,
     /// Times of the events [s].
@@ -115,6 +119,37 @@ impl StepHistory {
     /// Method and setting.
     pub fn title(&self) -> String {
         format!("{}, {}", self.method, self.setting)
+    }
+
+    /// The mode of a step: by its name, where modes have names, else by what the site does.
+    pub fn mode_name(&self, step: &StepRow) -> &str {
+        let own = self.modes.get(usize::from(step.mode_number));
+        own.map_or(step.kind().name(), String::as_str)
+    }
+
+    /// Whether two steps are in one mode.
+    pub fn is_same_mode(&self, a: &StepRow, b: &StepRow) -> bool {
+        let is_same = self.modes.is_empty() || a.mode_number == b.mode_number;
+        a.kind() == b.kind() && is_same
+    }
+
+    /// What a step is part of: the mode by its name, else a contact, whatever its modes, or a flight.
+    pub fn stay_name(&self, step: &StepRow) -> &str {
+        if !self.modes.is_empty() {
+            self.mode_name(step)
+        } else if step.kind().is_contact() {
+            "contact"
+        } else {
+            "flight"
+        }
+    }
+
+    /// Whether a step and the next are part of one stay. A mode with a name is stayed in from one event to the next.
+    pub fn is_same_stay(&self, step: &StepRow, next: &StepRow) -> bool {
+        if self.modes.is_empty() {
+            return step.kind().is_contact() == next.kind().is_contact();
+        }
+        self.is_same_mode(step, next) && next.since_restart > 1
     }
 }
 
@@ -184,6 +219,7 @@ fn history(
         part: number,
         name: part.name.clone(),
         n_sites: part.sites.len(),
+        modes: part.modes.clone(),
         steps,
         events,
         n_rhs: run.stats.work.n_rhs,
@@ -234,6 +270,7 @@ impl<P: Problem> Record<P> for StepsOf<'_, P> {
             t_s: t0,
             h_s: t1 - t0,
             mode: self.problem.code(&accepted.mode, site),
+            mode_number: self.problem.mode_number(&accepted.mode),
             since_restart: kept.since_restart,
             n_rejected: n_rejected - kept.n_rejected,
             lands: accepted.landed_on.is_some(),
