@@ -54,7 +54,7 @@ pub fn events_csv(sites: &[&SiteMotion]) -> String {
     csv
 }
 
-/// `motion.csv`: what the figures of the motion show, the whole run and a zoom; penetration and force where they are
+/// `motion.csv`: what the figures of the motion show, the whole run and what is zoomed in on; penetration and force where they are
 /// known.
 pub fn motion_csv(motion: &Motion) -> String {
     let first = &motion.zoom;
@@ -67,8 +67,9 @@ pub fn motion_csv(motion: &Motion) -> String {
     let names = ["delta_m", "f_n_n"].into_iter().zip(adds);
     header.extend(names.filter(|(_, adds)| *adds).map(|(name, _)| name.to_owned()));
     let mut csv = header.join(",") + "\n";
-    let zoom = std::iter::once(("zoom", first));
-    for (part, site) in motion.sites.iter().map(|site| ("whole", site)).chain(zoom) {
+    let close =
+        std::iter::once(("zoom", first)).chain(motion.detail.iter().map(|site| ("detail", site)));
+    for (part, site) in motion.sites.iter().map(|site| ("whole", site)).chain(close) {
         let labels = labels(site);
         for (i, (t, mode, values)) in site.samples().enumerate() {
             let touch = site.touches.get(i).map(|(_, touch)| *touch);

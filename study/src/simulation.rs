@@ -71,6 +71,24 @@ impl SiteMotion {
         })
     }
 
+    /// The modes that it goes through, each from one time to another [s]. An event that leads from a mode to itself does
+    /// not part it; a mode that takes no time is left out.
+    pub fn stays(&self) -> Vec<(&str, (f64, f64))> {
+        let (Some(first), Some(to)) = (self.samples().next(), self.times.last()) else {
+            return Vec::new();
+        };
+        let start = self.changes.first().map_or(first.1, |change| &change.before);
+        let mut stays = vec![(start, (first.0, *to))];
+        for change in &self.changes {
+            if let Some(last) = stays.last_mut().filter(|last| last.0 != change.after) {
+                last.1.1 = change.t;
+                stays.push((&change.after, (change.t, *to)));
+            }
+        }
+        stays.retain(|(_, (from, to))| from < to);
+        stays
+    }
+
     /// The place of the name of a mode.
     fn place(&mut self, name: String) -> u32 {
         let place = self.modes.iter().rposition(|known| *known == name).unwrap_or_else(|| {
