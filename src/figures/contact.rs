@@ -24,10 +24,12 @@ pub(super) fn drawing(motion: &Motion) -> Option<Drawing> {
     if whole.is_empty() || zoom.is_empty() {
         return None;
     }
-    let (title, shown) = if motion.flight.is_some() {
-        ("one flight and impact", "one flight and the impact after it")
-    } else {
-        ("the start", "the start, for there is no flight")
+    let (title, shown) = match (motion.flight, &motion.stay) {
+        (Some(_), _) => ("one flight and impact", "one flight and the impact after it"),
+        (None, Some(_)) => {
+            ("one stay", "one stay in a mode and what follows, for there is no flight")
+        }
+        (None, None) => ("the start", "the start, for there is no flight"),
     };
     let most = |of: fn(&Point) -> f64| whole.iter().map(of).fold(0.0_f64, f64::max);
     let (deepest, widest, hardest) = (most(|p| p.1), most(|p| -p.1), most(|p| p.2));

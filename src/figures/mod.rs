@@ -4,6 +4,7 @@ mod against_ideal;
 pub mod audit;
 mod contact;
 pub mod map;
+mod modes;
 mod orbit;
 mod proportionality;
 pub mod regimes;
@@ -127,14 +128,15 @@ pub fn of_study(
     clearances: &[f64],
     stability: Option<&Stability>,
 ) -> Vec<Drawing> {
+    let modes = steps.histories.first().map_or(&[][..], |history| &history.modes);
     let mut drawings = vec![
         work_precision::against_time(table),
         work_precision::against_rhs(table),
         step_size::whole(&steps.histories),
         step_size::zoom(&steps.histories, motion),
         step_histogram::drawing(&steps.histories, &steps.histogram),
-        stays::drawing(&steps.stays),
-        restarts::drawing(&steps.restarts, &steps.restart_costs),
+        stays::drawing(&steps.stays, modes),
+        restarts::drawing(&steps.restarts, &steps.restart_costs, modes),
     ];
     drawings.extend(motion.and_then(contact::drawing));
     drawings.extend(motion.and_then(against_ideal::drawing));
@@ -159,6 +161,17 @@ fn kind_color(kind: ModeKind) -> usize {
         ModeKind::Slip => 9,
         ModeKind::Stick => 3,
     }
+}
+
+/// A time in milliseconds, or in the unit that a reader thinks in where that would be a very long or short number.
+fn duration(t: f64, decimals: usize) -> String {
+    let (unit, per_second) = match t {
+        10.0.. => ("s", 1.0),
+        1e-4.. => ("ms", 1e3),
+        1e-7.. => ("µs", 1e6),
+        _ => ("ns", 1e9),
+    };
+    format!("{:.decimals$} {unit}", per_second * t)
 }
 
 /// An axis for the step sizes of all methods but their smallest per mille, and but [`LANDING`]: a step cut short by an
@@ -257,6 +270,14 @@ mod tests {
         };
         let range = size_axis(&[history]).range;
         assert_eq!(range, Some((1e-3 / SIZE_ROOM.0, 1e-3 * SIZE_ROOM.1)));
+    }
+
+    #[test]
+    fn times_are_told_in_milliseconds_where_these_have_few_digits() {
+        assert_eq!(duration(1112.25635, 2), "1112.26 s");
+        assert_eq!(duration(1.5, 2), "1500.00 ms");
+        assert_eq!(duration(2e-3, 2), "2.00 ms");
+        assert_eq!(duration(4e-6, 1), "4.0 µs");
     }
 
     #[test]

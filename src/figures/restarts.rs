@@ -4,23 +4,27 @@ use deltazero_plots::{Axis, Level, LineChart, Marker, Panel, Series};
 use deltazero_study::steps::restarts::{FIRST, RestartCost, RestartRow};
 use deltazero_study::steps::step_size::ModeKind;
 
-use super::{Drawing, in_threes, kind_color};
+use super::modes::look;
+use super::{Drawing, in_threes};
 
-/// Shift of what follows events into flight, so that whiskers do not hide each other.
+/// Shift of what follows events into one mode from that of the next, so that whiskers do not hide each other; and of the
+/// last from the first, at most.
 const ASIDE: f64 = 0.25;
+const WIDEST: f64 = 0.7;
 
 /// Steps below which there are no quartiles to speak of.
 const LEAST: usize = 3;
 
 /// Median and quartiles of the first ten steps after an event over the settled step.
-pub(super) fn drawing(rows: &[RestartRow], costs: &[RestartCost]) -> Drawing {
+pub(super) fn drawing(rows: &[RestartRow], costs: &[RestartCost], modes: &[String]) -> Drawing {
+    let entered = entered(rows, modes);
     let panel = |cost: &RestartCost| -> Panel {
         let own: Vec<&RestartRow> = rows.iter().filter(|row| row.method == cost.method).collect();
         LineChart {
             title: format!("{}, {}", cost.method, cost.setting),
             x: Axis::linear("step after the event").within(0.5, FIRST as f64 + 0.5),
             y: Axis::log("h over settled h"),
-            series: [true, false].into_iter().flat_map(|into| series(&own, into)).collect(),
+            series: (0..entered.len()).flat_map(|i| series(&own, &entered, i, modes)).collect(),
             levels: vec![Level { y: 1.0, label: String::new() }],
             ..LineChart::default()
         }
@@ -43,23 +47,31 @@ pub(super) fn drawing(rows: &[RestartRow], costs: &[RestartCost]) -> Drawing {
     Drawing { name: "restarts", caption, figure }
 }
 
-/// Medians as markers, quartiles as whiskers.
-fn series(own: &[&RestartRow], into_contact: bool) -> [Series; 2] {
-    let (kind, marker, label, aside) = if into_contact {
-        (ModeKind::Slip, Marker::Circle, "into contact", -0.5 * ASIDE)
-    } else {
-        (ModeKind::Flight, Marker::Square, "into flight", 0.5 * ASIDE)
-    };
+/// What events lead into: contact and flight, or those of the modes that have names and rows to speak of.
+fn entered<'a>(rows: &'a [RestartRow], modes: &'a [String]) -> Vec<&'a str> {
+    if modes.is_empty() {
+        return vec!["contact", "flight"];
+    }
+    let is_told = |mode: &&String| rows.iter().any(|row| row.mode == **mode && row.n >= LEAST);
+    modes.iter().filter(is_told).map(String::as_str).collect()
+}
+
+/// Medians as markers, quartiles as whiskers, of the steps after events into one of the modes `entered`.
+fn series(own: &[&RestartRow], entered: &[&str], i: usize, modes: &[String]) -> [Series; 2] {
+    let n = entered.len();
+    let aside = ASIDE.min(WIDEST / n as f64) * (i as f64 - 0.5 * (n - 1) as f64);
     let (mut medians, mut whiskers) = (Vec::new(), Vec::new());
-    for row in own.iter().filter(|row| row.into_contact == into_contact && row.n >= LEAST) {
+    for row in own.iter().filter(|row| row.mode == entered[i] && row.n >= LEAST) {
         let x = row.step as f64 + aside;
         let [low, median, high] = row.h_over_settled;
         medians.push((x, median));
         // What is not a number ends a line.
         whiskers.extend([(x, low), (x, high), (x, f64::NAN)]);
     }
-    let color = kind_color(kind);
-    [Series::line("", color, whiskers), Series::scatter(label, color, marker, medians)]
+    let kind = if entered[i] == "contact" { ModeKind::Slip } else { ModeKind::Flight };
+    let (name, color) = look(modes, entered[i], kind);
+    let label = format!("into {name}");
+    [Series::line("", color, whiskers), Series::scatter(label, color, Marker::cycle(i), medians)]
 }
 
 fn finding(cost: &RestartCost) -> String {

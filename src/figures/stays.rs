@@ -1,14 +1,19 @@
-//! Steps in each contact and flight against how long it lasts.
+//! Steps in each contact and flight, or stay in a mode that has a name, against how long it lasts.
 
-use deltazero_plots::{Axis, Figure, Guide, LineChart, Marker, Series, Size};
+use deltazero_plots::{Axis, Figure, Guide, LineChart, Marker, Panel, Series, Size};
+use deltazero_study::digits::count_of;
 use deltazero_study::quantile::quantile;
 use deltazero_study::steps::stays::StayRow;
 
-use super::{Drawing, number};
+use super::modes::quoted;
+use super::{Drawing, in_threes, number};
 
-/// Steps per contact (filled) and per flight (hollow) of each method; what the end of the run cuts
-/// is left out, and what the run starts in.
-pub(super) fn drawing(rows: &[StayRow]) -> Drawing {
+/// Modes that have a panel, at most.
+const MOST_MODES: usize = 9;
+
+/// Steps per contact (filled) and per flight (hollow) of each method, or per stay in each of `modes`, which have names;
+/// what the end of the run cuts is left out, and what the run starts in.
+pub(super) fn drawing(rows: &[StayRow], modes: &[String]) -> Drawing {
     let counted = |row: &&StayRow| row.is_whole && row.t_s > 0.0;
     let whole: Vec<&StayRow> = rows.iter().filter(counted).collect();
     let mut methods: Vec<&str> = Vec::new();
@@ -16,6 +21,9 @@ pub(super) fn drawing(rows: &[StayRow]) -> Drawing {
         if !methods.contains(&row.method.as_str()) {
             methods.push(&row.method);
         }
+    }
+    if !modes.is_empty() {
+        return by_mode(&whole, &methods, modes);
     }
     let mut series = Vec::new();
     for is_contact in [true, false] {
@@ -39,7 +47,7 @@ pub(super) fn drawing(rows: &[StayRow]) -> Drawing {
          flight (hollow) over its duration, those at both ends of the run left out; \
          dashed: a constant step. {medians}."
     );
-    let guides = guide(&whole).into_iter().collect();
+    let guides = guide(whole.iter().copied().filter(|row| row.is_contact)).into_iter().collect();
     let chart = LineChart {
         x: Axis::log("duration of the contact or flight [s]"),
         y: Axis::log("accepted steps in it"),
@@ -51,14 +59,60 @@ pub(super) fn drawing(rows: &[StayRow]) -> Drawing {
     Drawing { name: "steps_per_contact", caption, figure }
 }
 
+/// A panel for each of the modes that are stayed in.
+fn by_mode(whole: &[&StayRow], methods: &[&str], modes: &[String]) -> Drawing {
+    let is_stayed_in = |mode: &&String| whole.iter().any(|row| row.mode == **mode);
+    let stayed_in: Vec<&String> = modes.iter().filter(is_stayed_in).collect();
+    let shown = &stayed_in[..stayed_in.len().min(MOST_MODES)];
+    let panel = |mode: &&String| -> Panel {
+        let own = || whole.iter().copied().filter(|row| row.mode == **mode);
+        let series = methods.iter().map(|method| {
+            let rows = own().filter(|row| row.method == *method);
+            let points = rows.map(|row| (row.duration_s, row.n_steps as f64)).collect();
+            let color = number(method);
+            Series::scatter(*method, color, Marker::cycle(color), points)
+        });
+        LineChart {
+            title: format!("in {}", quoted([*mode])),
+            x: Axis::log("duration of the stay [s]"),
+            y: Axis::log("accepted steps in it"),
+            series: series.collect(),
+            guides: guide(own()).into_iter().collect(),
+            ..LineChart::default()
+        }
+        .into()
+    };
+    let finding = |method: &&str| {
+        let told = |mode: &&String| {
+            let is_own = |row: &&&StayRow| row.method == *method && row.mode == **mode;
+            let (median, n) = median(whole.iter().filter(is_own))?;
+            Some(format!("{median} in {} in {}", count_of(n, "stay"), quoted([*mode])))
+        };
+        let told: Vec<String> = shown.iter().filter_map(told).collect();
+        format!("{method}: {}", told.join(", "))
+    };
+    let findings: Vec<String> = methods.iter().map(finding).collect();
+    let left_out = match stayed_in.len() - shown.len() {
+        0 => String::new(),
+        n => format!(" Not shown: {}.", count_of(n, "further mode")),
+    };
+    let caption = format!(
+        "Accepted steps in each whole stay in a mode, from one event to the next, over its duration, those at both ends \
+         of the run left out; dashed: a constant step. Median {}.{left_out}",
+        findings.join("; ")
+    );
+    let panels = shown.iter().map(panel).collect();
+    Drawing { name: "steps_per_contact", caption, figure: in_threes("Steps per stay", panels) }
+}
+
 fn kind(is_contact: bool) -> &'static str {
     if is_contact { "contact" } else { "flight" }
 }
 
-/// A constant step: that of the contact with the fewest steps.
-fn guide(whole: &[&StayRow]) -> Option<Guide> {
-    let contacts = whole.iter().filter(|row| row.is_contact && row.n_steps > 1);
-    let longest = contacts.max_by(|a, b| a.mean_step().total_cmp(&b.mean_step()))?;
+/// A constant step: that of the stay with the fewest steps.
+fn guide<'a>(stays: impl Iterator<Item = &'a StayRow>) -> Option<Guide> {
+    let stays = stays.filter(|row| row.n_steps > 1);
+    let longest = stays.max_by(|a, b| a.mean_step().total_cmp(&b.mean_step()))?;
     let through = (longest.duration_s, longest.n_steps as f64);
     let label = format!("h = {:.1e} s", longest.mean_step());
     Some(Guide { slope: 1.0, through, span: None, label })
@@ -66,13 +120,18 @@ fn guide(whole: &[&StayRow]) -> Option<Guide> {
 
 /// Median steps and mean step of a method in contacts and in flights.
 fn finding(whole: &[&StayRow], method: &str) -> String {
-    let median = |is_contact: bool| {
-        let own = whole.iter().filter(|row| row.method == method && row.is_contact == is_contact);
-        let mut steps: Vec<f64> = own.map(|row| row.n_steps as f64).collect();
-        let n = steps.len();
-        let median = quantile(&mut steps, 0.5)?;
+    let told = |is_contact: bool| {
+        let own = |row: &&&StayRow| row.method == method && row.is_contact == is_contact;
+        let (median, n) = median(whole.iter().filter(own))?;
         Some(format!("{median} in {n} {}s", kind(is_contact)))
     };
-    let medians: Vec<String> = [true, false].into_iter().filter_map(median).collect();
+    let medians: Vec<String> = [true, false].into_iter().filter_map(told).collect();
     format!("{method}: {}", medians.join(", "))
+}
+
+/// Median steps of these stays, and their number.
+fn median<'a>(stays: impl Iterator<Item = &'a &'a StayRow>) -> Option<(f64, usize)> {
+    let mut steps: Vec<f64> = stays.map(|row| row.n_steps as f64).collect();
+    let n = steps.len();
+    Some((quantile(&mut steps, 0.5)?, n))
 }

@@ -1,11 +1,12 @@
-//! Step size over time, a panel a method: the whole run, and around the first flight or at the start.
+//! Step size over time, a panel a method: the whole run, and around the first flight or stay, or at the start.
 
 use deltazero_plots::{Axis, Band, Figure, Panel, StepHistory as Chart, StepLook};
 use deltazero_study::motion::Motion;
 use deltazero_study::quantile::quantile;
 use deltazero_study::steps::step_size::{ACCURACY, StepHistory, StepRow};
 
-use super::{Drawing, LANDING, kind_color, number, size_axis};
+use super::modes::{look, quoted};
+use super::{Drawing, LANDING, duration, number, size_axis};
 
 /// Joint that is shown.
 const PART: usize = 1;
@@ -43,9 +44,10 @@ fn of_part(shown: &[&StepHistory]) -> String {
     if sites > 1 { format!("{name}, {sites} of them together") } else { name }
 }
 
-/// The same around the flight that the motion is shown at, or at the start where there is none.
+/// The same around the flight or stay that the motion is shown at, or at the start where there is none.
 pub(super) fn zoom(histories: &[StepHistory], motion: Option<&Motion>) -> Drawing {
-    let flight = motion.and_then(|motion| motion.flight);
+    let stay = motion.and_then(|motion| motion.stay.as_ref());
+    let flight = stay.map(|stay| stay.span).or(motion.and_then(|motion| motion.flight));
     let shown: Vec<&StepHistory> = of_first_part(histories).collect();
     let ends = shown.iter().filter_map(|history| history.steps.last()).map(StepRow::end);
     let end = ends.reduce(f64::max).unwrap_or(1.0);
@@ -64,27 +66,34 @@ pub(super) fn zoom(histories: &[StepHistory], motion: Option<&Motion>) -> Drawin
             let free = inside().filter(|step| !step.kind().is_contact()).count();
             // A step of several sites has the mode of the leading one, which need not be the one that flies.
             let free = match history.n_sites {
-                1 => format!(" ({free} in flight)"),
+                1 if history.modes.is_empty() => format!(" ({free} in flight)"),
                 _ => String::new(),
             };
             format!("{} {}{free}", history.method, inside().count())
         })
         .collect();
+    let is_named = shown.first().is_some_and(|history| !history.modes.is_empty());
+    let what = stay
+        .map_or("the first flight".to_owned(), |stay| format!("a stay in {}", quoted(&stay.modes)));
     let shows = match flight {
         Some((from, to)) => {
-            format!("around the first flight{}, {:.2} ms long", of_site(motion), 1e3 * (to - from))
+            let long = duration(to - from, 2);
+            format!("around {what}{}, {long} long", of_site(motion))
         }
-        None if motion.is_none() => "at the start".to_owned(),
+        None if motion.is_none() || is_named => "at the start".to_owned(),
         None => "at the start, for there is no flight".to_owned(),
     };
     let caption = format!(
         "The same runs {shows}: each step as a line of its own length. Steps that begin in the \
-         {:.1} ms shown: {}.",
-        1e3 * (window.1 - window.0),
+         {} shown: {}.",
+        duration(window.1 - window.0, 1),
         counts.join(", ")
     );
-    let title = if flight.is_some() { "around one flight" } else { "at the start" };
-    let title = format!("Step size {title}");
+    let title = match (stay, flight) {
+        (Some(stay), _) => format!("Step size around one stay in {}", quoted(&stay.modes)),
+        (None, Some(_)) => "Step size around one flight".to_owned(),
+        (None, None) => "Step size at the start".to_owned(),
+    };
     let figure = Figure { share_y: true, ..Figure::stacked(title, panels) };
     Drawing { name: "step_size_zoom", caption, figure }
 }
@@ -109,7 +118,7 @@ fn panel(history: &StepHistory, window: (f64, f64), (sizes, look): (&Axis, StepL
         h: sizes.clone(),
         accepted: steps.iter().map(|step| (step.t_s, step.h_s)).collect(),
         events: history.events.clone(),
-        bands: bands(&steps),
+        bands: bands(history, &steps),
         color: number(&history.method),
         look,
         ..Chart::default()
@@ -117,14 +126,13 @@ fn panel(history: &StepHistory, window: (f64, f64), (sizes, look): (&Axis, StepL
     .into()
 }
 
-/// The times in flight, slip and stick.
-fn bands(steps: &[&StepRow]) -> Vec<Band> {
-    let runs = steps.chunk_by(|a, b| a.kind() == b.kind());
+/// The times in flight, slip and stick, or in each mode that has a name.
+fn bands(history: &StepHistory, steps: &[&StepRow]) -> Vec<Band> {
+    let runs = steps.chunk_by(|a, b| history.is_same_mode(a, b));
     let band = |steps: &[&StepRow]| {
         let (first, last) = (steps.first()?, steps.last()?);
-        let kind = first.kind();
-        let x = (first.t_s, last.end());
-        Some(Band { x, color: kind_color(kind), label: kind.name().into() })
+        let (label, color) = look(&history.modes, history.mode_name(first), first.kind());
+        Some(Band { x: (first.t_s, last.end()), color, label })
     };
     runs.filter_map(band).collect()
 }

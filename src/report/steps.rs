@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use deltazero_study::steps::StepTables;
 
-use crate::csv::exact;
+use crate::csv::{exact, field};
 use crate::study::stability::Stability;
 
 /// Each file's name and text.
@@ -26,15 +26,22 @@ pub fn files(
 
 /// Every accepted step.
 fn steps(tables: &StepTables) -> String {
-    let mut csv =
-        String::from("method,setting,joint,t_s,h_s,mode,since_restart,n_rejected,lands\n");
+    let mut csv = String::from(
+        "method,setting,joint,t_s,h_s,mode,since_restart,n_rejected,lands,mode_name\n",
+    );
     for history in &tables.histories {
         let (method, setting, joint) = (&history.method, &history.setting, history.part);
         for step in &history.steps {
             let _ = writeln!(
                 csv,
-                "{method},{setting},{joint},{:e},{:e},{},{},{},{}",
-                step.t_s, step.h_s, step.mode, step.since_restart, step.n_rejected, step.lands
+                "{method},{setting},{joint},{:e},{:e},{},{},{},{},{}",
+                step.t_s,
+                step.h_s,
+                step.mode,
+                step.since_restart,
+                step.n_rejected,
+                step.lands,
+                field(history.mode_name(step))
             );
         }
     }
@@ -50,7 +57,7 @@ fn histogram(tables: &StepTables) -> String {
             "{},{},{},{from:e},{to:e},{}",
             row.method,
             row.setting,
-            row.kind.name(),
+            field(&row.mode),
             row.n_steps
         );
     }
@@ -59,11 +66,11 @@ fn histogram(tables: &StepTables) -> String {
 
 fn stays(tables: &StepTables) -> String {
     let mut csv =
-        String::from("method,setting,joint,contact,t_s,duration_s,whole,n_steps,n_rejected\n");
+        String::from("method,setting,joint,contact,t_s,duration_s,whole,n_steps,n_rejected,mode\n");
     for row in &tables.stays {
         let _ = writeln!(
             csv,
-            "{},{},{},{},{:e},{:e},{},{},{}",
+            "{},{},{},{},{:e},{:e},{},{},{},{}",
             row.method,
             row.setting,
             row.part,
@@ -72,7 +79,8 @@ fn stays(tables: &StepTables) -> String {
             row.duration_s,
             row.is_whole,
             row.n_steps,
-            row.n_rejected
+            row.n_rejected,
+            field(&row.mode)
         );
     }
     csv
@@ -81,15 +89,21 @@ fn stays(tables: &StepTables) -> String {
 fn restarts(tables: &StepTables) -> String {
     let mut csv = String::from(
         "method,setting,into_contact,step,n,h_q1_s,h_median_s,h_q3_s,ratio_q1,ratio_median,\
-         ratio_q3,n_rejected\n",
+         ratio_q3,n_rejected,mode\n",
     );
     for row in &tables.restarts {
         let [h1, h2, h3] = row.h_s;
         let [r1, r2, r3] = row.h_over_settled;
         let _ = writeln!(
             csv,
-            "{},{},{},{},{},{h1:e},{h2:e},{h3:e},{r1:e},{r2:e},{r3:e},{}",
-            row.method, row.setting, row.into_contact, row.step, row.n, row.n_rejected
+            "{},{},{},{},{},{h1:e},{h2:e},{h3:e},{r1:e},{r2:e},{r3:e},{},{}",
+            row.method,
+            row.setting,
+            row.into_contact,
+            row.step,
+            row.n,
+            row.n_rejected,
+            field(&row.mode)
         );
     }
     csv
