@@ -98,9 +98,10 @@ pub fn answer(table: &WorkPrecision) -> String {
 pub fn study_markdown(about: &About, table: &WorkPrecision, drawings: &[Drawing]) -> String {
     let reference = &table.reference;
     let mut text = format!(
-        "# Which integrator, at which setting, for this contact?\n\n{}.\n\n{}\n\
+        "# {}\n\n{}.\n\n{}\n\
          e is the worst sample's {}, up to the horizon of {} s.\n\
          Reference: {}; a second run ({}) differs by e = {}{}, which is its error.\n",
+        about.question(),
         about.subject,
         answer(table),
         reference.measure(),
@@ -116,7 +117,7 @@ pub fn study_markdown(about: &About, table: &WorkPrecision, drawings: &[Drawing]
         let _ = writeln!(text, "\n- {limit}");
     }
     if !about.facts.is_empty() {
-        text += "\n## Contact\n\n";
+        let _ = write!(text, "\n## {}\n\n", about.heading());
     }
     for (name, what) in &about.facts {
         let _ = writeln!(text, "- {name}: {what}.");

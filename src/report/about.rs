@@ -6,6 +6,8 @@ use crate::config::Config;
 /// A study's subject, in words.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct About {
+    /// Whether it is called a model; else it is called a contact.
+    pub is_model: bool,
     /// What was studied, in some words: ``Reading `pin` ``.
     pub subject: String,
     /// The question, in some sentences.
@@ -29,6 +31,7 @@ impl About {
     pub fn of(config: &Config) -> Self {
         let mechanism = &config.mechanism;
         Self {
+            is_model: mechanism.is_model(),
             subject: mechanism.title(config),
             lead: format!("{} {QUESTION}", mechanism.lead()),
             facts: mechanism.facts(config),
@@ -48,6 +51,16 @@ impl About {
             "Free motion and contact follow each other; each change is an event, the zero crossing of a guard. {QUESTION}"
         );
         Self { subject: subject.into(), lead, ..Self::default() }
+    }
+
+    /// The question that its files ask.
+    pub fn question(&self) -> String {
+        format!("Which integrator, at which setting, for this {}?", self.heading().to_lowercase())
+    }
+
+    /// What it is called, as a heading.
+    pub fn heading(&self) -> &'static str {
+        if self.is_model { "Model" } else { "Contact" }
     }
 }
 

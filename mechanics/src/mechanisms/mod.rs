@@ -157,6 +157,11 @@ pub trait Mechanism: Send + Sync {
     /// What moves, in a sentence or two, for the head of a report.
     fn lead(&self) -> &str;
 
+    /// Whether a report calls it a model, which need not be of a contact.
+    fn is_model(&self) -> bool {
+        false
+    }
+
     /// Names and what they are, for a report.
     fn facts(&self, shared: &Shared) -> Vec<(String, String)>;
 

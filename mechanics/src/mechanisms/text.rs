@@ -85,6 +85,10 @@ impl Mechanism for Text {
         self.file.about()
     }
 
+    fn is_model(&self) -> bool {
+        true
+    }
+
     fn facts(&self, shared: &Shared) -> Vec<(String, String)> {
         let mut facts = vec![fact("Model", self.file.file_name())];
         let unit = |parameter: &Parameter| match parameter.unit.as_str() {

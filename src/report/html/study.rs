@@ -21,7 +21,7 @@ pub fn page(
     pictures: Vec<Picture>,
 ) -> Page {
     let mut sections = vec![
-        section("Contact", told(about)),
+        section(about.heading(), told(about)),
         section("Answer", answer(table, plan)),
         section("Figures", pictures.into_iter().map(Part::Figure).collect()),
         section("All runs", runs(about, &table.rows)),
@@ -32,8 +32,7 @@ pub fn page(
     if !about.redo.is_empty() {
         sections.push(section("Redo it", about.redo.clone()));
     }
-    let title = "Which integrator, at which setting, for this contact?".into();
-    Page { title, lead: about.lead.clone(), sections }
+    Page { title: about.question(), lead: about.lead.clone(), sections }
 }
 
 fn section(title: &str, parts: Vec<Part>) -> Section {
