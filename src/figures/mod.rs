@@ -5,6 +5,7 @@ pub mod audit;
 mod contact;
 pub mod map;
 mod modes;
+mod motion;
 mod orbit;
 mod proportionality;
 pub mod regimes;
@@ -38,7 +39,7 @@ const SIZE_ROOM: (f64, f64) = (1.5, 3.0);
 const LANDING: f64 = 1e-9;
 
 /// The names of all figures that studies have.
-pub const OF_STUDIES: [&str; 14] = [
+pub const OF_STUDIES: [&str; 15] = [
     "work_precision_time",
     "work_precision_rhs",
     "step_size",
@@ -46,6 +47,7 @@ pub const OF_STUDIES: [&str; 14] = [
     "step_histogram",
     "steps_per_contact",
     "restarts",
+    "motion",
     "gap_and_force",
     "against_ideal",
     "orbit",
@@ -138,6 +140,7 @@ pub fn of_study(
         stays::drawing(&steps.stays, modes),
         restarts::drawing(&steps.restarts, &steps.restart_costs, modes),
     ];
+    drawings.extend(motion.and_then(motion::drawing));
     drawings.extend(motion.and_then(contact::drawing));
     drawings.extend(motion.and_then(against_ideal::drawing));
     drawings.extend(motion.and_then(|motion| orbit::drawing(motion, clearances)));

@@ -12,6 +12,9 @@ const FURTHER: (usize, &str) = (12, "other modes");
 /// A label and a colour.
 pub(super) type Look = (String, usize);
 
+/// Modes that have names, most that have a colour each.
+pub(super) const MOST: usize = COLORS.len();
+
 /// Names of modes in a text.
 pub(super) fn quoted<'a>(names: impl IntoIterator<Item = &'a String>) -> String {
     names.into_iter().map(|name| format!("“{name}”")).collect::<Vec<_>>().join(", ")
@@ -55,7 +58,7 @@ mod tests {
 
     #[test]
     fn modes_keep_the_order_and_colours_of_the_model_and_those_beyond_share_one() {
-        let modes: Vec<String> = (0..COLORS.len() + 2).map(|i| format!("m{i}")).collect();
+        let modes: Vec<String> = (0..MOST + 2).map(|i| format!("m{i}")).collect();
         let all = modes.iter().rev().map(|name| (name.as_str(), ModeKind::Flight));
         let looks = looks(&modes, all);
         let labels: Vec<&str> = looks.iter().map(|(label, _)| label.as_str()).collect();

@@ -75,6 +75,38 @@ fn a_model_has_a_study_a_recommendation_and_a_map_over_two_of_its_parameters() {
 }
 
 #[test]
+fn a_study_of_a_model_draws_its_states_and_calls_modes_by_their_names() {
+    let (scratch, file) = with_model("thermostat");
+    let sets = ["study.methods=[\"rk45\"]", "study.rtol=[1e-6]", "study.repeats=1"];
+    let sets = sets.iter().flat_map(|set| ["--set", set]);
+    let args = ["study", "--model", &file, "--out", "out"].into_iter().chain(sets);
+    scratch.succeed(&args.collect::<Vec<_>>());
+    let svg = |name: &str| scratch.text(&format!("out/figures/{name}.svg"));
+    let motion = svg("motion");
+    for words in ["T [K]", "loss [W]", "t [s]", "\non\n", "\noff\n", "\nevent\n"] {
+        assert!(motion.contains(words), "{words}");
+    }
+    for name in ["step_size", "step_size_zoom", "step_histogram", "steps_per_contact"] {
+        let figure = svg(name);
+        assert!(figure.contains("\non\n") || figure.contains("in “on”"), "{name}");
+        assert!(!figure.contains("flight") && !figure.contains("contact"), "{name}");
+    }
+    let text = scratch.text("out/study.md");
+    let figures = &text[..text.find("## All runs").unwrap()];
+    assert!(figures.contains("for this model?") && figures.contains("## Model"), "{figures}");
+    for words in ["around a stay in “off”, 1112.26 s long", "Time in “on” "] {
+        assert!(figures.contains(words), "{words}: {figures}");
+    }
+    for word in ["flight", "slip", "stick", "Contact", " contact"] {
+        assert!(!figures.contains(word), "{word}: {figures}");
+    }
+    assert!(scratch.text("out/report.html").contains(">Model</h2>"));
+    let stays = scratch.table("out/stays.csv").rows;
+    assert!(stays.len() > 5 && stays.iter().all(|row| row["mode"] == "on" || row["mode"] == "off"));
+    assert!(scratch.table("out/steps.csv").rows.iter().any(|row| row["mode_name"] == "off"));
+}
+
+#[test]
 fn a_unit_with_a_comma_is_one_field_of_a_header() {
     let (scratch, file) = with_model("thermostat");
     let text = scratch.text(&file);

@@ -314,6 +314,26 @@ fn a_slider_crank_is_studied_with_figures_of_its_own() {
     for name in ["against_ideal", "orbit"] {
         assert!(text.contains(&format!("figures/{name}.png")), "{name}");
     }
+    // A mechanism has these figures, and no other.
+    let mut figures: Vec<String> = scratch.files("out/figures");
+    figures.retain(|name| name.ends_with(".svg"));
+    let expected = [
+        "against_ideal",
+        "chosen_axes",
+        "gap_and_force",
+        "orbit",
+        "restarts",
+        "rk4_order",
+        "rk4_stability",
+        "step_histogram",
+        "step_size",
+        "step_size_zoom",
+        "steps_per_contact",
+        "tolerance",
+        "work_precision_rhs",
+        "work_precision_time",
+    ];
+    assert_eq!(figures, expected.map(|name| format!("{name}.svg")));
     let motion = scratch.table("out/motion.csv");
     assert_eq!(motion.rows.len(), 4000 + 1001);
 }
