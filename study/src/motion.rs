@@ -125,7 +125,8 @@ fn flight_of_named(changes: &[ModeChange]) -> Option<(f64, f64)> {
     }
     let goes_on = |change: &ModeChange| is_free(change) && change.numbers[0] != change.numbers[1];
     let ends: Vec<ModeChange> = changes.iter().copied().filter(|change| !goes_on(change)).collect();
-    first_flight(&ends)
+    // An impact after which it lies there is no flight.
+    first_flight(&ends).filter(|(from, to)| from < to)
 }
 
 /// The time between two events, if there is one: the first such that it and what is shown after it go through as many of
@@ -233,6 +234,8 @@ mod tests {
             change(5.0, [0, 1], [0, 1]),
         ];
         assert_eq!(flight_of_named(&dented), Some((2.0, 5.0)));
+        let landing = [change(1.0, [0, 0], [0, 0]), change(1.0, [0, 1], [0, 1])];
+        assert_eq!(flight_of_named(&landing), None);
         // Two impacts, then rest.
         let bounces =
             [change(1.0, [0, 0], [0, 0]), change(2.0, [0, 0], [0, 0]), change(3.0, [0, 1], [0, 1])];
