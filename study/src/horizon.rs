@@ -101,7 +101,7 @@ impl TightRuns {
 }
 
 /// Makes two tight runs of each part of `subject` over its span, both at the same time, to be compared with a run at
-/// `setting`.
+/// `setting`; and one somewhat finer than that, where they neither come to the end nor part.
 pub fn tight_runs(
     subject: &Subject,
     setting: &Setting,

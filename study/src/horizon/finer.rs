@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use deltazero_solvers::Grid;
 
-use super::{Bound, Judge, SHARE, Span, TightEvents};
+use super::{Bound, Judge, LEAST_WORK, SHARE, Span, TightEvents};
 use crate::digits::rounded_to;
 use crate::part::{Part, Start};
 use crate::setting::{Accuracy, Atol, Events, Setting};
@@ -32,7 +32,8 @@ pub(super) fn events(
     let accuracy = more_exact(&setting.accuracy)?;
     let by = Judge::Finer(accuracy.to_string());
     let finer = Setting { accuracy, ..setting.clone() };
-    let mut bound = Bound { setting: &finer, most: SHARE * span.work, stop };
+    let most = (SHARE * span.work).max(LEAST_WORK);
+    let mut bound = Bound { setting: &finer, most, stop };
     let nowhere = Grid::Times(Vec::new());
     let (run, trace) = part.run(&finer, Start::Exact, span.reached, &nowhere, &mut bound);
     let changes = super::changes(part, &trace);

@@ -52,8 +52,8 @@ impl TightEvents {
         (0..run.len().min(self.changes.len())).find_map(|site| {
             let own = counted(&run[site], part.starts_on_surface);
             let (tight, until) = (&self.changes[site], self.until[site]);
-            // An event so close to the end may lie beyond it in the other run.
-            let until = until.min(reached - AT_END * part.unit_of_time);
+            // An event so close to the end of one run may lie beyond it.
+            let until = until.min(reached) - AT_END * part.unit_of_time;
             let t = parting(own, tight).filter(|t| *t < until)?;
             let count = |all: &[ModeChange]| all.iter().filter(|change| change.t < until).count();
             let message = format!(
