@@ -147,19 +147,21 @@ pub trait Real:
         Self::cst(elementary::sign(self.value()))
     }
 
-    /// The smaller of the two, by a branch as in [`abs`](Self::abs); this one where they are equal, NaN where one of them is
+    /// The smaller of the two, by a branch on the sign of their difference; this one where they are equal, NaN where one of them is
     /// (`f64::min` then gives the other).
     #[inline]
     fn min(self, other: Self) -> Self {
-        let (a, b) = (self.value(), other.value());
-        if b < a || b.is_nan() { other } else { self }
+        let above = (other - self).value();
+        let is_known = above >= 0.0;
+        if above < 0.0 || !is_known && other.value().is_nan() { other } else { self }
     }
 
     /// The larger of the two, as [`min`](Self::min).
     #[inline]
     fn max(self, other: Self) -> Self {
-        let (a, b) = (self.value(), other.value());
-        if b > a || b.is_nan() { other } else { self }
+        let below = (self - other).value();
+        let is_known = below >= 0.0;
+        if below < 0.0 || !is_known && other.value().is_nan() { other } else { self }
     }
 
     /// This number prepared as a [divisor](Self::over), with its reciprocal.

@@ -44,14 +44,14 @@
 //! - Arithmetic of `f64` by IEEE 754, rounded to nearest: sums, products, quotients and roots. So it is on all targets
 //!   of Rust with SSE2 or NEON, not on 32-bit x86 without SSE2. No compiler flag may change it.
 //! - The code here, and the compiler. No function of `libm` enters a bound; sine and cosine are by series of their own,
-//!   and models that use `exp`, `ln` or `powf` are refused.
+//!   and models that use `exp`, `ln`, `powf`, hyperbolic functions or arcs are refused.
 //! - A right-hand side and guards that use no other scalar than the one given, and no hidden state. Where one branches on
 //!   the [value](crate::Real::value) of a number that is not the same for all states that are possible, the model is
 //!   refused; a number made of constants alone is not watched.
 //! - Transitions that decide by the *signs* of values, or by which of some ranges one value is in, and otherwise only
 //!   store values in the mode. A sign that is not the same for all states that are possible is refused, and so is a mode
 //!   that is not the same by the lower bounds of the values and by the upper ones. A comparison of two values with each
-//!   other is not watched.
+//!   other is not watched, but [`min`](crate::Real::min) and [`max`](crate::Real::max) are, which compare by a sign.
 //! - The promise of [`System::transition`] that every guard of the new mode is at or above
 //!   zero: a guard that is about zero where a mode begins is taken not to be below it, and is then shown to rise.
 //!   Whether a model keeps that promise in exact arithmetic is for its author to say.

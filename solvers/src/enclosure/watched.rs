@@ -149,15 +149,6 @@ impl Real for Watched<'_> {
         x.unknown();
         self.unknown()
     }
-
-    // The sign of the difference may be decided where neither is a single number.
-    fn min(self, other: Self) -> Self {
-        if (other - self).value() < 0.0 { other } else { self }
-    }
-
-    fn max(self, other: Self) -> Self {
-        if (other - self).value() > 0.0 { other } else { self }
-    }
 }
 
 #[cfg(test)]
@@ -175,6 +166,8 @@ mod tests {
         assert!(low(x, &|x| x.tanh()).1 && low(x, &|x| x.atan()).1 && low(x, &|x| x.asin()).1);
         assert_eq!(low(-x, &|x| x.abs()), (x, false));
         assert!(low(Interval::new(-1.0, 1.0), &|x| x.abs()).1);
+        let wide = Interval::new(-0.1, 0.1);
+        assert_eq!(low(x, &|x| x.max(Watched { x: wide, ..x })), (x, false));
         assert_eq!(low(x, &|x| x.max(Real::cst(2.0))), (Interval::from(2.0), false));
         assert_eq!(low(x, &|x| x.min(Real::cst(2.0))), (x, false));
         assert!(low(x, &|x| x.max(Real::cst(1.2))).1 && low(x, &|x| x.min(Real::cst(1.2))).1);
