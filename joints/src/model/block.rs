@@ -139,13 +139,11 @@ impl Block {
                 let a = self.free_accelerations(inertia, y, &inertia.at(y[2]));
                 [y[3], y[4], y[5], a[0], a[1], a[2]]
             }
-            Mode::SlipPlus(_) | Mode::SlipMinus(_)
-                if let Some(stiffness) = self.plain_stiffness =>
-            {
-                let slip = PlainSlip::new(self, inertia, stiffness, mode);
-                return slip.rates(y, &distance(y), dydt);
-            }
             Mode::SlipPlus(_) | Mode::SlipMinus(_) | Mode::Stick(_) => {
+                if let (Some(stiffness), Some(sigma)) = (self.plain_stiffness, mode.sigma()) {
+                    let slip = PlainSlip::new(self, inertia, stiffness, sigma);
+                    return slip.rates(y, &distance(y), dydt);
+                }
                 let posture = Posture::Struts(inertia, inertia.at(y[2]));
                 let pose = self.pose(y);
                 let forces = self.forces_among(Held::Struts(inertia), mode, y, &pose, None);

@@ -38,10 +38,9 @@ impl PlainSlip {
     /// Number of its parameters.
     pub(super) const N: usize = 17;
 
-    /// The slip `mode` of `block`.
+    /// The slip of `block` with v_T of the sign `sigma`.
     #[inline(always)]
-    pub(super) fn new(block: &Block, inertia: &BlockInertia, stiffness: f64, mode: Mode) -> Self {
-        let sigma = if matches!(mode, Mode::SlipPlus(_)) { 1.0 } else { -1.0 };
+    pub(super) fn new(block: &Block, inertia: &BlockInertia, stiffness: f64, sigma: f64) -> Self {
         let ends = if block.stop_at_90 { [block.turns(), FRAC_PI_2] } else { [0.0, 1.0] };
         Self {
             inertia: *inertia,
@@ -166,11 +165,11 @@ impl Block {
     /// The plain slip that `mode` is, guards and all, if it is one.
     #[inline(always)]
     pub(super) fn plain_slip(&self, mode: Mode) -> Option<PlainSlip> {
-        match (&self.body, self.plain_stiffness) {
-            (Body::Struts(inertia), Some(stiffness))
-                if mode.sigma().is_some() && self.has_product(Held::Struts(inertia)) =>
+        match (&self.body, self.plain_stiffness, mode.sigma()) {
+            (Body::Struts(inertia), Some(stiffness), Some(sigma))
+                if self.has_product(Held::Struts(inertia)) =>
             {
-                Some(PlainSlip::new(self, inertia, stiffness, mode))
+                Some(PlainSlip::new(self, inertia, stiffness, sigma))
             }
             _ => None,
         }
