@@ -33,7 +33,7 @@ pub struct SelfCheck {
 impl SelfCheck {
     /// Of a run of a problem with these laws that starts with this energy [J].
     pub fn of(laws: Laws, start: f64) -> Self {
-        Self { laws, scale: start, residual: (0.0, 0.0), given: [0.0; 2], depth: (0.0, 0.0) }
+        Self { laws, scale: start.abs(), residual: (0.0, 0.0), given: [0.0; 2], depth: (0.0, 0.0) }
     }
 
     /// What damping and friction took over a part of a step [J].
@@ -47,7 +47,8 @@ impl SelfCheck {
 
     /// The balance at the end of a step, at `t` [s].
     pub fn reached(&mut self, t: f64, balance: &Balance) {
-        let energy = balance.kinetic + balance.elastic;
+        // Of weight some may be below zero.
+        let energy = balance.kinetic.abs() + balance.elastic.abs();
         self.scale = self.scale.max(energy).max(balance.work.abs());
         if exceeds(balance.residual.abs(), self.residual.0) {
             self.residual = (balance.residual.abs(), t);

@@ -1,5 +1,7 @@
 use deltazero_solvers::{Grid, Trajectory};
+use deltazero_study::energy_balance::EnergyBalance;
 use deltazero_study::run::integrate;
+use deltazero_study::setting::Events;
 use num_dual::{Dual2_64, DualNum as _};
 
 use super::super::runs::{Run, balance, by_every_method, distance, setting};
@@ -184,4 +186,15 @@ fn the_energy_balances_with_what_the_impacts_take() {
     let shaken = RockingBlock { base_amplitude: 1.0, ..free };
     let own = balance(&shaken, "vern98", 1e-10, 4.0);
     assert!(own.work != 0.0 && own.residual.abs() < 1e-8 * own.dissipated, "{own:?}");
+}
+
+#[test]
+fn a_block_that_topples_balances_by_what_moved_though_its_energy_is_below_zero() {
+    let slenderness = RockingBlock::default().slenderness();
+    let block = RockingBlock { start_angle: 1.2 * slenderness, ..RockingBlock::default() };
+    let start = block.start();
+    let mut record = EnergyBalance::new(&block, Events::Located, &start);
+    let run = integrate(&block, &setting("radau5", 1e-12), start, 0.2, &mut record);
+    assert!(record.at(&run.mode, run.t, &run.y).unwrap().kinetic < 0.0);
+    assert_eq!(record.check.warnings(Some(1e-12)), []);
 }
