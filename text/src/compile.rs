@@ -16,7 +16,7 @@ use crate::jacobian::{Jacobian, MOST_NODES};
 use crate::layout::Layout;
 use crate::names::{Meaning, Names};
 use crate::report::{Checked, Complaint};
-use crate::sparsity::Sparsity;
+use crate::sparsity::{Sparsity, span};
 use crate::system::{Model, TextModel};
 
 /// A model with what is to be warned of.
@@ -44,19 +44,22 @@ pub(crate) fn compile(
     let discrete = discrete.collect::<Checked<Vec<_>>>()?;
     let observable = observable(file);
     let (mut modes, mut warnings) = (Vec::new(), Vec::new());
-    let (mut tried, mut rates) = (Vec::new(), Vec::new());
+    let (mut tried, mut rates, mut guards) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..file.modes.len() {
         expander.enter(i);
         tried.push(mode::try_definitions(&mut expander, i));
-        let (mode, of_mode) = mode::mode(&mut expander, i, &observable, &mut warnings)?;
+        let (mode, [own_rates, own_guards]) =
+            mode::mode(&mut expander, i, &observable, &mut warnings)?;
         modes.push(mode);
-        rates.push(of_mode);
+        rates.push(own_rates);
+        guards.extend(own_guards);
     }
     check_definitions(file, tried)?;
     told::warn_of_contact(file, &mut warnings);
     // Before the derivatives, which are not to count against what a file may expand to.
     let observables = observables(&mut expander, &observable)?;
     let sparsity = Sparsity::new(&expander.graph, &rates);
+    let guard_span = span(&expander.graph, &guards, expander.layout.n);
     let is_autonomous = !rates.iter().any(|rates| expander.graph.is_of_time(rates));
     let mut left = MOST_NODES;
     for (mode, rates) in modes.iter_mut().zip(&rates) {
@@ -74,6 +77,7 @@ pub(crate) fn compile(
         groups: groups(&expander),
         observables,
         sparsity,
+        guard_span,
         unit_of_time: t_end.map_or(1.0, |t_end| t_end.min(1.0)),
         is_autonomous,
         friction_gives: file.friction_gives,

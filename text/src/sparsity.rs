@@ -67,27 +67,71 @@ fn colours(columns: &[Vec<u32>], n: usize) -> Vec<usize> {
 /// The rows of each column; none where the search would take too long.
 fn columns(graph: &Graph, rates: &[Vec<Id>], n: usize) -> Option<Vec<Vec<u32>>> {
     let mut columns: Vec<Vec<u32>> = vec![Vec::new(); n];
-    let (mut seen, mut mark, mut left) = (vec![0_u32; graph.len()], 0, MOST_STEPS);
+    let mut search = Search::new(graph);
     for row in 0..n {
         for rates in rates {
-            mark += 1;
-            let mut stack = vec![rates[row]];
-            while let Some(id) = stack.pop() {
-                if std::mem::replace(&mut seen[id.0 as usize], mark) == mark {
-                    continue;
+            search.states(rates[row], |j| {
+                let column = &mut columns[j as usize];
+                if column.last() != Some(&(row as u32)) {
+                    column.push(row as u32);
                 }
-                left = left.checked_sub(1)?;
-                if let Node::State(j) = graph.node(id) {
-                    let column = &mut columns[j as usize];
-                    if column.last() != Some(&(row as u32)) {
-                        column.push(row as u32);
-                    }
-                }
-                stack.extend(graph.node(id).operands());
-            }
+            })?;
         }
     }
     Some(columns)
+}
+
+/// The least span such that none of `guards` depends on two of the `n` states whose indices differ by a multiple of it; `n` where the
+/// search would take too long.
+pub(crate) fn span(graph: &Graph, guards: &[Id], n: usize) -> usize {
+    let (mut search, mut left) = (Search::new(graph), MOST_PAIRS);
+    let (mut states, mut differ) = (Vec::new(), vec![false; n]);
+    for guard in guards {
+        states.clear();
+        let found = search.states(*guard, |j| states.push(j));
+        let Some(rest) = left.checked_sub(states.len() * states.len()) else { return n };
+        if found.is_none() {
+            return n;
+        }
+        left = rest;
+        for a in &states {
+            states.iter().for_each(|b| differ[a.abs_diff(*b) as usize] = true);
+        }
+    }
+    let is_apart = |span: &usize| !(*span..n).step_by(*span).any(|distance| differ[distance]);
+    (1..n).find(is_apart).unwrap_or(n)
+}
+
+/// Which states formulas depend on.
+struct Search<'a> {
+    graph: &'a Graph,
+    /// The formula that each node was last seen in.
+    seen: Vec<u32>,
+    formula: u32,
+    left: usize,
+}
+
+impl<'a> Search<'a> {
+    fn new(graph: &'a Graph) -> Self {
+        Self { graph, seen: vec![0; graph.len()], formula: 0, left: MOST_STEPS }
+    }
+
+    /// Tells the states that `formula` depends on, each once; none where this would take too long.
+    fn states(&mut self, formula: Id, mut told: impl FnMut(u32)) -> Option<()> {
+        self.formula += 1;
+        let mut stack = vec![formula];
+        while let Some(id) = stack.pop() {
+            if std::mem::replace(&mut self.seen[id.0 as usize], self.formula) == self.formula {
+                continue;
+            }
+            self.left = self.left.checked_sub(1)?;
+            if let Node::State(j) = self.graph.node(id) {
+                told(j);
+            }
+            stack.extend(self.graph.node(id).operands());
+        }
+        Some(())
+    }
 }
 
 #[cfg(test)]
@@ -112,5 +156,19 @@ mod tests {
     fn columns_with_one_full_row_are_taken_one_by_one() {
         let columns = vec![vec![0]; 20];
         assert_eq!(colours(&columns, 20), (0..20).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn guards_of_neighbours_have_a_span_of_two_and_one_of_all_states_has_all() {
+        let mut graph = Graph::default();
+        let states: Vec<Id> = (0..9).map(|i| graph.id(Node::State(i))).collect();
+        let mut gaps: Vec<Id> = states.windows(2).map(|two| graph.add(two[0], two[1])).collect();
+        assert_eq!(span(&graph, &gaps, 9), 2);
+        let far = graph.add(states[0], states[2]);
+        gaps.push(far);
+        assert_eq!(span(&graph, &gaps, 9), 3);
+        let all = states.iter().skip(1).fold(states[0], |sum, state| graph.add(sum, *state));
+        assert_eq!(span(&graph, &[all], 9), 9);
+        assert_eq!(span(&graph, &[], 9), 1);
     }
 }

@@ -38,6 +38,8 @@ pub(crate) struct Model {
     pub(crate) groups: Vec<Option<String>>,
     pub(crate) observables: Vec<Quantity>,
     pub(crate) sparsity: Sparsity,
+    /// No guard depends on two states whose indices differ by a multiple of it.
+    pub(crate) guard_span: usize,
     /// In what its time is counted [s].
     pub(crate) unit_of_time: f64,
     /// Whether no rate is of the time itself.
@@ -223,6 +225,10 @@ impl<F: Family> System for TextModel<F> {
 
     fn guard_bounds(&self, mode: Mode, t: f64, y: &F::State<f64>, bounds: &mut Vec<f64>) {
         guard_bounds(self, mode, t, y, |i| LEAST * self.0.scales[i], bounds);
+    }
+
+    fn guard_span(&self) -> usize {
+        self.0.guard_span
     }
 
     /// By its formulas; where there are none by dual numbers, all columns of a group at once.

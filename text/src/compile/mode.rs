@@ -40,13 +40,13 @@ fn try_definition(expander: &mut Expander<'_>, definition: &Definition) -> Check
     Ok(())
 }
 
-/// Compiles a mode.
+/// Compiles a mode; the formulas of its rates and of its guards.
 pub(super) fn mode(
     expander: &mut Expander<'_>,
     number: usize,
     observable: &[&Definition],
     warnings: &mut Vec<Complaint>,
-) -> Checked<(CompiledMode, Vec<Id>)> {
+) -> Checked<(CompiledMode, [Vec<Id>; 2])> {
     let declared = &expander.file.modes[number];
     let rates = rates(expander, number)?;
     let mut guards = Vec::new();
@@ -93,7 +93,7 @@ pub(super) fn mode(
         transitions,
         told,
     };
-    Ok((mode, rates))
+    Ok((mode, [rates, guards]))
 }
 
 /// The rate of each state.
