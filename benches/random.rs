@@ -1,7 +1,8 @@
 //! Do methods of different kind agree? Configurations drawn at random over all that a user may set, run by `vern98`,
 //! `radau5` and `taylor` at rtol 1e-12, and judged; see `drawn/verdict.rs`.
 //!
-//! `cargo bench --bench random -- --n 3000 --seed 1 --out DIR`; what disagrees, fails or takes too long is written to
+//! `cargo bench --bench random -- --n 3000 --seed 1 --out DIR` draws joints, with `--others` the other mechanisms and the
+//! models that come with the program; what disagrees, fails or takes too long is written to
 //! DIR as files that `deltazero simulate` runs. `--from I` begins with draw I, `--threads T` uses T threads, which
 //! changes no result.
 #![allow(
@@ -36,14 +37,19 @@ struct Args {
     seed: u64,
     threads: usize,
     out: Option<PathBuf>,
+    others: bool,
 }
 
 impl Args {
     fn read() -> Self {
         let threads = cores();
-        let mut own = Self { n: 20, from: 0, seed: 1, threads, out: None };
+        let mut own = Self { n: 20, from: 0, seed: 1, threads, out: None, others: false };
         let mut args = std::env::args().skip(1).filter(|arg| arg != "--bench");
         while let Some(name) = args.next() {
+            if name == "--others" {
+                own.others = true;
+                continue;
+            }
             let value = args.next().unwrap_or_else(|| panic!("{name} has no value"));
             let number = || value.parse::<u64>().unwrap_or_else(|_| panic!("{name} is a number"));
             match name.as_str() {
@@ -52,7 +58,7 @@ impl Args {
                 "--seed" => own.seed = number(),
                 "--threads" => own.threads = number() as usize,
                 "--out" => own.out = Some(value.into()),
-                _ => panic!("{name} is none of --n, --from, --seed, --threads, --out"),
+                _ => panic!("{name} is none of --n, --from, --seed, --threads, --out, --others"),
             }
         }
         own
@@ -68,7 +74,8 @@ fn main() {
     let draws: Vec<u64> = (args.from..).take(args.n).collect();
     let all = in_parallel(&draws, args.threads, |i| {
         let i = *i;
-        let judged = Judged::new(Draw::new(args.seed, i), i, BUDGET);
+        let draw = if args.others { Draw::of_another } else { Draw::new };
+        let judged = Judged::new(draw(args.seed, i), i, BUDGET);
         if let Some(dir) = args.out.as_ref().filter(|_| judged.verdict.class.is_found()) {
             let path = dir.join(format!("{}-{:04}.toml", args.seed, judged.i));
             std::fs::write(path, judged.toml()).expect("the directory can be written");

@@ -2,10 +2,12 @@
 //! energy that only takes it.
 
 use std::ops::ControlFlow;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use deltazero::model::{Jointed, Mode};
 use deltazero_solvers::{Accepted, Event, Method, Next, Record};
+use deltazero_study::run::Limits;
 use deltazero_study::selection::work;
 
 /// Where a step is looked at, in parts of it.
@@ -159,6 +161,13 @@ pub(crate) struct Budget {
     pub(crate) work: f64,
     /// Time for what no count foresees [s].
     pub(crate) wall_s: f64,
+}
+
+impl Budget {
+    /// The same as limits of a run of whatever part.
+    pub(crate) fn limits(self, stop: &AtomicBool) -> Limits<'_> {
+        Limits { max_rhs: self.work as u64, max_seconds: self.wall_s, stop }
+    }
 }
 
 /// A recorder that ends a run at its budget.

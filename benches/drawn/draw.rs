@@ -1,7 +1,14 @@
 //! A configuration drawn at random: what a user may set, and how it is written.
 
+use std::path::{Path, PathBuf};
+
 use deltazero::config::{Config, ConfigError};
-use deltazero::keys::{ContactLaw, Curvature, FrictionLaw, ReadingName};
+use deltazero::keys::{
+    ContactLaw, Curvature, DefaultValue, End, FrictionLaw, Key, Kind, Range, ReadingName,
+};
+use deltazero::mechanisms::MECHANISMS;
+use deltazero_text::ModelFile;
+use deltazero_text::models::{MODELS, Model};
 
 use super::random::Random;
 
@@ -10,17 +17,25 @@ const SAMPLES: f64 = 200.0;
 /// A penetration that a stiffness is given for where the exponent is not one [m].
 const DEPTH: f64 = 1e-5;
 
-/// Keys with their values as TOML.
+/// A number is drawn up to this many times its default, and down to as small a part of it.
+const FARTHEST: f64 = 4.0;
+/// Mechanisms that are drawn by hand, over all that joints may have.
+const OF_JOINTS: [&str; 2] = ["strut", "slider-crank"];
+/// Where the models are that come with the program.
+const FOLDER: &str = "text/models";
+
+/// Keys with their values as TOML, and the model that they are about, if it is one.
 #[derive(Clone, Debug)]
 pub(crate) struct Draw {
+    model: Option<&'static Model>,
     keys: Vec<(String, String)>,
 }
 
 impl Draw {
-    /// Draw `i` of a seed.
+    /// Draw `i` of a seed, of joints.
     pub(crate) fn new(seed: u64, i: u64) -> Self {
         let random = &mut Random::of_draw(seed, i);
-        let mut draw = Self { keys: Vec::new() };
+        let mut draw = Self { model: None, keys: Vec::new() };
         let is_crank = random.chance(0.35);
         let mechanism = if is_crank { "slider-crank" } else { "strut" };
         draw.word("mechanism", mechanism);
@@ -29,6 +44,38 @@ impl Draw {
         } else {
             draw.struts(random);
         }
+        draw
+    }
+
+    /// Draw `i` of a seed, of the other mechanisms and of the models that come with the program.
+    pub(crate) fn of_another(seed: u64, i: u64) -> Self {
+        let random = &mut Random::of_draw(seed, i);
+        let mut draw = Self { model: None, keys: Vec::new() };
+        let others = MECHANISMS.iter().filter(|entry| !OF_JOINTS.contains(&entry.name));
+        let others: Vec<_> = others.collect();
+        let n = others.len() + MODELS.len();
+        let place = (random.uniform(0.0, n as f64) as usize).min(n - 1);
+        if let Some(entry) = others.get(place) {
+            draw.word("mechanism", entry.name);
+            for key in entry.keys {
+                draw.own_key(key, random);
+            }
+            if entry.uses.contains(&"contact") {
+                draw.joint("", random, false);
+                // Not all of them have friction.
+                draw.keys.retain(|(key, _)| {
+                    let table = key.split('.').next().unwrap_or(key);
+                    table != "friction" || entry.uses.contains(&table)
+                });
+            }
+        } else {
+            let model = &MODELS[place - others.len()];
+            draw.model = Some(model);
+            draw.parameters(model, random);
+        }
+        // As long as it is by default, which is known once it is read.
+        let t_end = draw.config().map_or(1.0, |config| config.run.t_end);
+        draw.run(t_end * random.uniform(0.1, 1.0));
         draw
     }
 
@@ -48,11 +95,20 @@ impl Draw {
     /// A draw that a user cannot write.
     pub(crate) fn config(&self) -> Result<Config, ConfigError> {
         let sets: Vec<_> = self.keys.iter().map(|(key, value)| format!("{key}={value}")).collect();
-        Config::load(None, &sets)
+        Config::load_with(self.model_file().as_deref(), None, &sets)
     }
 
-    /// The value of a key, as TOML.
+    /// The file of its model, if it is one.
+    pub(crate) fn model_file(&self) -> Option<PathBuf> {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(FOLDER);
+        self.model.map(|model| folder.join(format!("{}.toml", model.name)))
+    }
+
+    /// The value of a key, as TOML; the model's name for `mechanism`, where it is one.
     pub(crate) fn get(&self, key: &str) -> Option<&str> {
+        if let ("mechanism", Some(model)) = (key, self.model) {
+            return Some(model.name);
+        }
         self.keys.iter().find(|(own, _)| own == key).map(|(_, value)| value.as_str())
     }
 
@@ -61,6 +117,9 @@ impl Draw {
         let mut text = String::new();
         for line in comment.lines() {
             text += &format!("# {line}\n");
+        }
+        if let Some(model) = self.model {
+            text += &format!("# --model {FOLDER}/{}.toml\n", model.name);
         }
         let mut table = "";
         let (root, inside): (Vec<_>, Vec<_>) =
@@ -118,6 +177,31 @@ impl Draw {
             self.set("run.stop_at_90", false);
         }
         self.run(t_end);
+    }
+
+    /// A key of a mechanism alone, where it is a number.
+    fn own_key(&mut self, key: &Key, random: &mut Random) {
+        if let (Kind::Number(range), DefaultValue::Toml(default)) = (key.kind, key.default)
+            && let Ok(default) = default.parse()
+            && let Some(x) = near(default, &range, random)
+        {
+            self.number(key.path, x);
+        }
+    }
+
+    /// The parameters of a model.
+    fn parameters(&mut self, model: &Model, random: &mut Random) {
+        let Ok(file) = ModelFile::parse(model.name, model.text) else { return };
+        for parameter in file.parameters() {
+            let own = &parameter.range;
+            let end = |closed: Option<f64>, open: Option<f64>| {
+                closed.map(End::Closed).or(open.map(End::Open)).unwrap_or(End::Free)
+            };
+            let range = Range { low: end(own.min, own.above), high: end(own.max, own.below) };
+            if let Some(x) = near(parameter.value, &range, random) {
+                self.number(&parameter.name, x);
+            }
+        }
     }
 
     fn slider_crank(&mut self, random: &mut Random) {
@@ -211,4 +295,25 @@ impl Draw {
             self.number(&format!("{table}.viscosity"), random.log_uniform(1e-3, 1.0));
         }
     }
+}
+
+/// A number near its default, or at an end of its range; none where the default stays.
+fn near(default: f64, range: &Range, random: &mut Random) -> Option<f64> {
+    if random.chance(0.4) {
+        return None;
+    }
+    let ends = [range.low, range.high].into_iter().filter_map(|end| match end {
+        End::Closed(bound) => Some(bound),
+        End::Open(_) | End::Free => None,
+    });
+    let ends: Vec<f64> = ends.collect();
+    let x = if !ends.is_empty() && random.chance(0.1) {
+        random.of(&ends)
+    } else if default.fract() == 0.0 && default.abs() > 2.0 && random.chance(0.3) {
+        // Where only whole numbers make sense.
+        (default * random.log_uniform(1.0 / FARTHEST, FARTHEST)).round()
+    } else {
+        default * random.log_uniform(1.0 / FARTHEST, FARTHEST)
+    };
+    range.contains(x).then_some(x)
 }

@@ -7,6 +7,7 @@ pub(crate) mod draw;
 pub(crate) mod ran;
 pub(crate) mod random;
 pub(crate) mod verdict;
+mod whatever;
 
 use audit::Budget;
 use draw::Draw;

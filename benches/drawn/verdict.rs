@@ -17,18 +17,18 @@ use super::audit::Budget;
 use super::ran::{Apart, End, Growth, Ran, energy_of};
 
 /// Methods of different kind: an explicit one, whose runs the horizon is of, an implicit one, and series.
-const METHODS: [&str; 3] = ["vern98", "radau5", "taylor"];
+pub(super) const METHODS: [&str; 3] = ["vern98", "radau5", "taylor"];
 /// Tolerance of the runs.
-const RTOL: f64 = 1e-12;
+pub(super) const RTOL: f64 = 1e-12;
 /// Two runs agree whose samples differ by no more than this in `e`, and this many times what a change in the last bit
 /// has grown to: a step at `RTOL` makes errors of ten thousand times the last bit, and there are thousands of steps. Of
 /// 1160 draws four differ by more than a million times that growth, by 5.2 million at most.
-const MOST_E: f64 = 1e-6;
-const MOST_OF_GROWTH: f64 = 1e7;
+pub(super) const MOST_E: f64 = 1e-6;
+pub(super) const MOST_OF_GROWTH: f64 = 1e7;
 /// Modes and ends are compared as long as no more has grown, and differ for no longer than this, in units of the
 /// mechanism's time: a pin that grazes its bush is in it by one run and not by the other. Of 1160 draws six are longer
 /// apart than 1e-4, by 5.3e-4 at most, all at impacts of some µm/s.
-const STEADY: f64 = 1e-11;
+pub(super) const STEADY: f64 = 1e-11;
 const MOST_MODES: f64 = 1e-3;
 /// A balance holds to this part of the energy; at most 2.3e-8 of 100 draws, by `radau5`.
 const MOST_RESIDUAL: f64 = 1e-6;
@@ -36,10 +36,10 @@ const MOST_RESIDUAL: f64 = 1e-6;
 const MOST_ASTRAY: f64 = 1e-6;
 
 /// A run that did not come this far of its time within its budget of work is stuck.
-const LEAST_SHARE: f64 = 0.02;
+pub(super) const LEAST_SHARE: f64 = 0.02;
 
 /// And is bound by stability where an implicit one came this many times as far.
-const FARTHER: f64 = 2.0;
+pub(super) const FARTHER: f64 = 2.0;
 
 /// What came of a draw, from the best to the worst.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -128,7 +128,7 @@ impl Verdict {
     }
 
     /// At least as bad as `class`, for this reason.
-    fn add(&mut self, class: Class, line: String) {
+    pub(super) fn add(&mut self, class: Class, line: String) {
         self.class = self.class.max(class);
         self.lines.push(line);
     }
@@ -136,7 +136,14 @@ impl Verdict {
     /// Judges a configuration by runs that cost no more than `budget` each.
     pub(crate) fn of(config: &Config, budget: Budget) -> Self {
         let mut verdict = Self::new();
-        for part in &Joints::from(config).parts {
+        let joints = Joints::from(config);
+        if joints.parts.is_empty() {
+            let span = (config.run.t_end, config.run.sample);
+            for part in &config.mechanism.subject(config).parts {
+                verdict.judge_whatever(part, span, budget);
+            }
+        }
+        for part in &joints.parts {
             match part {
                 Part::Block(block) => verdict.judge(block, config, budget),
                 Part::Chain(chain) => verdict.judge(chain, config, budget),
