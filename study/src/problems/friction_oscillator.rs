@@ -2,7 +2,7 @@
 
 use deltazero_solvers::problems::{FrictionMode, FrictionOscillator};
 
-use super::position_and_velocity;
+use super::{on_a_spring, position_and_velocity};
 use crate::problem::{Energy, Power, Problem, Quantity, Role};
 
 /// What presses the mass on its surface is not told, only the friction.
@@ -28,10 +28,8 @@ impl Problem for FrictionOscillator {
         false
     }
 
-    /// The energy of the spring is told as kinetic: the elastic one is that of contacts.
-    fn energies(&self, _mode: &FrictionMode, _t: f64, &[x, v]: &[f64; 2]) -> Option<Energy> {
-        let kinetic = 0.5 * (self.mass * v * v + self.stiffness * x * x);
-        Some(Energy { kinetic, elastic: 0.0 })
+    fn energies(&self, _mode: &FrictionMode, _t: f64, y: &[f64; 2]) -> Option<Energy> {
+        Some(on_a_spring(self.mass, self.stiffness, *y))
     }
 
     fn powers(&self, _mode: &FrictionMode, _t: f64, &[_, v]: &[f64; 2]) -> Option<Power> {

@@ -3,6 +3,7 @@
 use deltazero_solvers::Real;
 use deltazero_solvers::problems::{HertzBall, StopMode};
 
+use super::role_of;
 use crate::problem::{Energy, Power, Problem, Quantity, Role, Touch};
 
 impl Problem for HertzBall {
@@ -16,10 +17,7 @@ impl Problem for HertzBall {
     }
 
     fn role(&self, mode: &StopMode, _site: usize) -> Role {
-        match mode {
-            StopMode::Free => Role::Free,
-            StopMode::Contact => Role::Contact,
-        }
+        role_of(mode)
     }
 
     fn touch<S: Real>(

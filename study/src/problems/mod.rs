@@ -12,11 +12,26 @@ mod spring_stop;
 mod thermostat;
 mod two_balls;
 
-use crate::problem::Quantity;
+use deltazero_solvers::problems::StopMode;
+
+use crate::problem::{Energy, Quantity, Role};
 
 /// A position and its velocity.
 fn position_and_velocity(length: f64, speed: f64) -> Vec<Quantity> {
     vec![Quantity::new("x", "m", length), Quantity::new("v", "m/s", speed)]
+}
+
+/// The energy of a mass on a spring [J]. That of the spring is told as kinetic: the elastic one is that of contacts.
+fn on_a_spring(mass: f64, stiffness: f64, [x, v]: [f64; 2]) -> Energy {
+    Energy { kinetic: 0.5 * (mass * v * v + stiffness * x * x), elastic: 0.0 }
+}
+
+/// What a mode is to a contact with a stop.
+fn role_of(mode: &StopMode) -> Role {
+    match mode {
+        StopMode::Free => Role::Free,
+        StopMode::Contact => Role::Contact,
+    }
 }
 
 /// What the tests of several modules run.

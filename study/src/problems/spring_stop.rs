@@ -3,7 +3,7 @@
 use deltazero_solvers::Real;
 use deltazero_solvers::problems::{SpringStop, StopMode};
 
-use super::position_and_velocity;
+use super::{on_a_spring, position_and_velocity, role_of};
 use crate::problem::{Energy, Power, Problem, Quantity, Role, Touch};
 
 impl Problem for SpringStop {
@@ -23,10 +23,7 @@ impl Problem for SpringStop {
     }
 
     fn role(&self, mode: &StopMode, _site: usize) -> Role {
-        match mode {
-            StopMode::Free => Role::Free,
-            StopMode::Contact => Role::Contact,
-        }
+        role_of(mode)
     }
 
     fn touch<S: Real>(
@@ -44,14 +41,13 @@ impl Problem for SpringStop {
         Some(Touch { depth, rate: v, force })
     }
 
-    /// The energy of the spring is told as kinetic: the elastic one is that of contacts.
-    fn energies(&self, mode: &StopMode, _t: f64, &[x, v]: &[f64; 2]) -> Option<Energy> {
-        let (kinetic, depth) = (self.mass * v * v + self.stiffness * x * x, x - self.gap);
+    fn energies(&self, mode: &StopMode, _t: f64, y: &[f64; 2]) -> Option<Energy> {
+        let depth = y[0] - self.gap;
         let elastic = match mode {
             StopMode::Free => 0.0,
             StopMode::Contact => self.stop_stiffness * depth * depth,
         };
-        Some(Energy { kinetic: 0.5 * kinetic, elastic: 0.5 * elastic })
+        Some(Energy { elastic: 0.5 * elastic, ..on_a_spring(self.mass, self.stiffness, *y) })
     }
 
     fn powers(&self, _mode: &StopMode, _t: f64, _y: &[f64; 2]) -> Option<Power> {
