@@ -68,10 +68,20 @@ impl Motion {
             let mut watch = limits.watch(Price::of_setting(&setting));
             part.motion(&setting, times, t_end, &mut watch)
         };
-        let spacing = t_end / f64::from(POINTS);
-        let times: Vec<f64> = (1..=POINTS).map(|k| (spacing * f64::from(k)).min(t_end)).collect();
-        let sites: Vec<_> =
-            subject.parts.iter().filter_map(|part| run(part, &times, t_end)).collect();
+        let over = |t_end: f64| -> Vec<SiteMotion> {
+            let spacing = t_end / f64::from(POINTS);
+            let times: Vec<f64> =
+                (1..=POINTS).map(|k| (spacing * f64::from(k)).min(t_end)).collect();
+            subject.parts.iter().filter_map(|part| run(part, &times, t_end)).collect()
+        };
+        let mut sites = over(t_end);
+        // All of them may come to an event that ends them long before.
+        let last = sites.iter().filter_map(|site| site.times.last().copied()).fold(0.0, f64::max);
+        let reached = last + t_end / f64::from(POINTS);
+        let t_end = if reached < 0.5 * t_end { reached } else { t_end };
+        if t_end == reached {
+            sites = over(t_end);
+        }
         let (part, first) = (subject.parts.first()?, sites.first()?);
         let changes: Vec<ModeChange> = first.changes.iter().map(|change| change.by_code).collect();
         let changes = counted(&changes, part.starts_on_surface);
@@ -193,8 +203,57 @@ fn around((from, to): (f64, f64), t_end: f64) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use deltazero_solvers::{Next, Real, System};
+
     use super::*;
+    use crate::problem::{Problem, Quantity};
     use crate::simulation::NamedChange;
+
+    /// `ẏ = −1`, ended where y is zero.
+    struct Falling;
+
+    impl System for Falling {
+        type Mode = ();
+        type State<S: Real> = [S; 1];
+        type Guards<S: Real> = [S; 1];
+
+        fn initial_mode(&self, _t: f64, _y: &[f64; 1]) {}
+
+        fn rhs<S: Real>(&self, (): (), _t: S, _y: &[S; 1], dydt: &mut [S; 1]) {
+            *dydt = [S::cst(-1.0)];
+        }
+
+        fn guards<S: Real>(&self, (): (), _t: S, y: &[S; 1], g: &mut [S; 1]) {
+            *g = *y;
+        }
+
+        fn transition<S: Real>(&self, (): (), _guard: usize, _t: S, _y: &mut [S; 1]) -> Next<()> {
+            Next::Stop
+        }
+    }
+
+    impl Problem for Falling {
+        fn start(&self) -> [f64; 1] {
+            [1.0]
+        }
+
+        fn states(&self) -> Vec<Quantity> {
+            vec![Quantity::new("y", "m", 1.0)]
+        }
+    }
+
+    #[test]
+    fn a_run_that_ends_long_before_its_time_is_shown_to_its_end() {
+        let stop = AtomicBool::new(false);
+        for (t_end, n_least) in [(1000.0, 3000), (1.5, 2600)] {
+            let motion = Motion::new(&Subject::of(Falling), t_end, Limits::none(&stop)).unwrap();
+            let times = &motion.sites[0].times;
+            assert!(times.len() >= n_least && *times.last().unwrap() > 0.99, "{}", times.len());
+            assert!(*motion.zoom.times.last().unwrap() < 0.1);
+        }
+    }
 
     #[test]
     fn a_mode_too_short_to_be_seen_is_shown_with_short_ones_around_it() {
