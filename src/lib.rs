@@ -27,7 +27,7 @@
 //!
 //! | module | what it is |
 //! |---|---|
-//! | [`keys`], [`model`], [`mechanisms`], [`config`] | what is integrated, of [`deltazero_mechanics`] |
+//! | [`keys`], [`laws`], [`model`], [`mechanisms`], [`config`] | what is integrated, of [`deltazero_mechanics`] |
 //! | [`run`] | one run of a mechanism, joint by joint |
 //! | [`study`] | what a configuration asks of the study, and the experiments on the paper's mechanism |
 //! | [`chunks`] | many runs, in parallel, kept on disk as they are made |
@@ -47,4 +47,4 @@ pub mod study;
 pub mod sweep;
 pub mod whole;
 
-pub use deltazero_mechanics::{config, keys, mechanisms, model};
+pub use deltazero_mechanics::{config, keys, laws, mechanisms, model};

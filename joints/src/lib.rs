@@ -16,7 +16,7 @@
 //!
 //! ```
 //! use deltazero_joints::keys::{COMMON, DefaultValue};
-//! use deltazero_joints::model::elastic::Elastic;
+//! use deltazero_joints::laws::elastic::Elastic;
 //!
 //! let stiffness = COMMON.iter().find(|key| key.path == "contact.stiffness").ok_or("no such key")?;
 //! assert_eq!((stiffness.default, stiffness.unit), (DefaultValue::Toml("1e7"), "N/mⁿ"));
@@ -28,7 +28,9 @@
 //! | module | what it is |
 //! |---|---|
 //! | [`keys`] | parameters with units and sources, the paper's Table 1 as the default |
+//! | [`laws`] | laws of the normal force, for any contact |
 //! | [`model`] | pins in bushes as hybrid systems, each a block, or a chain where there are several bays or bristles, with their laws; no time, no loop |
 
 pub mod keys;
+pub mod laws;
 pub mod model;

@@ -14,11 +14,11 @@
 //!
 //! | module | what it is |
 //! |---|---|
-//! | [`keys`], [`model`] | those of the [joints](deltazero_joints) |
+//! | [`keys`], [`laws`], [`model`] | those of the [joints](deltazero_joints) |
 //! | [`mechanisms`] | the mechanisms, one a file: keys, problem, words |
 //! | [`config`] | the configuration: keys and mechanism, read and checked |
 
 pub mod config;
 pub mod mechanisms;
 
-pub use deltazero_joints::{keys, model};
+pub use deltazero_joints::{keys, laws, model};

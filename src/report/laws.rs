@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::model::laws::{LAWS, Law};
+use crate::laws::{LAWS, Law};
 use crate::study::friction::{Cost, METHODS, RTOL, T_END};
 use crate::study::restitution::{Delivery, NEAR, requested};
 

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::config::{Config, ConfigError};
 use crate::keys::ContactLaw;
-use crate::model::hysteresis::{delivered, hysteresis_factor};
+use crate::laws::hysteresis::{delivered, hysteresis_factor};
 use crate::model::{Block, Jointed as _, Joints, Mode};
 
 /// Speed of the impact [m/s]; what is delivered does not depend on it.

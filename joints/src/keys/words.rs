@@ -98,7 +98,7 @@ words! {
 }
 
 words! {
-    /// Normal force law of a contact; equations and sources are in [`LAWS`](crate::model::laws::LAWS).
+    /// Normal force law of a contact; equations and sources are in [`LAWS`](crate::laws::LAWS).
     ContactLaw {
         /// F_N = K δⁿ + D δ̇, Eqs. (3) and (5) of the paper with n = 1.
         Power = "power",

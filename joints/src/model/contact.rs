@@ -1,17 +1,17 @@
 //! Penetration and normal force of a pin in its bush.
 //!
-//! A law is an elastic relation, chosen here by `elastic`, and a factor of [hysteresis](super::hysteresis) or a damping. What
-//! is said of each is in [`laws`](super::laws).
+//! A law is an elastic relation, chosen here by `elastic`, and a factor of [hysteresis](crate::laws::hysteresis) or a damping. What
+//! is said of each is in [`laws`](crate::laws).
 
 mod guards;
 
 use deltazero_solvers::Real;
 use deltazero_solvers::real::{Length, Over};
 
-use super::elastic::{Conformal, Elastic, Logarithmic};
-use super::hysteresis::hysteresis_factor;
 use super::mode::delta_bound;
 use crate::keys::{Contact, ContactLaw, Curvature, Joint};
+use crate::laws::elastic::{Conformal, Elastic, Logarithmic};
+use crate::laws::hysteresis::hysteresis_factor;
 
 pub use guards::{Bounds, Rounding};
 

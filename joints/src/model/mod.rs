@@ -13,16 +13,13 @@ pub mod block;
 mod body;
 pub mod chain;
 pub mod contact;
-pub mod elastic;
 pub mod energy;
 pub mod four_bar;
 mod friction;
 mod generalised_forces;
-pub mod hysteresis;
 pub mod inertia;
 mod jacobian;
 mod jointed;
-pub mod laws;
 pub mod linkage;
 pub mod mode;
 mod plain_slip;
@@ -43,10 +40,10 @@ pub use reading::Reading;
 pub use slider_crank::SliderCrank;
 
 use contact::NormalLaw;
-use elastic::Elastic;
 use sliding::Shape;
 
 use crate::keys::{ReadingName, Shared};
+use crate::laws::elastic::Elastic;
 
 /// The joints of a mechanism; none of one that is not made of joints.
 #[derive(Clone, Debug, Default)]

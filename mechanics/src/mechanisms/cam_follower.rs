@@ -9,8 +9,8 @@ use deltazero_solvers::{Error, Next, Outcome, Real, Record, System};
 use deltazero_study::problem::{Energy, Group, Laws, Power, Problem, Quantity, Role, Touch};
 use deltazero_study::run::{OwnRun, extended};
 
+use crate::laws::elastic::Elastic;
 use crate::model::contact::{NormalLaw, Onset, Rounding};
-use crate::model::elastic::Elastic;
 
 pub(super) use entry::CAM_FOLLOWER;
 

@@ -3,7 +3,7 @@
 use deltazero_study::warning::{Code, Warning};
 
 use crate::keys::{Contact, ContactLaw, Curvature, Friction, FrictionLaw, Joint, JointConfig};
-use crate::model::hysteresis::{delivered, hysteresis_factor};
+use crate::laws::hysteresis::{delivered, hysteresis_factor};
 
 /// A restitution that is further off than this from the one asked for is warned of.
 const TOLD: f64 = 0.01;

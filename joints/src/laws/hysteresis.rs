@@ -15,7 +15,7 @@ use crate::keys::ContactLaw;
 
 /// `χ`, by which a law wants to deliver the restitution `e`, 0 < e ≤ 1; none where it has no such factor.
 ///
-/// The sources are those of [`LAWS`](super::laws::LAWS).
+/// The sources are those of [`LAWS`](super::LAWS).
 pub fn hysteresis_factor(law: ContactLaw, e: f64) -> Option<f64> {
     let lost = 1.0 - e;
     Some(match law {

@@ -1,5 +1,8 @@
-//! The normal laws, told: equation, source, range. Their forces are in [`contact`](super::contact),
-//! [`hysteresis`](super::hysteresis) and [`elastic`](super::elastic), their words in [`keys`](crate::keys).
+//! The normal laws, told: equation, source, range. Their forces are in [`contact`](crate::model::contact),
+//! [`hysteresis`] and [`elastic`], their words in [`keys`](crate::keys).
+
+pub mod elastic;
+pub mod hysteresis;
 
 use crate::keys::ContactLaw;
 
