@@ -7,7 +7,8 @@ use std::path::Path;
 
 use common::{audited, balance, config, located, run, run_chain, setting};
 use deltazero::config::Config;
-use deltazero::keys::{ContactLaw, ReadingName};
+use deltazero::keys::ReadingName;
+use deltazero::laws::ContactLaw;
 use deltazero::model::chain::Modes;
 use deltazero::model::struts::chain_of;
 use deltazero::model::{AnyLinkage, Body, Chain, Jointed, Joints, Mode};

@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use deltazero::config::{Config, ConfigError};
-use deltazero::keys::{
-    ContactLaw, Curvature, DefaultValue, End, FrictionLaw, Key, Kind, Range, ReadingName,
-};
+use deltazero::keys::{Curvature, DefaultValue, End, FrictionLaw, Key, Kind, Range, ReadingName};
+use deltazero::laws::ContactLaw;
 use deltazero::mechanisms::MECHANISMS;
 use deltazero_text::ModelFile;
 use deltazero_text::models::{MODELS, Model};
@@ -260,7 +259,7 @@ impl Draw {
             _ => random.uniform(0.05, 1.0),
         };
         let damping = if random.chance(0.4) { 0.0 } else { random.log_uniform(1.0, 1e4) };
-        self.word(&format!("{table}.law"), random.of(ContactLaw::ALL).name());
+        self.word(&format!("{table}.law"), random.of(ContactLaw::WORDS));
         self.number(&format!("{table}.stiffness"), as_linear * random.log_uniform(1e5, 1e10));
         self.number(&format!("{table}.damping"), damping);
         self.number(&format!("{table}.exponent"), exponent);

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::laws::{LAWS, Law};
+use crate::laws::ContactLaw;
 use crate::study::friction::{Cost, METHODS, RTOL, T_END};
 use crate::study::restitution::{Delivery, NEAR, requested};
 
@@ -43,8 +43,8 @@ The constants were checked against other programs and the derivation above, esdu
 pub fn markdown(deliveries: &[Delivery], costs: &[Cost]) -> String {
     let mut out = HEAD.to_owned();
     out += "| law | equation | remark | source |\n|---|---|---|---|\n";
-    for Law { law, equation, source, remark } in LAWS {
-        out += &format!("| `{law}` | {equation} | {remark} | {source} |\n");
+    for ContactLaw { word, equation, source, remark, .. } in ContactLaw::ALL {
+        out += &format!("| `{word}` | {equation} | {remark} | {source} |\n");
     }
     out += "\n## Requested and delivered restitution\n\n\
         A free impact, simulated; what is delivered follows from χ(1 + e') = ln[(1 + χ)/(1 − χe')], whatever K, n, mass and \
@@ -132,17 +132,17 @@ fn friction(costs: &[Cost]) -> String {
 
 /// All of it as JSON.
 pub fn json(deliveries: &[Delivery], costs: &[Cost]) -> Value {
-    let law = |Law { law, equation, source, remark }: &Law| {
-        let delivery = deliveries.iter().find(|delivery| delivery.law == *law);
+    let law = |law: &ContactLaw| {
+        let delivery = deliveries.iter().find(|delivery| delivery.law == law);
         json!({
             "law": law,
-            "equation": equation,
-            "source": source,
-            "remark": remark,
+            "equation": law.equation,
+            "source": law.source,
+            "remark": law.remark,
             "has_memory": law.has_memory(),
             "impacts": delivery.map(|delivery| &delivery.impacts),
             "near_from": delivery.and_then(|delivery| delivery.near_from),
         })
     };
-    json!({ "normal": LAWS.iter().map(law).collect::<Vec<_>>(), "friction": costs })
+    json!({ "normal": ContactLaw::ALL.iter().map(law).collect::<Vec<_>>(), "friction": costs })
 }

@@ -11,8 +11,8 @@ use deltazero_study::setting::Events;
 use serde::Serialize;
 
 use crate::config::{Config, ConfigError};
-use crate::keys::ContactLaw;
-use crate::laws::hysteresis::{delivered, hysteresis_factor};
+use crate::laws::ContactLaw;
+use crate::laws::hysteresis::delivered;
 use crate::model::{Block, Jointed as _, Joints, Mode};
 
 /// Speed of the impact [m/s]; what is delivered does not depend on it.
@@ -41,7 +41,7 @@ pub struct Impact {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Delivery {
     /// The law.
-    pub law: ContactLaw,
+    pub law: &'static ContactLaw,
     /// Its impacts, by increasing restitution.
     pub impacts: Vec<Impact>,
     /// From this request on the delivered restitution stays within [`NEAR`] of it; none where it never does.
@@ -54,12 +54,12 @@ pub struct Delivery {
 /// A configuration that is refused: a mistake in this program, excluded by a test.
 pub fn deliveries() -> Result<Vec<Delivery>, ConfigError> {
     let laws = ContactLaw::ALL.iter().filter(|law| law.has_memory());
-    laws.map(|&law| delivery(law)).collect()
+    laws.map(delivery).collect()
 }
 
-fn delivery(law: ContactLaw) -> Result<Delivery, ConfigError> {
+fn delivery(law: &'static ContactLaw) -> Result<Delivery, ConfigError> {
     let impact = |e: f64| {
-        let closed = hysteresis_factor(law, e).map_or(f64::NAN, delivered);
+        let closed = law.hysteresis_factor(e).map_or(f64::NAN, delivered);
         Ok(Impact { requested: e, delivered: simulated(law, e)?, closed })
     };
     let impacts = requested().map(impact).collect::<Result<Vec<_>, ConfigError>>()?;
@@ -69,7 +69,7 @@ fn delivery(law: ContactLaw) -> Result<Delivery, ConfigError> {
 }
 
 /// The restitution of an impact under `law`; not a number where the pin does not leave.
-fn simulated(law: ContactLaw, e: f64) -> Result<f64, ConfigError> {
+fn simulated(law: &ContactLaw, e: f64) -> Result<f64, ConfigError> {
     let law = format!("contact.law={law}");
     let e = format!("contact.restitution={e}");
     let sets = [law, e, "drive.m1=0".to_owned(), "friction.coefficient=0".to_owned()];

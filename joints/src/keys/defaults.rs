@@ -5,9 +5,10 @@ use deltazero_study::setting::{Digits, Events};
 
 use super::DefaultValue::{Absent, Toml};
 use super::{
-    AXES, ContactLaw, Curvature, End, FrictionLaw, Key, Kind, METHODS, NOT_NEGATIVE, POSITIVE,
-    Range, ReadingName,
+    AXES, Curvature, End, FrictionLaw, Key, Kind, METHODS, NOT_NEGATIVE, POSITIVE, Range,
+    ReadingName,
 };
+use crate::laws::ContactLaw;
 
 const RTOL: Kind = Kind::Number(Range::closed(1e-14, 1e-1));
 const ACCURACY: Kind = Kind::Number(Range::closed(1e-12, 1e-1));

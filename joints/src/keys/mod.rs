@@ -22,4 +22,4 @@ pub use shared::{
     Solver, Strut, Study,
 };
 pub use struts::STRUTS;
-pub use words::{AXES, ContactLaw, Curvature, FrictionLaw, METHODS, ReadingName};
+pub use words::{AXES, Curvature, FrictionLaw, METHODS, ReadingName};

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use deltazero_study::setting::{self, Digits, Events};
 
-use super::words::{ContactLaw, Curvature, FrictionLaw, ReadingName};
+use super::words::{Curvature, FrictionLaw, ReadingName};
+use crate::laws::ContactLaw;
 
 /// What a configuration has beside the mechanism and its own tables.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,7 +96,7 @@ pub struct Joint {
 #[serde(deny_unknown_fields)]
 pub struct Contact {
     /// Force law.
-    pub law: ContactLaw,
+    pub law: &'static ContactLaw,
     /// Stiffness K \[N/mⁿ\].
     pub stiffness: f64,
     /// Damping D \[N s/m\].

@@ -98,64 +98,6 @@ words! {
 }
 
 words! {
-    /// Normal force law of a contact; equations and sources are in [`LAWS`](crate::laws::LAWS).
-    ContactLaw {
-        /// F_N = K δⁿ + D δ̇, Eqs. (3) and (5) of the paper with n = 1.
-        Power = "power",
-        /// Hysteresis after Hunt and Crossley (1975).
-        HuntCrossley = "hunt_crossley",
-        /// Hysteresis after Herbert and McWhannell (1977).
-        HerbertMcWhannell = "herbert_mcwhannell",
-        /// Hysteresis after Lee and Wang (1983).
-        LeeWang = "lee_wang",
-        /// Hysteresis after Lankarani and Nikravesh (1990).
-        LankaraniNikravesh = "lankarani_nikravesh",
-        /// Hysteresis after Gonthier and others (2004).
-        Gonthier = "gonthier",
-        /// Hysteresis after Hu and Guo (2015).
-        HuGuo = "hu_guo",
-        /// Hysteresis after Flores and others (2011).
-        Flores = "flores",
-        /// Hysteresis after Carvalho and Martins (2019).
-        CarvalhoMartins = "carvalho_martins",
-        /// Hysteresis with the factor that delivers the restitution asked for.
-        ExactRestitution = "exact_restitution",
-        /// Cylinders after Dubowsky and Freudenstein (1971), Eq. (1) of the paper, with D δ̇.
-        DubowskyFreudenstein = "dubowsky_freudenstein",
-        /// Cylinders after Johnson (1985), with D δ̇.
-        Johnson = "johnson",
-        /// Cylinders after ESDU 78035 (1978), with D δ̇.
-        Esdu78035 = "esdu_78035",
-        /// Cylinders after Liu and others (2007), with D δ̇.
-        Liu = "liu",
-        /// Cylinders after Lankarani and Nikravesh (1994), with their hysteresis.
-        LankaraniNikraveshCylinder = "lankarani_nikravesh_cylinder",
-    }
-}
-
-impl ContactLaw {
-    /// Whether its force depends on the speed at which a contact began: no state tells that.
-    pub fn has_memory(self) -> bool {
-        !matches!(
-            self,
-            Self::Power | Self::DubowskyFreudenstein | Self::Johnson | Self::Esdu78035 | Self::Liu
-        )
-    }
-
-    /// Whether its stiffness follows from the radii and the material of two cylinders.
-    pub fn is_of_cylinders(self) -> bool {
-        matches!(
-            self,
-            Self::DubowskyFreudenstein
-                | Self::Johnson
-                | Self::Esdu78035
-                | Self::Liu
-                | Self::LankaraniNikraveshCylinder
-        )
-    }
-}
-
-words! {
     /// How two cylinders touch.
     Curvature {
         /// A pin inside its bush.

@@ -110,6 +110,30 @@ impl Function for Elastic {
     }
 }
 
+/// Two cylinders, a pin and its bush or others, of one material, as the laws of cylinders have them.
+#[derive(Clone, Copy, Debug)]
+pub struct Cylinders {
+    /// `k = 2(1 − ν²)/(π E)` [1/Pa].
+    pub k: f64,
+    /// `E* = 1/(π k)` [Pa].
+    pub modulus: f64,
+    /// Length L of the line along which they touch [m].
+    pub length: f64,
+    /// `ΔR`: `R₂ − R₁` inside each other, `R₁ + R₂` beside each other [m].
+    pub gap: f64,
+    /// `R = R₁R₂/ΔR` [m].
+    pub radius: f64,
+    /// A penetration within the rounding of δ, above zero [m].
+    pub least: f64,
+}
+
+impl Cylinders {
+    /// `δ = (k/L) F (ln(B/F) + s)`, which is `A F ln(C/F)` with `A = k/L`, `C = B eˢ`.
+    pub fn logarithmic(&self, b: f64, s: f64) -> Elastic {
+        Elastic::Logarithmic(Logarithmic::new(self.k / self.length, b * libm::exp(s), self.least))
+    }
+}
+
 /// Cylinders that touch along a line: `δ = A F ln(C/F)`.
 ///
 /// The relation rises to its turning point `δ* = A C/e`, `F* = C/e`, and has one inverse below it: with

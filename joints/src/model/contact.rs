@@ -1,7 +1,6 @@
 //! Penetration and normal force of a pin in its bush.
 //!
-//! A law is an elastic relation, chosen here by `elastic`, and a factor of [hysteresis](crate::laws::hysteresis) or a damping. What
-//! is said of each is in [`laws`](crate::laws).
+//! A law is a row of [`laws`](crate::laws); here it gets the numbers of a configuration.
 
 mod guards;
 
@@ -9,9 +8,9 @@ use deltazero_solvers::Real;
 use deltazero_solvers::real::{Length, Over};
 
 use super::mode::delta_bound;
-use crate::keys::{Contact, ContactLaw, Curvature, Joint};
-use crate::laws::elastic::{Conformal, Elastic, Logarithmic};
-use crate::laws::hysteresis::hysteresis_factor;
+use crate::keys::{Contact, Curvature, Joint};
+use crate::laws::Relation;
+use crate::laws::elastic::{Cylinders, Elastic};
 
 pub use guards::{Bounds, Rounding};
 
@@ -54,7 +53,7 @@ impl Onset {
 impl NormalLaw {
     /// The law of a configuration.
     pub fn new(contact: &Contact, joint: &Joint) -> Self {
-        let hysteresis = hysteresis_factor(contact.law, contact.restitution);
+        let hysteresis = contact.law.hysteresis_factor(contact.restitution);
         Self {
             elastic: elastic(contact, joint),
             damping: if hysteresis.is_some() { 0.0 } else { contact.damping },
@@ -110,45 +109,28 @@ impl NormalLaw {
 }
 
 /// The elastic part of a law.
-///
-/// Of cylinders of radii R₁ (pin) and R₂ = R₁ + c (bush), of one material: `k = 2(1 − ν²)/(π E)`,
-/// `1/E* = π k`, length L; inside each other `ΔR = R₂ − R₁`, beside each other `ΔR = R₁ + R₂`,
-/// `R = R₁R₂/ΔR`.
 fn elastic(contact: &Contact, joint: &Joint) -> Elastic {
-    let (e, nu, length) = (contact.young_modulus, contact.poisson_ratio, contact.length);
-    let k = 2.0 * (1.0 - nu * nu) / (std::f64::consts::PI * e);
-    let modulus = e / (2.0 * (1.0 - nu * nu));
+    match contact.law.relation {
+        Relation::Power => Elastic::power(contact.stiffness, contact.exponent),
+        Relation::Line(of) | Relation::Point(of) => of(&cylinders(contact, joint)),
+    }
+}
+
+/// Pin and bush: `R₁` the pin's radius, `R₂ = R₁ + c`.
+fn cylinders(contact: &Contact, joint: &Joint) -> Cylinders {
+    let (e, nu) = (contact.young_modulus, contact.poisson_ratio);
     let (pin, bush) = (joint.pin_radius, joint.pin_radius + joint.clearance);
     let gap = match contact.curvature {
         Curvature::Internal => joint.clearance,
         Curvature::External => pin + bush,
     };
-    let radius = pin * bush / gap;
-    // δ = (k/L) F (ln(B/F) + s) = A F ln(C/F), C = B eˢ.
-    let least = delta_bound(joint.clearance).max(f64::MIN_POSITIVE);
-    let logarithmic = |b: f64, s: f64| {
-        Elastic::Logarithmic(Logarithmic::new(k / length, b * libm::exp(s), least))
-    };
-    match contact.law {
-        ContactLaw::DubowskyFreudenstein => {
-            logarithmic(length * length * length / (radius * k), 1.0)
-        }
-        ContactLaw::Johnson => logarithmic(4.0 * length * gap / k, -1.0),
-        ContactLaw::Esdu78035 => logarithmic(4.0 * length * gap / k, 1.0),
-        ContactLaw::Liu => Elastic::Conformal(Conformal::new(modulus, length, gap)),
-        ContactLaw::LankaraniNikraveshCylinder => {
-            Elastic::power(4.0 / 3.0 * modulus * radius.sqrt(), 1.5)
-        }
-        ContactLaw::Power
-        | ContactLaw::HuntCrossley
-        | ContactLaw::HerbertMcWhannell
-        | ContactLaw::LeeWang
-        | ContactLaw::LankaraniNikravesh
-        | ContactLaw::Gonthier
-        | ContactLaw::HuGuo
-        | ContactLaw::Flores
-        | ContactLaw::CarvalhoMartins
-        | ContactLaw::ExactRestitution => Elastic::power(contact.stiffness, contact.exponent),
+    Cylinders {
+        k: 2.0 * (1.0 - nu * nu) / (std::f64::consts::PI * e),
+        modulus: e / (2.0 * (1.0 - nu * nu)),
+        length: contact.length,
+        gap,
+        radius: pin * bush / gap,
+        least: delta_bound(joint.clearance).max(f64::MIN_POSITIVE),
     }
 }
 

@@ -259,7 +259,8 @@ mod tests {
 
     use super::*;
     use crate::keys::test_defaults::table1;
-    use crate::keys::{ContactLaw, FrictionLaw, ReadingName, Shared};
+    use crate::keys::{FrictionLaw, ReadingName, Shared};
+    use crate::laws::ContactLaw;
     use crate::model::struts::struts;
 
     fn modes(onset: Onset) -> [Mode; 5] {
@@ -340,7 +341,7 @@ mod tests {
     fn the_analytic_jacobian_is_that_of_dual_numbers_for_every_law() {
         let mut config = table1();
         config.reading = ReadingName::Full;
-        for &law in ContactLaw::ALL {
+        for law in ContactLaw::ALL {
             for joint in &mut config.joints {
                 let contact = &mut joint.contact;
                 (contact.law, contact.stiffness, contact.exponent) = (law, 1e10, 1.5);

@@ -2,8 +2,9 @@
 
 use deltazero_study::warning::{Code, Warning};
 
-use crate::keys::{Contact, ContactLaw, Curvature, Friction, FrictionLaw, Joint, JointConfig};
-use crate::laws::hysteresis::{delivered, hysteresis_factor};
+use crate::keys::{Contact, Curvature, Friction, FrictionLaw, Joint, JointConfig};
+use crate::laws::Relation;
+use crate::laws::hysteresis::delivered;
 
 /// A restitution that is further off than this from the one asked for is warned of.
 const TOLD: f64 = 0.01;
@@ -45,19 +46,19 @@ fn elastic(contact: &Contact) -> String {
             "cylinders {how}, Young's modulus E = {young_modulus:e} Pa, Poisson's ratio ν = {poisson_ratio}{length}"
         )
     };
-    match contact.law {
-        ContactLaw::LankaraniNikraveshCylinder => cylinders(""),
-        law if law.is_of_cylinders() => cylinders(&format!(", length L = {} m", contact.length)),
-        _ => {
+    match contact.law.relation {
+        Relation::Power => {
             format!("stiffness K = {:e} N/mⁿ, exponent n = {}", contact.stiffness, contact.exponent)
         }
+        Relation::Line(_) => cylinders(&format!(", length L = {} m", contact.length)),
+        Relation::Point(_) => cylinders(""),
     }
 }
 
 /// What a law loses: by damping, or by hysteresis with the restitution that is asked of it and delivered.
 fn loss(contact: &Contact) -> String {
     let e = contact.restitution;
-    match hysteresis_factor(contact.law, e) {
+    match contact.law.hysteresis_factor(e) {
         None => format!("damping D = {} N s/m", contact.damping),
         Some(chi) => format!(
             "hysteresis χ = {chi:.4}, restitution asked e = {e}, delivered {:.4}, impact speeds from {:e} m/s on",
@@ -108,11 +109,9 @@ pub(super) fn normal_warnings(name: &str, contact: &Contact) -> Vec<Warning> {
 /// What a contact is asked for and what its law delivers, where these differ by more than [`TOLD`].
 fn off(contact: &Contact) -> Option<String> {
     let (law, asked) = (contact.law, contact.restitution);
-    let delivered = delivered(hysteresis_factor(law, asked)?);
-    let elastic = match law {
-        ContactLaw::LankaraniNikraveshCylinder => ", on K δⁿ in the place of its cylinders,",
-        _ => "",
-    };
+    let delivered = delivered(law.hysteresis_factor(asked)?);
+    let elastic =
+        if law.is_of_cylinders() { ", on K δⁿ in the place of its cylinders," } else { "" };
     ((delivered - asked).abs() > TOLD).then(|| {
         format!(
             "contact.law = {law} is asked for a restitution of {asked} and delivers {delivered:.3}; \
@@ -144,6 +143,7 @@ pub(super) fn no_blind_joints(
 mod tests {
     use super::*;
     use crate::config::Config;
+    use crate::laws::ContactLaw;
 
     /// What is said of both joints with `sets`.
     fn said(sets: &[&str]) -> String {

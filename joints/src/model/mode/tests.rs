@@ -7,7 +7,8 @@ use deltazero_study::setting::Events;
 
 use super::*;
 use crate::keys::test_defaults::table1;
-use crate::keys::{ContactLaw, FrictionLaw, ReadingName, Shared};
+use crate::keys::{FrictionLaw, ReadingName, Shared};
+use crate::laws::ContactLaw;
 use crate::model::Jointed as _;
 use crate::model::struts::struts;
 
@@ -74,7 +75,7 @@ fn guards_are_positive_inside_their_mode_and_nowhere_else() {
             for adhesion in [true, false] {
                 let mut config = Shared { reading: ReadingName::Full, ..table1() };
                 for joint in &mut config.joints {
-                    (joint.contact.law, joint.friction.law) = (*law, *friction);
+                    (joint.contact.law, joint.friction.law) = (law, *friction);
                     (joint.contact.adhesion, joint.contact.length) = (adhesion, 1e-3);
                     joint.contact.young_modulus = 1e8;
                 }

@@ -5,6 +5,7 @@ use serde_json::Value;
 use super::super::*;
 use super::load;
 use crate::keys::*;
+use crate::laws::ContactLaw;
 use crate::mechanisms::{Entry, MECHANISMS};
 
 #[test]
@@ -18,7 +19,7 @@ fn table_1_is_the_default() {
     let joint = JointConfig {
         joint: Joint { clearance: 1e-4, pin_radius: 4.9e-3 },
         contact: Contact {
-            law: ContactLaw::Power,
+            law: ContactLaw::named("power").unwrap(),
             stiffness: 1e7,
             damping: 178.7,
             exponent: 1.0,
