@@ -4,6 +4,8 @@ use deltazero_study::setting::Events;
 
 use super::{load, refusal, set_refusal};
 use crate::config::Config;
+use crate::keys::listing;
+use crate::laws::ContactLaw;
 
 #[test]
 fn an_unknown_key_names_the_nearest() {
@@ -95,12 +97,10 @@ fn an_unknown_word_names_the_words_and_the_nearest() {
         "--set solver.method=RK4: solver.method = \"RK4\" is unknown: rk4, rk43, bs32, rk45, dop853, vern98, taylor, rodas5p, radau5, bdf, tr_bdf2, esdirk34, tsit45 or auto; \
          did you mean \"rk4\"?"
     );
+    let laws = listing(ContactLaw::WORDS);
     assert_eq!(
         refusal("contact.law = \"hertz\""),
-        "bad.toml:1: contact.law = \"hertz\" is unknown: power, hunt_crossley, herbert_mcwhannell, \
-         lee_wang, lankarani_nikravesh, gonthier, hu_guo, flores, carvalho_martins, \
-         exact_restitution, dubowsky_freudenstein, johnson, esdu_78035, liu or \
-         lankarani_nikravesh_cylinder"
+        format!("bad.toml:1: contact.law = \"hertz\" is unknown: {laws}")
     );
     assert_eq!(
         refusal("study.methods = [\"rk4\", \"rk455\"]"),
