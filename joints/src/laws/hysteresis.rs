@@ -67,12 +67,22 @@ mod tests {
             ("lee_wang", 0.5),
             ("lankarani_nikravesh", 1.0),
             ("gonthier", 4.0 / 3.0),
+            ("zhiying_qishao", 1.0),
             ("hu_guo", 1.0),
             ("flores", 16.0 / 15.0),
             ("carvalho_martins", 1.0),
         ] {
             assert!((slope(law) - ratio).abs() < 1e-5, "{law}: {}", slope(law));
         }
+    }
+
+    #[test]
+    fn zhiying_and_qishao_have_a_factor_for_no_restitution() {
+        let limit = 0.75 * libm::exp(2.0);
+        // χ is 1 − 2e of its limit. Measured: 2.0e-9.
+        assert!((factor("zhiying_qishao", 1e-9) / limit - 1.0).abs() < 1e-8);
+        // Measured: 0.1787.
+        assert!((delivered(limit) - 0.18).abs() < 0.005);
     }
 
     #[test]

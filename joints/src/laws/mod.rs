@@ -160,6 +160,14 @@ const LAWS: &[ContactLaw] = &[
         hysteresis: Some(|e| (1.0 - e * e) / e),
     },
     ContactLaw {
+        word: "zhiying_qishao",
+        equation: "χ = 3(1 − e²) exp(2(1 − e))/4",
+        source: "Qin Zhiying, Lu Qishao, \"Analysis of impact process model based on restitution coefficient\", J. Dyn. Control 4, 294–298 (2006), in Chinese; as another program has it, not seen in the original",
+        remark: "right to first order in 1 − e; delivers 0.18 for e → 0",
+        relation: Power,
+        hysteresis: Some(|e| 3.0 * (1.0 - e * e) * libm::exp(2.0 * (1.0 - e)) / 4.0),
+    },
+    ContactLaw {
         word: "hu_guo",
         equation: "χ = 3(1 − e)/(2e)",
         source: "S. Hu, X. Guo, \"A dissipative contact force model for impact analysis in multibody dynamics\", Multibody Syst. Dyn. 35, 131–151 (2015)",
