@@ -73,12 +73,13 @@ pub(super) fn runs(rows: &[Row]) -> String {
 const RUN: [&str; 3] = ["method", "events", "setting"];
 
 /// Columns of the report's table of further errors.
-const ERRORS: [&str; 8] = [
+const ERRORS: [&str; 9] = [
     "e_max",
     "e_l2",
     "e_final",
     "peak_force_error",
     "contact_impulse_error",
+    "impact_speed_error",
     "impulse_error",
     "dissipation_error",
     "energy_residual",

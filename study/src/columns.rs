@@ -297,4 +297,10 @@ pub const COLUMNS: &[Column] = &[
         let codes: Vec<_> = row.warnings.iter().map(|warning| warning.code.name()).collect();
         Text(codes.join(" "))
     }),
+    column(
+        "impact_speed_error",
+        "",
+        "worst error of the speed at which a contact begins, over the largest one",
+        |row| Number(row.errors.impact_speed_error),
+    ),
 ];

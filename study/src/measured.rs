@@ -36,6 +36,9 @@ pub struct Errors {
     /// Worst error of the impulse of a contact, relative to the largest such impulse.
     #[serde(default, with = "json_number::maybe")]
     pub contact_impulse_error: Option<f64>,
+    /// Worst error of the speed at which a contact begins, relative to the largest such speed.
+    #[serde(default, with = "json_number::maybe")]
+    pub impact_speed_error: Option<f64>,
     /// Error of the impulse of all contacts, relative to it.
     #[serde(default, with = "json_number::maybe")]
     pub impulse_error: Option<f64>,
@@ -237,6 +240,7 @@ fn compare_contacts(
     if let Some(own) = contact_errors(&within(all), &within(exact_all), window) {
         errors.peak_force_error = worst(errors.peak_force_error, Some(own.peak));
         errors.contact_impulse_error = worst(errors.contact_impulse_error, Some(own.impulse));
+        errors.impact_speed_error = worst(errors.impact_speed_error, own.impact_speed);
     }
     let (own, exact) = (total_impulse(all), total_impulse(exact_all));
     if exact != 0.0 {

@@ -24,6 +24,7 @@ pub const AXES: &[&str] = &[
     "e_final",
     "peak_force_error",
     "contact_impulse_error",
+    "impact_speed_error",
     "impulse_error",
     "dissipation_error",
     "energy_residual",

@@ -338,6 +338,9 @@ pub struct ContactErrors {
     pub peak: f64,
     /// Worst error of the impulse of a contact, relative to the largest of the reference.
     pub impulse: f64,
+    /// Worst error of the speed at which a contact begins, relative to the largest of the reference; none where no
+    /// pair has both speeds.
+    pub impact_speed: Option<f64>,
 }
 
 /// Compares contacts whose ends are the same events, in order, both within `window` [s]; none
@@ -351,6 +354,7 @@ pub fn contact_errors(
         reference.iter().map(of).fold(f64::MIN_POSITIVE, |largest, x| largest.max(x.abs()))
     };
     let (largest_peak, largest_impulse) = (largest(|c| c.peak), largest(|c| c.impulse));
+    let largest_speed = largest(|c| c.impact_speed.unwrap_or(0.0));
     let near = |a: f64, b: f64| (a - b).abs() <= window;
     let mut ahead = run.iter();
     let mut errors: Option<ContactErrors> = None;
@@ -366,6 +370,10 @@ pub fn contact_errors(
         worst.peak = worse(worst.peak, (own.peak - contact.peak).abs() / largest_peak);
         worst.impulse =
             worse(worst.impulse, (own.impulse - contact.impulse).abs() / largest_impulse);
+        if let Some((own, exact)) = own.impact_speed.zip(contact.impact_speed) {
+            let error = (own - exact).abs() / largest_speed;
+            worst.impact_speed = Some(worse(worst.impact_speed.unwrap_or(0.0), error));
+        }
     }
     errors
 }
@@ -460,5 +468,20 @@ mod tests {
         let errors = contact_errors(&run, &reference, 1e-3).unwrap();
         assert!((errors.impulse - 0.05).abs() < 1e-15 && errors.peak == 0.0, "{errors:?}");
         assert_eq!(contact_errors(&run[1..2], &reference, 1e-3), None);
+        assert_eq!(errors.impact_speed, None);
+    }
+
+    #[test]
+    fn speeds_of_impact_are_compared_where_both_runs_know_them() {
+        let contacts = |speeds: [Option<f64>; 4]| -> [Contact; 4] {
+            std::array::from_fn(|i| Contact::begun(i as f64, speeds[i], Felt::default()))
+        };
+        let reference = contacts([None, Some(2e-3), Some(4e-3), Some(1e-3)]);
+        let error = |speeds| contact_errors(&contacts(speeds), &reference, 1e-3)?.impact_speed;
+        // Over 4 mm/s, the largest; not of contacts that one of both starts in.
+        let worst = error([Some(9.0), Some(2.5e-3), Some(4.1e-3), None]).unwrap();
+        assert!((worst - 0.125).abs() < 1e-15, "{worst}");
+        assert!(error([None, Some(f64::NAN), Some(4e-3), None]).unwrap().is_nan());
+        assert_eq!(error([Some(9.0), None, None, None]), None);
     }
 }
