@@ -193,10 +193,12 @@ fn an_error_that_is_not_defined_is_a_dash_in_tables() {
     let scratch = Scratch::new();
     // A pendulum upside down, whose motion is lost before its only sample.
     let model = "name = \"pendulum\"\nt_end = 1.0\n\
+                 [parameters]\n\
+                 k = { value = 1e4, unit = \"1/s^2\" }\n\
                  [states]\n\
                  x = { start = 3.14159, unit = \"rad\", scale = 1 }\n\
                  v = { start = 0, unit = \"rad/s\", scale = 1 }\n\
-                 [rates]\nx = \"v\"\nv = \"-1e4*sin(x)\"\n\
+                 [rates]\nx = \"v\"\nv = \"-k*sin(x)\"\n\
                  [modes.only]\n";
     std::fs::write(scratch.path("pendulum.toml"), model).unwrap();
     let sets = [

@@ -1,12 +1,23 @@
 //! Whether both sides of each equation have the same unit, where units are given.
 //!
-//! A name without a unit and a number fit anything, and so does what is made of them by a product.
+//! | what | its unit |
+//! |---|---|
+//! | a name without a unit, and what is a product with one | fits anything |
+//! | a number in a product | none: `2*K*x` has the unit of `K*x` |
+//! | a number alone on a side of an equation or a comparison | that of the other side |
+//! | 0 | every unit |
+//! | another number in a sum | none, so that all else in the sum has none |
 
 use std::collections::HashMap;
+use std::fmt;
 
-use crate::declarations::{Declarations, Definition, Equation, Follows, ModeDeclaration, ModeRole};
+use deltazero_study::digits::{in_short, rounded_to};
+
+use crate::declarations::{
+    Declarations, Definition, Equation, EventDeclaration, ModeDeclaration, ModeRole,
+};
 use crate::document::At;
-use crate::expression::{Expression, Kind, Operator};
+use crate::expression::{Comparison, Expression, Kind, Operator};
 use crate::names::{Meaning, Names};
 use crate::report::{Checked, Complaint, Span};
 use crate::units::Unit;
@@ -14,21 +25,119 @@ use crate::units::Unit;
 /// Formulas within each other that are looked through.
 const DEEPEST: usize = 300;
 
-/// A unit, or none that is known.
-type Known = Option<Unit>;
+/// What is known of the unit of a formula.
+#[derive(Clone, Copy, Debug)]
+enum Known {
+    /// Nothing: a name without a unit stands in it.
+    Open,
+    /// It is made of numbers, with its value where there is no index and no function in it.
+    Number(Option<f64>),
+    /// A unit, and the size of the numbers that it is multiplied by.
+    Unit(Unit, f64),
+}
+
+/// Factor between two scales that numbers leave open where they make up for it: they may be a conversion times a half.
+const OPEN: f64 = 10.0;
+
+impl Known {
+    const ZERO: Self = Self::Number(Some(0.0));
+    const ONE: Self = Self::unit(Unit::ONE);
+
+    const fn unit(unit: Unit) -> Self {
+        Self::Unit(unit, 1.0)
+    }
+
+    fn is_zero(self) -> bool {
+        matches!(self, Self::Number(Some(0.0)))
+    }
+
+    fn times(self, other: Self) -> Self {
+        match (self, other) {
+            _ if self.is_zero() || other.is_zero() => Self::ZERO,
+            (Self::Open, _) | (_, Self::Open) => Self::Open,
+            (Self::Number(a), Self::Number(b)) => Self::Number(a.zip(b).map(|(a, b)| a * b)),
+            (Self::Number(a), Self::Unit(unit, n)) | (Self::Unit(unit, n), Self::Number(a)) => {
+                Self::Unit(unit, n * a.unwrap_or(1.0).abs())
+            }
+            (Self::Unit(a, n), Self::Unit(b, m)) => Self::Unit(a.times(b), n * m),
+        }
+    }
+
+    fn over(self, other: Self) -> Self {
+        match other {
+            _ if other.is_zero() => Self::Open,
+            Self::Number(b) => self.times(Self::Number(b.map(|b| 1.0 / b))),
+            _ => self.times(other.power(Self::Number(Some(-1.0)))),
+        }
+    }
+
+    fn power(self, exponent: Self) -> Self {
+        match (self, exponent) {
+            (Self::Number(a), Self::Number(p)) => {
+                Self::Number(a.zip(p).map(|(a, p)| libm::pow(a, p)))
+            }
+            (Self::Number(_), _) => Self::ONE,
+            (Self::Unit(unit, n), Self::Number(Some(p))) => {
+                Self::Unit(unit.power(p), libm::pow(n, p))
+            }
+            (Self::Unit(unit, _), _) if unit.is(Unit::ONE) => Self::ONE,
+            _ => Self::Open,
+        }
+    }
+
+    /// Whether both are in one unit. The numbers of a product may convert one scale to another: `0.001*w` of a `w` in mm/s is
+    /// in m/s, and `phi*pi/180` of a `phi` in deg in rad.
+    fn fits(self, other: Self) -> bool {
+        let (Self::Unit(a, n), Self::Unit(b, m)) = (self, other) else { return true };
+        let Some(ratio) = a.factor_over(b) else { return false };
+        let size = |x: f64| libm::log(x).abs();
+        let left = size(n / m / ratio);
+        ratio == 1.0 || (left < size(n / m) && left < libm::log(OPEN))
+    }
+
+    /// What both are, which [fit](Self::fits).
+    fn or(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Unit(_, n), Self::Unit(_, m)) => {
+                if libm::log(n).abs() <= libm::log(m).abs() {
+                    self
+                } else {
+                    other
+                }
+            }
+            (Self::Unit(..), _) => self,
+            (_, Self::Unit(..)) => other,
+            (Self::Number(_), Self::Number(_)) => Self::Number(None),
+            _ => Self::Open,
+        }
+    }
+}
+
+/// As the end of a sentence.
+impl fmt::Display for Known {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Open => f.write_str("may have any unit"),
+            Self::Number(_) => f.write_str("is a number without a unit"),
+            Self::Unit(unit, _) => unit.fmt(f),
+        }
+    }
+}
 
 /// Checks the units of a file, if it gives any.
 pub(crate) fn check_units(file: &Declarations, names: &Names) -> Checked<()> {
-    if !units(file).any(|unit| parsed(Some(unit)).is_some()) {
+    if !units(file).any(|unit| Unit::parse(&unit.value).is_some()) {
         return Ok(());
     }
-    let mut check = Check { file, names, mode: None, known: HashMap::new(), depth: 0 };
+    let mut check = Check::new(file, names, None);
     for (i, state) in file.states.iter().enumerate() {
         let own = check.of_state(i);
         for formula in state.start.iter().chain(&state.scale) {
-            check.expect(formula, own, &format!("`{}`", state.name.value))?;
+            let what = format!("`{}`", state.name.value);
+            check.within(check.index_of_state(i), |check| check.expect(formula, own, &what))?;
         }
     }
+    file.parts.iter().flat_map(|part| &part.start).try_for_each(|start| check.equation(start))?;
     for (i, mode) in file.modes.iter().enumerate() {
         check.mode = Some(i);
         check.known.clear();
@@ -43,12 +152,14 @@ struct Check<'a> {
     mode: Option<usize>,
     /// Units of definitions and kept values in this mode.
     known: HashMap<Meaning, Known>,
+    /// Names of indices, which are numbers.
+    indices: Vec<&'a str>,
     depth: usize,
 }
 
 /// Warns of units that are not read: nothing is checked with them.
 pub(crate) fn unread_units(file: &Declarations) -> impl Iterator<Item = Complaint> {
-    let unread = units(file).filter(|unit| parsed(Some(unit)).is_none());
+    let unread = units(file).filter(|unit| Unit::parse(&unit.value).is_none());
     unread.map(|At { value, span }| {
         let message = format!("the unit `{value}` is not read, and nothing is checked with it");
         Complaint::new(*span, message)
@@ -65,8 +176,13 @@ pub(crate) fn contact_factors(file: &Declarations, names: &Names, mode: usize) -
     told_units(file, names, mode).map(factor)
 }
 
-fn factor(unit: Option<(Unit, Unit)>) -> f64 {
-    unit.and_then(|(unit, told)| unit.factor_over(told)).unwrap_or(1.0)
+fn factor((found, told): (Known, Unit)) -> f64 {
+    match found {
+        Known::Unit(unit, _) if !found.fits(Known::unit(told)) => {
+            unit.factor_over(told).unwrap_or(1.0)
+        }
+        _ => 1.0,
+    }
 }
 
 /// Warns of a contact whose depth is no length or whose force is no force, and of one of which only one has a known unit that is
@@ -79,14 +195,15 @@ pub(crate) fn contact_units(file: &Declarations, names: &Names) -> Vec<Complaint
         let units = told_units(file, names, mode);
         let is_converted = units.into_iter().any(|unit| factor(unit) != 1.0);
         for ((formula, (what, symbol)), unit) in of_formulas.zip(units) {
-            if unit.is_none() && is_converted {
+            let (found, told) = unit;
+            if matches!(found, Known::Open) && is_converted {
                 let message =
                     format!("the unit of this {what} is not known, so it is taken for {symbol}");
                 all.push(Complaint::new(formula.span, message).help(
-                    "a number in a product has no unit: make it a definition with its `unit`",
+                    "a name without a unit stands in it: make it a definition with its `unit`",
                 ));
             }
-            if let Some((unit, told)) = unit
+            if let Known::Unit(unit, _) = found
                 && unit.factor_over(told).is_none()
             {
                 let message =
@@ -100,11 +217,14 @@ pub(crate) fn contact_units(file: &Declarations, names: &Names) -> Vec<Complaint
     all
 }
 
-/// The units of a contact's depth and force in a mode, each with the one that it is told in; none where they are not known.
-fn told_units(file: &Declarations, names: &Names, mode: usize) -> [Option<(Unit, Unit)>; 2] {
-    let Some(contact) = &file.contact else { return [None; 2] };
-    let mut check = Check { file, names, mode: Some(mode), known: HashMap::new(), depth: 0 };
-    std::array::from_fn(|i| check.unit(&contact[i]).ok().flatten().zip(Unit::parse(TOLD_IN[i].1)))
+/// What is known of the units of a contact's depth and force in a mode, each with the one that it is told in.
+fn told_units(file: &Declarations, names: &Names, mode: usize) -> [(Known, Unit); 2] {
+    let mut check = Check::new(file, names, Some(mode));
+    std::array::from_fn(|i| {
+        let formula = file.contact.as_ref().map(|contact| &contact[i]);
+        let found = formula.and_then(|formula| check.unit(formula).ok());
+        (found.unwrap_or(Known::Open), Unit::parse(TOLD_IN[i].1).unwrap_or(Unit::ONE))
+    })
 }
 
 /// All units that a file gives.
@@ -117,12 +237,30 @@ fn units(file: &Declarations) -> impl Iterator<Item = &At<String>> {
 }
 
 fn parsed(unit: Option<&At<String>>) -> Known {
-    unit.and_then(|unit| Unit::parse(&unit.value))
+    unit.and_then(|unit| Unit::parse(&unit.value)).map_or(Known::Open, Known::unit)
 }
 
 impl<'a> Check<'a> {
+    fn new(file: &'a Declarations, names: &'a Names, mode: Option<usize>) -> Self {
+        Self { file, names, mode, known: HashMap::new(), indices: Vec::new(), depth: 0 }
+    }
+
     fn of_state(&self, state: usize) -> Known {
         parsed(self.file.states[state].unit.as_ref())
+    }
+
+    /// The index of the formulas of a vector of states.
+    fn index_of_state(&self, state: usize) -> Option<&'a str> {
+        self.file.states[state].length.is_some().then_some("i")
+    }
+
+    /// Does something where the name of an index is known.
+    fn within<T>(&mut self, index: Option<&'a str>, own: impl FnOnce(&mut Self) -> T) -> T {
+        let n_indices = self.indices.len();
+        self.indices.extend(index);
+        let done = own(self);
+        self.indices.truncate(n_indices);
+        done
     }
 
     fn mode(&mut self, mode: &'a ModeDeclaration) -> Checked<()> {
@@ -134,41 +272,51 @@ impl<'a> Check<'a> {
             }
         }
         for equation in mode.rates.iter().chain(&file.rates) {
-            let unit = self.of_target(equation).map(|unit| unit.over(Unit::SECOND));
-            let name = &equation.target.value;
-            self.expect(&equation.value, unit, &format!("the rate of `{name}`"))?;
+            let unit = self.of_target(equation).over(Known::unit(Unit::SECOND));
+            let what = format!("the rate of `{}`", equation.target.value);
+            let index = self.index_of_target(equation);
+            self.within(index, |own| own.expect(&equation.value, unit, &what))?;
         }
         for event in &mode.events {
-            let left = self.unit(&event.when.left)?;
-            let right = self.unit(&event.when.right)?;
-            let sides = [(left, event.when.left.span), (right, event.when.right.span)];
-            same(sides, "these are compared")?;
-            self.follows(&event.follows)?;
-            event.rest.iter().try_for_each(|rest| self.follows(rest))?;
+            let index = event.indices.as_ref().map(|indices| &*indices.name);
+            self.within(index, |own| own.event(event))?;
         }
         for formula in file.energy.iter().flatten().flatten() {
-            self.expect(formula, Some(Unit::JOULE), "an energy")?;
+            self.expect(formula, Known::unit(Unit::JOULE), "an energy")?;
         }
-        let watt = Unit::JOULE.over(Unit::SECOND);
-        file.power
-            .iter()
-            .flatten()
-            .try_for_each(|formula| self.expect(formula, Some(watt), "a power"))
+        let watt = Known::unit(Unit::JOULE.over(Unit::SECOND));
+        file.power.iter().flatten().try_for_each(|formula| self.expect(formula, watt, "a power"))
     }
 
-    fn follows(&mut self, follows: &'a Follows) -> Checked<()> {
-        follows.set.iter().try_for_each(|equation| {
-            let unit = self.of_target(equation);
-            let name = &equation.target.value;
-            self.expect(&equation.value, unit, &format!("`{name}`"))
-        })
+    fn event(&mut self, event: &'a EventDeclaration) -> Checked<()> {
+        let Comparison { left, right, .. } = &event.when;
+        let sides = [(self.unit(left)?, left.span), (self.unit(right)?, right.span)];
+        same(sides, "these are compared")?;
+        let after = [Some(&event.follows), event.rest.as_ref()];
+        let all = after.into_iter().flatten().flat_map(|follows| &follows.set);
+        all.into_iter().try_for_each(|equation| self.equation(equation))
+    }
+
+    /// Checks a value that a state is set to.
+    fn equation(&mut self, equation: &'a Equation) -> Checked<()> {
+        let (unit, index) = (self.of_target(equation), self.index_of_target(equation));
+        let what = format!("`{}`", equation.target.value);
+        self.within(index, |own| own.expect(&equation.value, unit, &what))
+    }
+
+    fn target(&self, equation: &Equation) -> Option<usize> {
+        match self.meaning(&equation.target.value)? {
+            Meaning::State(state) => Some(state),
+            _ => None,
+        }
     }
 
     fn of_target(&self, equation: &Equation) -> Known {
-        match self.meaning(&equation.target.value)? {
-            Meaning::State(state) => self.of_state(state),
-            _ => None,
-        }
+        self.target(equation).map_or(Known::Open, |state| self.of_state(state))
+    }
+
+    fn index_of_target(&self, equation: &Equation) -> Option<&'a str> {
+        self.target(equation).and_then(|state| self.index_of_state(state))
     }
 
     /// What a name means; none for an index, or a name that is not known, which is told elsewhere.
@@ -177,18 +325,13 @@ impl<'a> Check<'a> {
     }
 
     fn expect(&mut self, formula: &'a Expression, unit: Known, what: &str) -> Checked<()> {
-        match (self.unit(formula)?, unit) {
-            (Some(found), Some(unit)) if !found.is(unit) => {
-                let message = format!("{what} {unit}, and this {found}");
-                Err(Complaint::new(formula.span, message))
-            }
-            _ => Ok(()),
-        }
+        let found = self.unit(formula)?;
+        expected(found, unit, formula.span, what)
     }
 
     fn unit(&mut self, formula: &'a Expression) -> Checked<Known> {
         if self.depth == DEEPEST {
-            return Ok(None);
+            return Ok(Known::Open);
         }
         self.depth += 1;
         let unit = self.unit_within(formula);
@@ -198,13 +341,20 @@ impl<'a> Check<'a> {
 
     fn unit_within(&mut self, formula: &'a Expression) -> Checked<Known> {
         match &formula.kind {
-            Kind::Number(_) => Ok(None),
+            Kind::Number(x) => Ok(Known::Number(Some(*x))),
             Kind::Name(name) | Kind::Element(name, _) => self.named(name),
-            Kind::Negative(inner) => self.unit(inner),
+            Kind::Negative(inner) => Ok(self.unit(inner)?.times(Known::Number(Some(-1.0)))),
             Kind::Chain(first, rest) => self.chain(first, rest),
-            Kind::Power(base, exponent) => self.power(base, exponent),
+            Kind::Power(base, exponent) => {
+                let power = self.unit(exponent)?;
+                expected(power, Known::ONE, exponent.span, "an exponent")?;
+                Ok(self.unit(base)?.power(power))
+            }
             Kind::Call(name, arguments) => self.call(name, arguments),
-            Kind::Sum(sum) => self.unit(&sum.1),
+            Kind::Sum(sum) => match self.within(Some(&sum.0.name), |own| own.unit(&sum.1))? {
+                Known::Number(Some(x)) if x != 0.0 => Ok(Known::Number(None)),
+                unit => Ok(unit),
+            },
             Kind::Choice(choice) => {
                 let (_, yes, no) = &**choice;
                 let sides = [(self.unit(yes)?, yes.span), (self.unit(no)?, no.span)];
@@ -214,43 +364,49 @@ impl<'a> Check<'a> {
     }
 
     fn named(&mut self, name: &str) -> Checked<Known> {
-        let (file, Some(meaning)) = (self.file, self.meaning(name)) else { return Ok(None) };
+        let file = self.file;
+        let Some(meaning) = self.meaning(name) else {
+            let is_index = self.indices.contains(&name);
+            return Ok(if is_index { Known::Number(None) } else { Known::Open });
+        };
         let of_mode = self.mode.map(|mode| &file.modes[mode]);
         match (meaning, of_mode) {
             (Meaning::Parameter(i), _) => Ok(parsed(file.parameters[i].unit.as_ref())),
             (Meaning::State(i), _) => Ok(self.of_state(i)),
             (Meaning::Common(i), _) => self.definition(&file.definitions[i], meaning),
             (Meaning::OfMode(i), Some(mode)) => self.definition(&mode.definitions[i], meaning),
-            (Meaning::Kept(i), Some(mode)) => self.remembered(meaning, &mode.keep[i].value),
+            (Meaning::Kept(i), Some(mode)) => self.remembered(meaning, &mode.keep[i].value, None),
             // A model without units has none of time either.
             (Meaning::Time, _) if file.states.iter().any(|state| state.unit.is_some()) => {
-                Ok(Some(Unit::SECOND))
+                Ok(Known::unit(Unit::SECOND))
             }
-            _ => Ok(None),
+            (Meaning::Pi, _) => Ok(Known::Number(Some(std::f64::consts::PI))),
+            _ => Ok(Known::Open),
         }
     }
 
     /// The unit of a definition, as given, else that of its formula.
     fn definition(&mut self, definition: &'a Definition, meaning: Meaning) -> Checked<Known> {
-        let found = self.remembered(meaning, &definition.value)?;
-        let Some(given) = parsed(definition.unit.as_ref()) else { return Ok(found) };
-        let name = &definition.name.value;
-        match found {
-            Some(found) if !found.is(given) => {
-                let message = format!("`{name}` {given}, and this {found}");
-                Err(Complaint::new(definition.value.span, message))
-            }
-            _ => Ok(Some(given)),
-        }
+        let index = definition.indices.as_ref().map(|indices| &*indices.name);
+        let found = self.remembered(meaning, &definition.value, index)?;
+        let given = parsed(definition.unit.as_ref());
+        let what = format!("`{}`", definition.name.value);
+        expected(found, given, definition.value.span, &what)?;
+        Ok(if matches!(given, Known::Open) { found } else { given })
     }
 
-    fn remembered(&mut self, meaning: Meaning, formula: &'a Expression) -> Checked<Known> {
+    fn remembered(
+        &mut self,
+        meaning: Meaning,
+        formula: &'a Expression,
+        index: Option<&'a str>,
+    ) -> Checked<Known> {
         if let Some(unit) = self.known.get(&meaning) {
             return Ok(*unit);
         }
         // A definition within itself is told elsewhere.
-        self.known.insert(meaning, None);
-        let unit = self.unit(formula)?;
+        self.known.insert(meaning, Known::Open);
+        let unit = self.within(index, |own| own.unit(formula))?;
         self.known.insert(meaning, unit);
         Ok(unit)
     }
@@ -264,29 +420,16 @@ impl<'a> Check<'a> {
         for (operator, next) in rest {
             let own = self.unit(next)?;
             unit = match operator {
-                Operator::Add | Operator::Subtract => {
-                    same([(unit, span), (own, next.span)], "these are added or subtracted")?
+                Operator::Add => added(unit, own, [span, next.span])?,
+                Operator::Subtract => {
+                    added(unit, own.times(Known::Number(Some(-1.0))), [span, next.span])?
                 }
-                Operator::Multiply => unit.zip(own).map(|(a, b)| a.times(b)),
-                Operator::Divide => unit.zip(own).map(|(a, b)| a.over(b)),
+                Operator::Multiply => unit.times(own),
+                Operator::Divide => unit.over(own),
             };
             span = span.to(next.span);
         }
         Ok(unit)
-    }
-
-    fn power(&mut self, base: &'a Expression, exponent: &'a Expression) -> Checked<Known> {
-        self.expect(exponent, Some(Unit::ONE), "an exponent")?;
-        let unit = self.unit(base)?;
-        let number = match &exponent.kind {
-            Kind::Number(p) => Some(*p),
-            Kind::Negative(inner) => match inner.kind {
-                Kind::Number(p) => Some(-p),
-                _ => None,
-            },
-            _ => None,
-        };
-        Ok(unit.zip(number).map(|(unit, p)| unit.power(p)))
     }
 
     fn call(&mut self, name: &str, arguments: &'a [Expression]) -> Checked<Known> {
@@ -295,33 +438,96 @@ impl<'a> Check<'a> {
             units.push((self.unit(argument)?, argument.span));
         }
         match (name, &units[..]) {
-            ("sqrt", [(unit, _)]) => Ok(unit.map(|unit| unit.power(0.5))),
+            ("sqrt", [(unit, _)]) => Ok(unit.power(Known::Number(Some(0.5)))),
             ("abs", [(unit, _)]) => Ok(*unit),
-            ("sign", _) => Ok(Some(Unit::ONE)),
-            ("min" | "max" | "hypot", [a, b]) => same([*a, *b], "these stand in one function"),
+            ("min" | "max", [a, b]) => same([*a, *b], "these stand in one function"),
+            ("hypot", [a, b]) => strictly_same([*a, *b], "these stand in one function"),
             ("atan2", [a, b]) => {
-                same([*a, *b], "these stand in one function")?;
-                Ok(Some(Unit::ONE))
+                Ok(strictly_same([*a, *b], "these stand in one function")?.power(Known::ZERO))
             }
             _ => {
                 let what = format!("the argument of `{name}`");
-                arguments
-                    .iter()
-                    .try_for_each(|argument| self.expect(argument, Some(Unit::ONE), &what))?;
-                Ok(Some(Unit::ONE))
+                let must = if name == "sign" { Known::Open } else { Known::ONE };
+                for (unit, span) in &units {
+                    expected(*unit, must, *span, &what)?;
+                }
+                let is_number = units.iter().all(|(unit, _)| matches!(unit, Known::Number(_)));
+                Ok(if is_number { Known::Number(None) } else { Known::ONE })
             }
         }
     }
 }
 
-/// The unit that both have, where one is known.
-fn same([(a, a_span), (b, b_span)]: [(Known, Span); 2], what: &str) -> Checked<Known> {
-    match (a, b) {
-        (Some(a), Some(b)) if !a.is(b) => {
-            let message = format!("{what}, and their units differ");
-            let complaint = Complaint::new(b_span, message).label(format!("this {b}"));
-            Err(complaint.and(a_span, format!("this {a}")))
-        }
-        (a, b) => Ok(a.or(b)),
+/// Checks a formula at `span` against the unit that it must have.
+fn expected(found: Known, unit: Known, span: Span, what: &str) -> Checked<()> {
+    if found.fits(unit) {
+        return Ok(());
     }
+    let complaint = Complaint::new(span, format!("{what} {unit}, and this {found}"));
+    Err(complaint.help(way_out(found, unit)))
+}
+
+/// What to do where a unit is found that is not `must`.
+fn way_out(found: Known, must: Known) -> String {
+    let parameter = |value: f64, unit: Unit| {
+        let (value, unit) = (in_short(rounded_to(value, 6)), unit.in_base());
+        format!("a parameter `{{ value = {value}, unit = \"{unit}\" }}`")
+    };
+    match (found, must) {
+        (Known::Number(x), Known::Unit(unit, _)) | (Known::Unit(unit, _), Known::Number(x)) => {
+            let parameter = parameter(x.unwrap_or(1.0), unit);
+            format!("a number in a sum has no unit, {parameter} has one, and 0 fits every unit")
+        }
+        (Known::Unit(a, n), Known::Unit(b, _)) => match a.factor_over(b) {
+            Some(ratio) => {
+                let ratio = in_short(rounded_to(ratio, 6));
+                format!("both are of one kind: a factor of {ratio} converts this")
+            }
+            None => {
+                let over = a.over(b);
+                let missing =
+                    format!("this over that {over}: a factor is missing, or one too many");
+                if n == 1.0 {
+                    return missing;
+                }
+                let parameter = parameter(n, b.over(a));
+                format!("{missing}; a number has no unit, {parameter} has one")
+            }
+        },
+        _ => String::new(),
+    }
+}
+
+/// The unit that both have, where one is known. A number alone is in that of the other.
+fn same([(a, a_span), (b, b_span)]: [(Known, Span); 2], what: &str) -> Checked<Known> {
+    if a.fits(b) {
+        return Ok(a.or(b));
+    }
+    Err(differ([(a, a_span), (b, b_span)], what))
+}
+
+fn differ([(a, a_span), (b, b_span)]: [(Known, Span); 2], what: &str) -> Complaint {
+    let message = format!("{what}, and their units differ");
+    let complaint = Complaint::new(b_span, message).label(format!("this {b}"));
+    complaint.and(a_span, format!("this {a}")).help(way_out(b, a))
+}
+
+/// The same where a number alone has no unit.
+fn strictly_same([(a, a_span), (b, b_span)]: [(Known, Span); 2], what: &str) -> Checked<Known> {
+    let is_right = match (a, b) {
+        (Known::Number(_), Known::Number(_)) => true,
+        (Known::Number(_), other) | (other, Known::Number(_)) => {
+            a.is_zero() || b.is_zero() || other.fits(Known::ONE)
+        }
+        _ => a.fits(b),
+    };
+    if is_right { Ok(a.or(b)) } else { Err(differ([(a, a_span), (b, b_span)], what)) }
+}
+
+/// The unit of a sum.
+fn added(a: Known, b: Known, [a_span, b_span]: [Span; 2]) -> Checked<Known> {
+    if let (Known::Number(a), Known::Number(b)) = (a, b) {
+        return Ok(Known::Number(a.zip(b).map(|(a, b)| a + b)));
+    }
+    strictly_same([(a, a_span), (b, b_span)], "these are added or subtracted")
 }

@@ -117,6 +117,18 @@ impl Unit {
         Self { factor: libm::pow(self.factor, p), powers: self.powers.map(|power| power * p) }
     }
 
+    /// Its base units with their powers, as a file gives them.
+    pub(crate) fn in_base(self) -> String {
+        let words: Vec<String> = self.words().collect();
+        if words.is_empty() { "1".to_owned() } else { words.join(" ") }
+    }
+
+    fn words(self) -> impl Iterator<Item = String> {
+        BASE.iter().zip(self.powers).filter(|(_, power)| *power != 0.0).map(|(symbol, power)| {
+            if power == 1.0 { (*symbol).to_owned() } else { format!("{symbol}^{power}") }
+        })
+    }
+
     pub(crate) fn is(self, other: Self) -> bool {
         self.factor_over(other) == Some(1.0)
     }
@@ -163,13 +175,7 @@ impl fmt::Display for Unit {
         if (self.factor - 1.0).abs() > CLOSE {
             words.push(in_short(rounded_to(self.factor, 6)));
         }
-        for (symbol, power) in BASE.iter().zip(self.powers) {
-            match power {
-                0.0 => {}
-                1.0 => words.push((*symbol).to_owned()),
-                power => words.push(format!("{symbol}^{power}")),
-            }
-        }
+        words.extend(self.words());
         match &words[..] {
             [] => f.write_str("has no unit"),
             words => write!(f, "is in {}", words.join(" ")),
@@ -207,5 +213,7 @@ mod tests {
         assert_eq!(told("N mm"), "is in 0.001 m^2 kg s^-2");
         assert_eq!(told("mg/h"), "is in 2.77778e-10 kg s^-1");
         assert_eq!(told("deg"), "is in 0.0174533");
+        assert_eq!(Unit::parse("N/mm").unwrap().in_base(), "kg s^-2");
+        assert_eq!(Unit::ONE.in_base(), "1");
     }
 }

@@ -117,12 +117,24 @@ fn a_contact_is_told_in_metres_and_newtons() {
 fn a_force_of_unknown_unit_beside_a_depth_in_millimetres_is_warned_of() {
     let force = "force = \"F\"";
     for (length, n_warnings) in [("m", 0), ("mm", 1)] {
-        let text = contact_in(length, "N").replace(force, "force = \"2*K*x\"");
+        let text = contact_in(length, "N").replace("[parameters]\n", "[parameters]\nk = 2\n");
+        let text = text.replace(force, "force = \"k*x\"");
         let file =
             ModelFile::parse("model.toml", &text).unwrap_or_else(|report| panic!("{report}"));
         let told: Vec<String> = file.warnings().iter().map(ToString::to_string).collect();
         assert_eq!(told.len(), n_warnings, "{told:?}");
         assert!(told.iter().all(|told| told.contains("the unit of this force is not known")));
+    }
+}
+
+#[test]
+fn a_depth_that_is_converted_by_a_number_is_not_converted_again() {
+    for (depth, metres) in [("x", 3e-3), ("0.001*x", 3e-3), ("x/2", 1.5e-3), ("x/2000", 1.5e-3)] {
+        let text = contact_in("mm", "N").replace("depth = \"x\"", &format!("depth = \"{depth}\""));
+        let model = model(&text);
+        let y = Problem::start(&model);
+        let told = model.touch(&model.initial_mode(0.0, &y), 0.0, &y, 0).unwrap();
+        assert!((told.depth - metres).abs() < 1e-18, "{depth}: {}", told.depth);
     }
 }
 
