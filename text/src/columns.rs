@@ -30,11 +30,14 @@ pub(crate) fn check_columns(file: &Declarations) -> Checked<()> {
         let column = column(name, unit.as_ref(), is_vector);
         if OWN.contains(&&*column) {
             let message = format!("tables have a column `{column}` of their own");
-            return Err(Complaint::new(name.span, message));
+            return Err(Complaint::new(name.span, message).help("give it another name"));
         }
         if let Some(before) = known.insert(column, name.span) {
             let message = format!("`{}` has the same column in tables as another", name.value);
-            return Err(Complaint::new(name.span, message).and(before, "the other one"));
+            let complaint = Complaint::new(name.span, message).and(before, "the other one");
+            return Err(
+                complaint.help("a column is called by name and unit; give one another name")
+            );
         }
     }
     Ok(())

@@ -129,7 +129,8 @@ fn layout(expander: &mut Expander<'_>) -> Checked<Layout> {
         if n < 1 || n > crate::layout::MOST_STATES as i64 {
             let most = crate::layout::MOST_STATES;
             let message = format!("a vector has 1 to {most} states, not {n}");
-            return Err(Complaint::new(length.span, message));
+            let help = "give `length` a number or a formula of parameters, such as \"n\"";
+            return Err(Complaint::new(length.span, message).help(help));
         }
         lengths.push(Some(n as usize));
     }
@@ -174,7 +175,9 @@ fn scales(expander: &mut Expander<'_>, starts: &[f64]) -> Checked<Vec<f64>> {
             })?;
             if size <= 0.0 {
                 let message = format!("a scale is above zero, and this is {size}");
-                return Err(Complaint::new(scale.span, message));
+                let help =
+                    "a scale is the size at which an error of the part rtol begins to matter";
+                return Err(Complaint::new(scale.span, message).help(help));
             }
             scales[at] = size;
         }
@@ -281,7 +284,8 @@ pub(crate) fn assignments<'a>(
                             let first: &Equation = first;
                             let message = "this is given a value twice";
                             return Err(Complaint::new(equation.target.span, message)
-                                .and(first.target.span, "first here"));
+                                .and(first.target.span, "first here")
+                                .help("leave one of them out"));
                         }
                         Some(_) => {}
                     }
@@ -322,7 +326,8 @@ fn targets(
         }
         _ => {
             let message = format!("{} is of a state, and `{name}` is none", purpose.words());
-            Err(Complaint::new(*span, message))
+            let states = expander.file.states.iter().map(|state| &*state.name.value);
+            Err(Complaint::new(*span, message).nearest(name, states))
         }
     }
 }

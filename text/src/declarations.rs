@@ -187,7 +187,8 @@ pub(crate) fn declarations(text: &str, table: &DeTable<'_>) -> Checked<Declarati
         return Err(complaint.help("a model has states, and modes with their rates and events"));
     }
     if all.states.is_empty() || all.modes.is_empty() {
-        return Err(Complaint::new(whole, "a model has at least one state and one mode"));
+        return Err(Complaint::new(whole, "a model has at least one state and one mode")
+            .help("as in `[states]` `x = 1` and `[modes.flight]` `rates = { x = \"-x\" }`"));
     }
     Ok(all)
 }
@@ -202,10 +203,16 @@ fn t_end(file: &Entries<'_>) -> Checked<Option<f64>> {
     match short.number()? {
         _ if long.is_some() => {
             let message = "`t_end` is short for `run.t_end`, which is given too";
-            Err(Complaint::new(short.key_span, message))
+            let complaint = Complaint::new(short.key_span, message);
+            let complaint = complaint.help("leave one of them out");
+            Err(match long {
+                Some(long) => complaint.and(long.key_span, "here"),
+                None => complaint,
+            })
         }
         t_end if t_end > 0.0 => Ok(Some(t_end)),
-        _ => Err(Complaint::new(short.span, "`t_end` is above zero")),
+        _ => Err(Complaint::new(short.span, "`t_end` is above zero")
+            .help("it is the end of the runs, in seconds, which begin at 0")),
     }
 }
 
@@ -319,7 +326,7 @@ fn mode(entry: Entry<'_>) -> Checked<ModeDeclaration> {
         (Some(_), Some(role)) => {
             let message =
                 "`contact = true` is short for `role = \"contact\"`; one of them is enough";
-            return Err(Complaint::new(role.key_span, message));
+            return Err(Complaint::new(role.key_span, message).help("leave one of them out"));
         }
         (is_contact, None) => {
             if is_contact == Some(true) {
@@ -359,7 +366,8 @@ fn event((entries, span): (Entries<'_>, Span)) -> Checked<EventDeclaration> {
     let when = entries.need("when", "an event")?.condition()?;
     let follows = follows(&entries)?;
     if let (Some(to), true) = (&follows.to, follows.stops) {
-        return Err(Complaint::new(to.span, "an event that stops the run leads to no mode"));
+        return Err(Complaint::new(to.span, "an event that stops the run leads to no mode")
+            .help("leave `to` or `stop` out"));
     }
     if follows.to.is_none() && !follows.stops && follows.set.is_empty() {
         let complaint = Complaint::new(span, "nothing follows this event");

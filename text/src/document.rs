@@ -66,7 +66,10 @@ impl<'a> Entries<'a> {
 
     /// The entry that must be there, of what `what` says.
     pub(crate) fn need(&self, key: &str, what: &str) -> Checked<Entry<'a>> {
-        let missing = || Complaint::new(self.span, format!("{what} needs the key `{key}`"));
+        let missing = || {
+            Complaint::new(self.span, format!("{what} needs the key `{key}`"))
+                .help(format!("add `{key} = …`"))
+        };
         self.get(key).ok_or_else(missing)
     }
 
@@ -93,12 +96,26 @@ impl<'a> Entry<'a> {
     /// A complaint that the value is something else than expected.
     fn not(&self, expected: &str) -> Complaint {
         let message = format!("`{}` must be {expected}, not {}", self.key, self.kind());
-        Complaint::new(self.span, message)
+        Complaint::new(self.span, message).help(match expected {
+            "a table" => format!("write `{0} = {{ … }}`, or the table `[{0}]`", self.key),
+            "a list of tables" => format!("write `{} = [{{ … }}, {{ … }}]`", self.key),
+            "true or false" => format!("write `{} = true`, without quotes", self.key),
+            "a number" | "a finite number" => {
+                format!(
+                    "write `{} = 1.5` or `1e-3`, without quotes; a formula is a definition",
+                    self.key
+                )
+            }
+            _ => format!("write `{} = \"…\"`, in quotes", self.key),
+        })
     }
 
     fn kind(&self) -> &'static str {
         match self.value {
             DeValue::String(_) => "a string",
+            DeValue::Float(x) if finite(x.as_str(), 10).is_none() => {
+                "infinite, NaN or beyond 1.8e308"
+            }
             DeValue::Integer(_) | DeValue::Float(_) => "a number",
             DeValue::Boolean(_) => "true or false",
             DeValue::Datetime(_) => "a date",
@@ -226,4 +243,73 @@ fn finite(text: &str, radix: u32) -> Option<f64> {
         _ => i64::from_str_radix(&digits, radix).ok()? as f64,
     };
     number.is_finite().then_some(number)
+}
+
+/// The complaint about a text that is no TOML.
+pub(crate) fn not_toml(text: &str, error: &toml::de::Error) -> Complaint {
+    let span = error.span().map_or(Span { start: 0, end: 0 }, Span::from);
+    let here = text.get(span.start..span.end).unwrap_or_default();
+    let message = error.message().trim_end_matches(", expected nothing");
+    if message == "duplicate key" {
+        let complaint = Complaint::new(span, format!("`{here}` stands here a second time"));
+        let complaint = complaint.help(
+            "a key stands once in its table, and a table once in a file: join both, or rename one",
+        );
+        return match first_of(text, span, here) {
+            Some(first) => complaint.and(first, "first here"),
+            None => complaint,
+        };
+    }
+    let begins = |start: &str| message.starts_with(start);
+    let help = if begins("string values must be quoted") {
+        format!("names and formulas stand in quotes: `\"{}\"`", here.trim())
+    } else if begins("invalid unquoted key") {
+        format!("a key of other letters stands in quotes: `\"{here}…\" = …`")
+    } else if begins("invalid mantissa") || begins("invalid fraction") {
+        "a number has digits on both sides of its point: `0.5`, `5.0`".to_owned()
+    } else if begins("missing escaped value") {
+        "`\\` has a meaning in \"…\"; what stands in '…' is taken as it is".to_owned()
+    } else {
+        "an entry is `key = value` on a line of its own, a table `[name]`, a table on one line `{ a = 1, b = 2 }`, a list `[a, b]`; names and formulas stand in quotes".to_owned()
+    };
+    Complaint::new(span, message).help(help)
+}
+
+/// Where a key or the header of a table, which stands at `second` once more, stands first; none where that is not certain.
+fn first_of(text: &str, second: Span, key: &str) -> Option<Span> {
+    let begins = text[..second.start].rfind('\n').map_or(0, |at| at + 1);
+    let (before, lead) = (&text[..begins], &text[begins..second.start]);
+    let is_header = lead.trim_start().starts_with('[');
+    if !is_header && !lead.trim().is_empty() {
+        // Within one line: the key follows the brace or a comma of its own table.
+        let of_table = lead.rfind('{').map_or(0, |at| at + 1);
+        let mut at = of_table;
+        for entry in lead[of_table..].split(',') {
+            let indent = entry.len() - entry.trim_start().len();
+            let rest = entry.trim_start().strip_prefix(key).map(str::trim_start);
+            if rest.is_some_and(|rest| rest.starts_with('=')) {
+                let start = begins + at + indent;
+                return Some(Span { start, end: start + key.len() });
+            }
+            at += entry.len() + 1;
+        }
+        return None;
+    }
+    let mut start = before.len();
+    for line in before.split_inclusive('\n').rev() {
+        start -= line.len();
+        let indent = line.len() - line.trim_start().len();
+        let own = &line[indent..];
+        let lead = if is_header { lead.trim_start() } else { "" };
+        let rest = own.strip_prefix(lead).and_then(|rest| rest.strip_prefix(key));
+        if rest.is_some_and(|rest| rest.trim_start().starts_with(if is_header { ']' } else { '=' }))
+        {
+            let start = start + indent + lead.len();
+            return Some(Span { start, end: start + key.len() });
+        }
+        if !is_header && own.starts_with('[') {
+            return None;
+        }
+    }
+    None
 }

@@ -18,6 +18,9 @@ const MOST_NODES: usize = 2_000_000;
 /// Parts of formulas that are expanded, each as often as it is, at most.
 const MOST_WORK: usize = 8_000_000;
 
+/// Parameters that are told with their values, at most.
+const MOST_TOLD: usize = 8;
+
 /// Values of an index, at most.
 const MOST_INDICES: i64 = 1_000_000;
 
@@ -131,14 +134,13 @@ impl<'a> Expander<'a> {
     pub(crate) fn node(&mut self, formula: &Expression) -> Checked<Id> {
         self.work += 1;
         if self.work > MOST_WORK || self.graph.len() > MOST_NODES {
-            return Err(Complaint::new(
-                formula.span,
-                "the model is too large: its formulas with all indices do not end here",
-            ));
+            let message = "the model is too large: its formulas with all indices do not end here";
+            return Err(Complaint::new(formula.span, message)
+                .help("fewer values of indices, or sums within sums made definitions"));
         }
         if self.depth == DEEPEST {
             let complaint = Complaint::new(formula.span, "definitions are nested too deeply here");
-            return Err(complaint);
+            return Err(complaint.help("make one definition of several of them"));
         }
         self.depth += 1;
         let node = self.node_within(formula);
@@ -146,10 +148,45 @@ impl<'a> Expander<'a> {
         let node = node?;
         match self.graph.value(node) {
             Some(x) if !x.is_finite() => {
-                let message = format!("this is {x} with these parameters, which is no number");
-                Err(Complaint::new(formula.span, message))
+                Err(self.no_number(&format!("this is {x}"), formula, "which is no number"))
             }
             _ => Ok(node),
+        }
+    }
+
+    /// The complaint about a formula of constants, with the values that make it what it is.
+    fn no_number(&self, what: &str, formula: &Expression, why: &str) -> Complaint {
+        let (mut used, mut seen) = (Vec::new(), Vec::new());
+        let mut open = vec![formula];
+        while let Some(formula) = open.pop() {
+            formula.for_each_name(&mut |name| {
+                let Ok(meaning) = self.names.meaning(name, formula.span, self.mode) else { return };
+                if used.len() == MOST_TOLD || seen.contains(&meaning) {
+                    return;
+                }
+                seen.push(meaning);
+                match (meaning, self.mode) {
+                    (Meaning::Parameter(i), _) => used.push((name, self.parameters[i])),
+                    (Meaning::Common(i), _) => open.push(&self.file.definitions[i].value),
+                    (Meaning::OfMode(i), Some(mode)) => {
+                        open.push(&self.file.modes[mode].definitions[i].value);
+                    }
+                    _ => {}
+                }
+            });
+        }
+        let values = used.iter().map(|(name, value)| format!("{name} = {value}"));
+        let indices = self.indices.iter().map(|(name, i)| format!("{name} = {i}"));
+        let with = values.chain(indices).collect::<Vec<_>>().join(", ");
+        let with = if with.is_empty() { with } else { format!(" with {with}") };
+        let complaint = Complaint::new(formula.span, format!("{what}{with}, {why}"));
+        match used.first() {
+            None => complaint.help(
+                "look for a division by zero, a root or a logarithm of what is below zero, or a power that is too large",
+            ),
+            Some((name, _)) => complaint.help(format!(
+                "give other values; `above`, `min`, `max` and `below` of a parameter refuse wrong ones: `{name} = {{ value = 1, above = 0 }}`"
+            )),
         }
     }
 
@@ -167,8 +204,15 @@ impl<'a> Expander<'a> {
             }
             Kind::Chain(first, rest) => {
                 let mut node = self.node(first)?;
-                for (operator, next) in rest {
-                    let next = self.node(next)?;
+                for (operator, formula) in rest {
+                    let next = self.node(formula)?;
+                    let is_zero = self.graph.value(next) == Some(0.0);
+                    let moves = self.graph.value(node).is_none();
+                    let divides = *operator == Operator::Divide;
+                    // What is only told may be infinite where its divisor does not exist.
+                    if divides && is_zero && moves && self.outside == Outside::Refused {
+                        return Err(self.no_number("this is zero", formula, "and divides"));
+                    }
                     node = self.combined(*operator, node, next);
                 }
                 Ok(node)
@@ -217,7 +261,8 @@ impl<'a> Expander<'a> {
     pub(crate) fn check_index(&self, name: &str, span: Span) -> Checked<()> {
         self.names.check_index(name, span, self.mode)?;
         if self.indices.iter().any(|(known, _)| known == name) {
-            return Err(Complaint::new(span, format!("`{name}` is an index already")));
+            let complaint = Complaint::new(span, format!("`{name}` is an index already"));
+            return Err(complaint.help("each index within another has a name of its own"));
         }
         Ok(())
     }
@@ -228,7 +273,7 @@ impl<'a> Expander<'a> {
         let (first, last) = (self.whole(&indices.first)?, self.whole(&indices.last)?);
         if last - first >= MOST_INDICES {
             let message = format!("an index has {MOST_INDICES} values at most");
-            return Err(Complaint::new(indices.span, message));
+            return Err(Complaint::new(indices.span, message).help("look at its two bounds"));
         }
         Ok(first..=last)
     }
@@ -239,6 +284,7 @@ impl<'a> Expander<'a> {
         self.graph.value(node).ok_or_else(|| {
             let message = format!("{what} is a formula of parameters and indices alone");
             Complaint::new(formula.span, message)
+                .help("states, the time, and discrete and kept values change in a run")
         })
     }
 
@@ -249,7 +295,7 @@ impl<'a> Expander<'a> {
             return Ok(x as i64);
         }
         let message = format!("an index is a whole number, and this is {x}");
-        Err(Complaint::new(formula.span, message))
+        Err(Complaint::new(formula.span, message).help("indices count from 1: `x[1]`, `x[i+1]`"))
     }
 
     fn holds(&mut self, condition: &Comparison) -> Checked<bool> {
@@ -301,7 +347,9 @@ impl<'a> Expander<'a> {
         match at {
             None => Ok(()),
             Some((_, span)) => {
-                Err(Complaint::new(span, format!("`{name}` is one number and has no index")))
+                let complaint =
+                    Complaint::new(span, format!("`{name}` is one number and has no index"));
+                Err(complaint.help("a vector is a state with `length`, or a definition with `for`"))
             }
         }
     }
@@ -315,7 +363,9 @@ impl<'a> Expander<'a> {
     ) -> Checked<usize> {
         let name = &self.file.states[state].name.value;
         let Some(length) = self.layout.length.get(state).copied() else {
-            return Err(Complaint::new(span, format!("`{name}` is a state and is not known here")));
+            let complaint =
+                Complaint::new(span, format!("`{name}` is a state and is not known here"));
+            return Err(complaint.help("lengths of vectors are formulas of parameters alone"));
         };
         match (length, at) {
             (None, _) => self.single(name, at).map(|()| self.layout.first[state]),
@@ -339,9 +389,10 @@ impl<'a> Expander<'a> {
             self.indices.iter().map(|(name, i)| format!("{name} = {i}")).collect();
         let mut complaint = Complaint::new(span, format!("`{name}` has no index {i}"))
             .label(format!("indices are {first} to {last}"));
-        if !own.is_empty() {
-            complaint = complaint.help(format!("this is met at {}", own.join(", ")));
-        }
+        complaint = complaint.help(match own.is_empty() {
+            true => "indices count from 1, and both ends are taken".to_owned(),
+            false => format!("this is met at {}", own.join(", ")),
+        });
         Err(complaint)
     }
 
@@ -376,7 +427,9 @@ impl<'a> Expander<'a> {
                 Outside::Refused => {
                     let mode = self.mode.map_or("", |mode| &self.file.modes[mode].name.value);
                     let message = format!("`{name}` does not exist in the mode `{mode}`");
-                    Err(Complaint::new(span, message).and(definition.name.span, "see its `of`"))
+                    Err(Complaint::new(span, message)
+                        .and(definition.name.span, "see its `of`")
+                        .help("name this mode in its `of`, or use it in no formula of this one"))
                 }
             };
         }

@@ -149,7 +149,8 @@ impl<'a> Parser<'a> {
         let end = place.span(text.len(), text.len());
         let tokens = tokens(text, place)?;
         if tokens.is_empty() {
-            return Err(Complaint::new(place.span(0, text.len()), "a formula is missing here"));
+            return Err(Complaint::new(place.span(0, text.len()), "a formula is missing here")
+                .help("a formula or a number stands in the quotes: `\"-k*x\"`, `\"0\"`"));
         }
         Ok(Self { tokens, at: 0, depth: 0, end })
     }
@@ -173,7 +174,13 @@ impl<'a> Parser<'a> {
     fn expect(&mut self, symbol: &str, after: &str) -> Checked<Span> {
         match self.take(symbol) {
             Some(span) => Ok(span),
-            None => Err(Complaint::new(self.span(), format!("`{symbol}` is missing {after}"))),
+            None => {
+                let complaint =
+                    Complaint::new(self.span(), format!("`{symbol}` is missing {after}"));
+                Err(complaint.help(
+                    "as in `x[i+1]`, `atan2(y, x)`, `sum(i in 1..n, x[i])`, `if(i < n, a, b)`",
+                ))
+            }
         }
     }
 
@@ -209,9 +216,12 @@ impl<'a> Parser<'a> {
                     "only `when` of an event and the condition of `if(condition, a, b)` compare";
                 Complaint::new(span, "a comparison does not stand here").help(help)
             }
-            Token::Symbol(")") => Complaint::new(span, "this parenthesis was never opened"),
+            Token::Symbol(")") => Complaint::new(span, "this parenthesis was never opened")
+                .help("take it away, or open one before it"),
             Token::Symbol(symbol) => {
-                Complaint::new(span, format!("`{symbol}` does not continue a formula"))
+                Complaint::new(span, format!("`{symbol}` does not continue a formula")).help(
+                    "operators are `+ - * / ^`; arguments in parentheses have `,` between them",
+                )
             }
         })
     }
@@ -234,7 +244,8 @@ impl<'a> Parser<'a> {
                 | Token::Symbol("(" | "[" | "**" | ")" | "&&" | "||"),
             ) => {
                 self.end(&left)?;
-                return Err(Complaint::new(self.span(), "a comparison is missing here"));
+                return Err(Complaint::new(self.span(), "a comparison is missing here")
+                    .help("write `a > b` or `a < b`"));
             }
             _ => {
                 return Err(Complaint::new(self.span(), "a comparison is missing here")
@@ -351,16 +362,17 @@ impl<'a> Parser<'a> {
                 let mut inner = self.deeper(Self::sum)?;
                 let close = self.take(")").ok_or_else(|| {
                     let complaint = Complaint::new(self.span(), "`)` is missing here");
-                    complaint.and(span, "opened here")
+                    complaint.and(span, "opened here").help("close it where its last operand ends")
                 })?;
                 inner.span = span.to(close);
                 Ok(inner)
             }
             Some(Token::Symbol(symbol)) => {
                 let message = format!("a number, a name or `(` is expected, not `{symbol}`");
-                Err(Complaint::new(span, message))
+                Err(Complaint::new(span, message).help("an operator stands between two operands"))
             }
-            None => Err(Complaint::new(span, "the formula ends here without its last operand")),
+            None => Err(Complaint::new(span, "the formula ends here without its last operand")
+                .help("take the last operator away, or write what follows it")),
         }
     }
 

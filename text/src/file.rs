@@ -8,10 +8,14 @@ use crate::columns::check_columns;
 use crate::compile::{Compiled, compile};
 use crate::declarations::{Declarations, PartDeclaration, declarations};
 use crate::dimensions::{check_units, contact_units, unread_units};
+use crate::document::not_toml;
 use crate::names::Names;
 use crate::report::{Checked, Complaint, Report, Source, Span};
 use crate::shape::parameters_of_shape;
 use crate::system::TextModel;
+
+/// What to do with a value out of its range.
+const RANGE: &str = "give another value, or change `min`, `max`, `above`, `below` of the parameter";
 
 /// Bytes of a file, at most.
 const MOST_BYTES: usize = 1_000_000;
@@ -81,12 +85,12 @@ impl ModelFile {
         let text = &*source.text;
         let start = Span { start: 0, end: 0 };
         if text.len() > MOST_BYTES {
-            return Err(Complaint::new(start, format!("a file has {MOST_BYTES} bytes at most")));
+            let complaint = Complaint::new(start, format!("a file has {MOST_BYTES} bytes at most"));
+            return Err(
+                complaint.help("many states of one kind are a vector: `x = { length = \"n\" }`")
+            );
         }
-        let not_toml = |error: toml::de::Error| {
-            Complaint::new(error.span().map_or(start, Span::from), error.message())
-        };
-        let table = DeTable::parse(text).map_err(not_toml)?;
+        let table = DeTable::parse(text).map_err(|error| not_toml(text, &error))?;
         let file = declarations(text, table.get_ref())?;
         let names = Names::new(&file)?;
         check_columns(&file)?;
@@ -198,7 +202,8 @@ impl ModelFile {
             if values.iter().any(|(given, x)| *given == name.value && *x != file) {
                 let message =
                     format!("`{}` is set by each part and cannot be set for all", name.value);
-                return Err(Complaint::new(name.span, message));
+                let help = "leave it out here, or take it out of the parts";
+                return Err(Complaint::new(name.span, message).help(help));
             }
             self.check_range(i, *value, name.span)?;
             parameters[i] = *value;
@@ -225,7 +230,7 @@ impl ModelFile {
             None => Ok(()),
             Some(bound) => {
                 let message = format!("`{}` = {value} must be {bound}", parameter.name);
-                Err(Complaint::new(span, message))
+                Err(Complaint::new(span, message).help(RANGE))
             }
         }
     }
@@ -247,7 +252,7 @@ fn parameters(file: &Declarations) -> Checked<Vec<Parameter>> {
     let parameter = |declared: &crate::declarations::ParameterDeclaration| {
         if let Some(bound) = declared.range.broken_by(declared.value) {
             let message = format!("`{}` must be {bound}", declared.name.value);
-            return Err(Complaint::new(declared.value_span, message));
+            return Err(Complaint::new(declared.value_span, message).help(RANGE));
         }
         Ok(Parameter {
             name: declared.name.value.clone(),

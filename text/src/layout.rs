@@ -34,12 +34,13 @@ impl Layout {
             n += length.unwrap_or(1);
             if n > MOST_STATES {
                 let message = format!("a model has {MOST_STATES} states at most");
-                return Err(Complaint::new(state.name.span, message));
+                return Err(Complaint::new(state.name.span, message).help("make `length` smaller"));
             }
         }
         if let Some(mode) = file.modes.get(MOST_MODES) {
             let message = format!("a model has {MOST_MODES} modes at most");
-            return Err(Complaint::new(mode.name.span, message));
+            return Err(Complaint::new(mode.name.span, message)
+                .help("what differs between modes by numbers alone may be a discrete value"));
         }
         let n_discrete = file.discrete.len();
         let most_kept = file.modes.iter().max_by_key(|mode| mode.keep.len());
@@ -49,7 +50,9 @@ impl Layout {
             let span = place.map_or(file.states[0].name.span, |named| named.name.span);
             let message =
                 format!("{n_held} values are kept or discrete; a mode holds {MOST_HELD} at most");
-            return Err(Complaint::new(span, message));
+            return Err(
+                Complaint::new(span, message).help("make some of them states with the rate 0")
+            );
         }
         Ok(Self { first, length, n, n_discrete })
     }

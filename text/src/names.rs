@@ -174,10 +174,9 @@ fn add<'a>(
 
 fn check_name(name: &str, span: Span) -> Checked<()> {
     if FUNCTIONS.iter().any(|(function, _)| *function == name) || WORDS.contains(&name) {
-        return Err(Complaint::new(
-            span,
-            format!("`{name}` has a meaning of its own in a formula"),
-        ));
+        let complaint =
+            Complaint::new(span, format!("`{name}` has a meaning of its own in a formula"));
+        return Err(complaint.help(format!("give it another name, such as `{name}_0`")));
     }
     let is_first = |c: char| c.is_alphabetic() || c == '_';
     let is_name =
@@ -205,7 +204,7 @@ fn twice(name: &str, span: Span, before: Span) -> Complaint {
     let complaint = Complaint::new(span, format!("`{name}` has two meanings"));
     if before.end == 0 {
         let meaning = if name == "t" { "`t` is the time" } else { "`pi` is 3.14159…" };
-        return complaint.help(meaning);
+        return complaint.help(format!("{meaning}; give this another name"));
     }
-    complaint.and(before, "the other one")
+    complaint.and(before, "the other one").help("give one of them another name")
 }

@@ -86,7 +86,7 @@ fn strange(c: char, span: Span) -> Complaint {
     let complaint = Complaint::new(span, format!("`{c}` has no meaning in an expression"));
     match STRANGE.iter().find(|(strange, _)| *strange == c) {
         Some((_, help)) => complaint.help(*help),
-        None => complaint,
+        None => complaint.help("names have letters, digits and `_`; operators are `+ - * / ^`"),
     }
 }
 
@@ -116,6 +116,7 @@ fn number_length(text: &str) -> usize {
 fn number(text: &str, span: Span) -> Checked<f64> {
     match text.parse::<f64>() {
         Ok(x) if x.is_finite() => Ok(x),
-        _ => Err(Complaint::new(span, format!("`{text}` is beyond the largest number"))),
+        _ => Err(Complaint::new(span, format!("`{text}` is beyond the largest number"))
+            .help("numbers go up to 1.8e308; choose a larger unit")),
     }
 }

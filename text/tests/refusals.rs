@@ -37,7 +37,9 @@ const WRONG: &[(&str, &str, &str)] = &[
     ("y[x]", "an index is a formula of parameters and indices alone", "x"),
     ("x[1]", "`x` is one number and has no index", "1"),
     ("a", "`a` is defined by itself", ""),
-    ("1/0", "this is inf with these parameters, which is no number", "1/0"),
+    ("1/0", "this is inf, which is no number", "1/0"),
+    ("x/(mass - 2)", "this is zero with mass = 2, and divides", "(mass - 2)"),
+    ("1/(mass - 2)", "this is inf with mass = 2, which is no number", "1/(mass - 2)"),
     ("x > 1", "a comparison does not stand here", ">"),
     ("sum(n in 1..3, n)", "`n` has two meanings", "n in 1..3"),
     (
@@ -60,6 +62,7 @@ fn what_is_wrong_is_said_with_its_place() {
             assert_eq!(&text[report.span()], *place, "{rate}\n{report}");
         }
         assert!(report.to_string().contains("wrong.toml:"), "{report}");
+        assert!(report.help().is_some(), "no way out of {report}");
     }
 }
 
@@ -313,6 +316,106 @@ fn files_that_are_wrong_are_refused() {
     for (text, message) in WRONG_FILES {
         let report = ModelFile::parse("wrong.toml", text).unwrap_err();
         assert_eq!(report.message(), *message, "{text}\n{report}");
+        assert!(report.help().is_some(), "no way out of {report}");
+    }
+}
+
+/// What is no TOML, with what is said of it, the part that it is said of, and the way out.
+const NO_TOML: &[(&str, &str, &str, &str)] = &[
+    ("x = 1\nx = 2\n", "`x` stands here a second time", "2:1", "a key stands once in its table"),
+    ("[a]\nx = 1\n[b]\n[a]\n", "`a` stands here a second time", "4:2", "join both, or rename one"),
+    ("a = { x = 1, x = 2 }\n", "`x` stands here a second time", "1:14", "a key stands once"),
+    (
+        "name = pendulum\n",
+        "string values must be quoted, expected literal string",
+        "1:8",
+        "`\"pendulum\"`",
+    ),
+    ("θ = 1\n", "invalid unquoted key, expected letters, numbers, `-`, `_`", "1:1", "`\"θ…\" = …`"),
+    ("x = .5\n", "invalid mantissa, expected digits", "1:5", "`0.5`"),
+    ("a == 1\n", "extra `=`", "1:4", "an entry is `key = value`"),
+    ("a = [1, 2\n", "unclosed array, expected `]`", "1:10", "a list `[a, b]`"),
+];
+
+#[test]
+fn what_is_no_toml_is_told_with_its_place_and_the_way_out() {
+    for (text, message, place, help) in NO_TOML {
+        let report = ModelFile::parse("no.toml", text).unwrap_err();
+        let told = report.to_string();
+        assert_eq!(report.message(), *message, "{told}");
+        assert!(told.contains(&format!("no.toml:{place}\n")) && told.contains(help), "{told}");
+        assert!(told.contains('^'), "{told}");
+    }
+}
+
+#[test]
+fn what_stands_twice_is_shown_at_both_places() {
+    let expected = "\
+error: `x` stands here a second time
+ --> twice.toml:4:1
+  |
+2 | x = 1
+  | - first here
+3 | v = 0
+4 | x = 2
+  | ^
+  |
+  = help: a key stands once in its table, and a table once in a file: join both, or rename one";
+    let report = ModelFile::parse("twice.toml", "[states]\nx = 1\nv = 0\nx = 2\n").unwrap_err();
+    assert_eq!(report.to_string(), expected);
+    for (text, n_first) in [
+        ("[states]\nx = 1\n[modes.a]\n  [states]\nv = 1\n", 1),
+        ("[modes.a]\nrates = { v = 1, x = 1, x = 2 }\n", 1),
+        ("[modes.a]\nrates = { x = 1, v = 1, x = 2 }\n", 1),
+        // The first one is not where a line begins.
+        ("[modes]\na.x = 1\n[states]\nx = 1\n[modes.a]\n", 0),
+    ] {
+        let told = refusal(text);
+        assert_eq!(told.matches("first here").count(), n_first, "{told}");
+    }
+}
+
+#[test]
+fn a_formula_that_is_no_number_is_told_with_the_values_that_make_it_so() {
+    let with = |m: f64| {
+        let text = format!(
+            "[parameters]\nm = {{ value = {m}, min = -1 }}\nk = 3\nfree = 7\n[definitions]\nw = \"k/m*u\"\nu = 2\n\
+             [states]\nx = 1\ny = {{ length = 2 }}\n[modes.a.rates]\nx = \"-sqrt(w)*x\"\ny = \"log(i - 2)\"\n"
+        );
+        refusal(&text)
+    };
+    let told = with(0.0);
+    for words in ["model.toml:6:6", "this is inf with k = 3, m = 0, which is no number", "`above`"]
+    {
+        assert!(told.contains(words), "{words}: {told}");
+    }
+    let told = with(-1.0);
+    // All that the root is made of.
+    for words in ["this is NaN with k = 3, m = -1, which is no number", "^^^^^^^"] {
+        assert!(told.contains(words), "{words}: {told}");
+    }
+    let told = with(1.0);
+    assert!(told.contains("this is NaN with i = 1, which is no number"), "{told}");
+    let fine = "[parameters]\nm = { value = 1, min = 0 }\n[states]\nx = 1\n[modes.a]\nrates = { x = \"x/m\" }\n";
+    let told = file(fine).models(&[("m".to_owned(), 0.0)]).unwrap_err().to_string();
+    assert!(
+        told.contains("this is zero with m = 0, and divides") && told.contains("6:18"),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_number_that_is_not_finite_is_refused() {
+    for number in ["nan", "inf", "-inf", "1e999"] {
+        let told = refusal(&format!("[parameters]\nm = {number}\n{BALL}"));
+        assert!(
+            told.contains("model.toml:2:5") && told.contains("`m` must be a finite number"),
+            "{told}"
+        );
+        assert!(
+            told.contains("not infinite, NaN or beyond 1.8e308") && told.contains("help"),
+            "{told}"
+        );
     }
 }
 

@@ -65,7 +65,8 @@ pub(super) fn mode(
             expander.n_events += 1;
             if expander.n_events > MOST_EVENTS {
                 let message = format!("a model has {MOST_EVENTS} events at most");
-                return Err(Complaint::new(event.when.left.span, message));
+                let help = "events of one kind with many indices are as many events";
+                return Err(Complaint::new(event.when.left.span, message).help(help));
             }
             guards.push(guard);
             transitions.push(transition);

@@ -21,7 +21,11 @@ impl Expander<'_> {
         if arguments.len() != *n {
             let (own, given) = (count_of(*n, "argument"), arguments.len());
             let message = format!("`{name}` has {own}, not {given}");
-            return Err(Complaint::new(span, message));
+            let help = match n {
+                1 => format!("write `{name}(x)`"),
+                _ => format!("write `{name}(x, y)`"),
+            };
+            return Err(Complaint::new(span, message).help(help));
         }
         let a = self.node(&arguments[0])?;
         let node = match arguments.get(1) {
