@@ -143,6 +143,21 @@ impl ModelFile {
         self.warnings.iter().map(|warning| self.source.warning(warning.clone())).collect()
     }
 
+    /// What is wrong with a setting of the program that stands on a line of the file, counted from 1: at `word` where that is on
+    /// the line, else at all of it.
+    pub fn report_of_line(&self, line: usize, word: &str, message: &str, help: &str) -> Report {
+        let text = &*self.source.text;
+        let start = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+        let own = text[start..].lines().next().unwrap_or_default();
+        let (from, length) = match own.find(word) {
+            Some(at) if !word.is_empty() => (at, word.len()),
+            _ => (own.len() - own.trim_start().len(), own.trim().len()),
+        };
+        let span = Span { start: start + from, end: start + from + length };
+        let complaint = Complaint::new(span, message);
+        self.source.error(if help.is_empty() { complaint } else { complaint.help(help) })
+    }
+
     /// The systems with these values of parameters, all others as in the file: one for each part.
     ///
     /// # Errors

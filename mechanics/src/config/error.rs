@@ -81,6 +81,7 @@ pub enum ConfigError {
         "{place}: \"{key}\" is neither a parameter of the model nor a setting; {}",
         match nearest.as_deref() {
             Some(name) => format!("did you mean \"{name}\"?"),
+            None if key.contains('.') => "`deltazero config` lists every setting".to_owned(),
             None => "`deltazero model check FILE` lists the parameters".to_owned(),
         }
     )]
@@ -232,6 +233,33 @@ pub enum ConfigError {
         /// What does not fit.
         message: Box<str>,
     },
+}
+
+impl ConfigError {
+    /// The line of a file that it is about, with the file and the word there that is wrong, as it is given.
+    pub(super) fn line(&self) -> Option<(&str, usize, &str)> {
+        let last = |key| str::rsplit(key, '.').next().unwrap_or(key).trim_matches('\'');
+        let (place, word) = match self {
+            Self::Syntax { place, .. } => (place, ""),
+            Self::UnknownKey { place, key, .. }
+            | Self::NotOfModel { place, key, .. }
+            | Self::NotPerJoint { place, key } => (place, last(key)),
+            Self::WrongType { place, value, .. }
+            | Self::OutOfRange { place, value, .. }
+            | Self::UnknownWord { place, value, .. }
+            | Self::WrongLength { place, value, .. } => (place, &**value),
+            Self::NoBlindRuns { place, key, .. } => (place, last(key)),
+            Self::NotWithBristles { place, .. }
+            | Self::NotInMechanism { place, .. }
+            | Self::TooManySamples { place, .. }
+            | Self::TooManySteps { place, .. } => (place, ""),
+            _ => return None,
+        };
+        match place {
+            Place::Line { file, line } => Some((file, *line, word)),
+            _ => None,
+        }
+    }
 }
 
 /// The end of the message on an unknown key.

@@ -58,6 +58,20 @@ impl Model {
         Self::new(&word("name")?, &word("text")?).map(Some)
     }
 
+    /// The same error, with its line shown if that is one of this file.
+    pub(super) fn shown(&self, error: ConfigError) -> ConfigError {
+        let Some((file, line, word)) =
+            error.line().filter(|(file, ..)| *file == self.file.file_name())
+        else {
+            return error;
+        };
+        let told = error.to_string();
+        let told = told.strip_prefix(&format!("{file}:{line}: ")).unwrap_or(&told);
+        let (message, help) =
+            told.rsplit_once("; ").or(told.rsplit_once(": ")).unwrap_or((told, ""));
+        refused(self.file.report_of_line(line, word, message, help))
+    }
+
     /// The settings that the file holds.
     ///
     /// # Errors

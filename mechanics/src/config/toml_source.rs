@@ -30,9 +30,13 @@ pub fn read(path: &Path) -> Result<String, ConfigError> {
     String::from_utf8(bytes).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
+        let (offset, wrong) = (valid.len(), error.as_bytes()[valid.len()]);
+        let message = format!(
+            "byte {offset} is 0x{wrong:02x}: not UTF-8 text; save the file as UTF-8, or convert it: iconv -f latin1 -t utf-8"
+        );
         ConfigError::Syntax {
             place: Place::Line { file: path.display().to_string().into(), line },
-            message: "not UTF-8 text".into(),
+            message: message.into(),
         }
     })
 }

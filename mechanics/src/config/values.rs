@@ -84,8 +84,10 @@ impl Values {
     /// A setting that is none.
     pub(super) fn take_model(&mut self, model: Model) -> Result<(), ConfigError> {
         let settings = model.settings()?;
-        self.model = Some(model);
-        settings.iter().try_for_each(|(path, given)| self.apply(path, given))
+        self.model = Some(model.clone());
+        let mut settings = settings.iter();
+        let applied = settings.try_for_each(|(path, given)| self.apply(path, given));
+        applied.map_err(|error| model.shown(error))
     }
 
     /// The defaults that a model from a file brings to runs up to `t_end` [s]: those that it holds, then those that follow.
@@ -285,8 +287,10 @@ impl Values {
                 regimes: self.part("regimes")?,
             },
         };
-        self.cross_check(&config)?;
-        Ok(config)
+        match (self.cross_check(&config), &self.model) {
+            (Err(error), Some(model)) => Err(model.shown(error)),
+            (checked, _) => checked.map(|()| config),
+        }
     }
 
     /// Whether a key has its default.

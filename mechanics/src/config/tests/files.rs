@@ -58,7 +58,10 @@ fn a_file_that_cannot_be_read_is_named() {
 #[test]
 fn a_file_that_is_not_utf8_is_refused_with_its_line() {
     let file = Temporary::new("latin1.toml", b"reading = 'pin'\n# caf\xE9\n");
-    assert_eq!(file.message(&[]), "FILE:2: not UTF-8 text");
+    assert_eq!(
+        file.message(&[]),
+        "FILE:2: byte 21 is 0xe9: not UTF-8 text; save the file as UTF-8, or convert it: iconv -f latin1 -t utf-8"
+    );
 }
 
 #[test]

@@ -43,10 +43,45 @@ fn a_parameter_with_a_long_name_is_set_and_read_again() {
 fn a_wrong_setting_of_a_model_is_told_with_its_line() {
     let refused = load(&format!("{BALL}[solver]\nmethod = \"none\"\n"), &[]);
     let refused = refused.unwrap_err().to_string();
-    assert!(refused.contains("ball.toml:10: solver.method = \"none\" is unknown"), "{refused}");
+    for own in [
+        "solver.method = \"none\" is unknown",
+        "ball.toml:10:10\n",
+        "   |          ^^^^^^\n",
+        "help: rk4, ",
+    ] {
+        assert!(refused.contains(own), "{own}: {refused}");
+    }
     let refused = load(&BALL.replace("t_end = 2", "[run]\nt_end = -1"), &[]);
     let refused = refused.unwrap_err().to_string();
-    assert!(refused.contains("ball.toml:2: run.t_end = -1 is out of range"), "{refused}");
+    let shown = "run.t_end = -1 is out of range\n --> DIR/ball.toml:2:9\n  |\n2 | t_end = -1\n  |         ^^\n  |\n  = help: s, greater than 0";
+    let dir = refused.split("--> ").nth(1).and_then(|at| at.split("/ball.toml").next()).unwrap();
+    assert_eq!(refused.replace(dir, "DIR"), shown);
+}
+
+#[test]
+fn every_wrong_setting_of_a_model_is_shown_at_its_word_with_the_way_out() {
+    for (table, place, help) in [
+        ("[solver]\nrtoll = 1e-6\n", "10:1", "did you mean \"solver.rtol\"?"),
+        ("[run]\nend = 1\n", "10:1", "did you mean \"run.t_end\"?"),
+        ("[run]\nxyzzy = 1\n", "10:1", "`deltazero config` lists every setting"),
+        ("[solver]\nrtol = \"tight\"\n", "10:8", "expected"),
+        ("[study]\nmethods = [\"rk45\", \"rk455\"]\n", "10:20", "did you mean \"rk45\"?"),
+        ("[run]\nsample = 1e-12\n", "10:1", "raise run.sample"),
+        ("[contest]\nrepeats = 0\n", "10:11", "from 1"),
+        ("solver = 3\n", "1:10", "expected a table"),
+    ] {
+        let text = if table.starts_with('[') {
+            format!("{BALL}{table}")
+        } else {
+            format!("{table}{BALL}")
+        };
+        let told = load(&text, &[]).unwrap_err().to_string();
+        assert!(told.contains(&format!("ball.toml:{place}")), "{table}: {told}");
+        assert!(
+            told.contains('^') && told.contains("= help: ") && told.contains(help),
+            "{table}: {told}"
+        );
+    }
 }
 
 #[test]
