@@ -2,7 +2,7 @@
 
 use plotters_backend::DrawingErrorKind;
 
-use crate::figure::{LARGEST_SIDE, SMALLEST_SIDE};
+use crate::size::{LARGEST_SIDE, SMALLEST_SIDE};
 
 /// Why a figure cannot be drawn; each message carries the value that is at fault.
 #[derive(Debug, thiserror::Error)]

@@ -7,32 +7,9 @@ use crate::geometry::Rect;
 use crate::layout;
 use crate::legend::{self, Legend};
 use crate::panel::Panel;
+use crate::size::{LARGEST_SIDE, SMALLEST_SIDE, Size};
 use crate::style::{BORDER_ROOM, LABEL, MUTED, TEXT, TITLE};
 use crate::{raster, svg};
-
-/// Least and greatest logical side of a figure [px].
-pub(crate) const SMALLEST_SIDE: u32 = 100;
-pub(crate) const LARGEST_SIDE: u32 = 4000;
-
-/// Logical size of a figure in pixels; an SVG has this size, a PNG twice as many pixels each way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size {
-    /// From left to right.
-    pub width: u32,
-    /// From top to bottom.
-    pub height: u32,
-}
-
-impl Size {
-    /// One chart with a short legend.
-    pub const SINGLE: Self = Self { width: 760, height: 480 };
-    /// One chart with a long legend, or two beside each other.
-    pub const WIDE: Self = Self { width: 1000, height: 520 };
-    /// One chart in a square.
-    pub const SQUARE: Self = Self { width: 560, height: 600 };
-    /// Panels stacked on a whole page.
-    pub const PAGE: Self = Self { width: 900, height: 1100 };
-}
 
 /// Height that a stack of panels has for each, and for what surrounds them [px].
 const STACKED: (u32, u32) = (120, 130);
@@ -125,7 +102,7 @@ impl Figure {
         self.check()?;
         let contents = self.panels.iter().map(Panel::content).collect::<Result<Vec<_>, _>>()?;
         let mut contents = contents;
-        layout::share(&mut contents, self)?;
+        layout::share(&mut contents, self.cols, [self.share_x, self.share_y])?;
         let mut canvas = Canvas::default();
         let (width, height) = (f64::from(self.size.width), f64::from(self.size.height));
         let mut area = Rect {
@@ -141,7 +118,7 @@ impl Figure {
         let entries = contents.iter().flat_map(|content| content.legend()).collect();
         legend::draw(self.legend, entries, &mut area, &mut canvas, fonts);
         for (content, (plot, frame)) in
-            contents.iter().zip(layout::arrange(area, self, &contents, fonts)?)
+            contents.iter().zip(layout::arrange(area, (self.rows, self.cols), &contents, fonts)?)
         {
             content.draw(plot, &frame, &mut canvas, fonts);
         }

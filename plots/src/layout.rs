@@ -1,7 +1,6 @@
 //! Sharing of axes between panels, and the sizes of their plot areas.
 
 use crate::error::Error;
-use crate::figure::Figure;
 use crate::font::Fonts;
 use crate::frame::{Frame, Margins};
 use crate::geometry::Rect;
@@ -14,10 +13,14 @@ const ROUNDS: usize = 3;
 
 type Contents<'a> = [Box<dyn Content + 'a>];
 
-/// Gives shared axes one span, and silences all but the outermost.
-pub(crate) fn share(contents: &mut Contents<'_>, figure: &Figure) -> Result<(), Error> {
+/// Gives the axes that are shared, of x and of y, one span each, and silences all but the outermost.
+pub(crate) fn share(
+    contents: &mut Contents<'_>,
+    cols: usize,
+    shared: [bool; 2],
+) -> Result<(), Error> {
     let panels = contents.len();
-    for (direction, shared) in [figure.share_x, figure.share_y].into_iter().enumerate() {
+    for (direction, shared) in shared.into_iter().enumerate() {
         if !shared {
             continue;
         }
@@ -36,21 +39,20 @@ pub(crate) fn share(contents: &mut Contents<'_>, figure: &Figure) -> Result<(), 
         let common = settled.reduce(|a, b| a.union(b));
         for (i, ruler) in &mut rulers {
             ruler.span = common.unwrap_or(ruler.span);
-            ruler.silent =
-                if direction == 0 { *i + figure.cols < panels } else { *i % figure.cols > 0 };
+            ruler.silent = if direction == 0 { *i + cols < panels } else { *i % cols > 0 };
         }
     }
     Ok(())
 }
 
-/// A plot area for each panel, all of one size, with what is drawn around it.
+/// A plot area for each panel of a grid of rows and columns, all of one size, with what is drawn around it.
 pub(crate) fn arrange(
     area: Rect,
-    figure: &Figure,
+    (rows, cols): (usize, usize),
     contents: &Contents<'_>,
     fonts: &Fonts,
 ) -> Result<Vec<(Rect, Frame)>, Error> {
-    let (rows, cols) = (figure.rows.max(1), figure.cols.max(1));
+    let (rows, cols) = (rows.max(1), cols.max(1));
     let mut size = (0.8 * area.width() / cols as f64, 0.8 * area.height() / rows as f64);
     let mut frames: Vec<Frame> = Vec::new();
     let (mut across, mut down) = (Vec::new(), Vec::new());

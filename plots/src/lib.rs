@@ -33,7 +33,7 @@
 //! | `panel`, `plane`, `tiles` | a chart made ready: what its axes cover, how it is drawn |
 //! | `view`, `reference`, `ticks` | values to places; lines to compare with; where ticks stand |
 //! | `color_bar` | which colour stands for which number |
-//! | `frame`, `legend`, `layout`, `figure` | what surrounds the data, and where everything goes |
+//! | `frame`, `legend`, `layout`, `size`, `figure` | what surrounds the data, and where everything goes |
 //! | `canvas`, `geometry`, `font`, `style` | shapes in logical pixels, text measures, palette and sizes |
 //! | `svg`, `raster`, `glyphs` | shapes and text to SVG and PNG, through the backends of plotters |
 
@@ -58,6 +58,7 @@ mod plane;
 mod raster;
 mod reference;
 mod series;
+mod size;
 mod steps;
 mod style;
 mod svg;
@@ -67,7 +68,7 @@ mod view;
 
 pub use axis::{Axis, Scale};
 pub use error::Error;
-pub use figure::{Figure, Size};
+pub use figure::Figure;
 pub use heatmap::{Cells, Heatmap};
 pub use histogram::{Group, Histogram};
 pub use legend::Legend;
@@ -76,5 +77,6 @@ pub use marker::Marker;
 pub use orbit::{Circle, Orbit};
 pub use panel::Panel;
 pub use series::{Series, Stroke};
+pub use size::Size;
 pub use steps::{StepHistory, StepLook};
 pub use style::PALETTE_LEN;
