@@ -5,7 +5,7 @@ use crate::font::Fonts;
 use crate::frame::CAP_HEIGHT;
 use crate::geometry::Rect;
 use crate::marker::Marker;
-use crate::series::Stroke;
+use crate::stroke::Stroke;
 use crate::style::{BORDER, LEGEND, Rgb, TEXT};
 
 /// Where the legend stands; it never covers data.

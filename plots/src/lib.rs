@@ -28,7 +28,7 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | `axis`, `series`, `marker` | what charts are described with |
+//! | `axis`, `series`, `stroke`, `marker` | what charts are described with |
 //! | `line`, `steps`, `histogram`, `orbit`, `heatmap` | one kind of chart each, as a value |
 //! | `panel`, `plane`, `tiles` | a chart made ready: what its axes cover, how it is drawn |
 //! | `view`, `reference`, `ticks` | values to places; lines to compare with; where ticks stand |
@@ -60,6 +60,7 @@ mod reference;
 mod series;
 mod size;
 mod steps;
+mod stroke;
 mod style;
 mod svg;
 mod ticks;
@@ -76,7 +77,8 @@ pub use line::{Band, Bars, Cloud, Guide, Level, LineChart, Note, Ribbon, Upright
 pub use marker::Marker;
 pub use orbit::{Circle, Orbit};
 pub use panel::Panel;
-pub use series::{Series, Stroke};
+pub use series::Series;
 pub use size::Size;
 pub use steps::{StepHistory, StepLook};
+pub use stroke::Stroke;
 pub use style::PALETTE_LEN;

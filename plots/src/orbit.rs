@@ -4,7 +4,8 @@ use crate::axis::Axis;
 use crate::line::LineChart;
 use crate::marker::Marker;
 use crate::panel::Panel;
-use crate::series::{Series, Stroke};
+use crate::series::Series;
+use crate::stroke::Stroke;
 
 /// A circle to compare an orbit with.
 #[derive(Clone, Debug, Default, PartialEq)]

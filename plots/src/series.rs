@@ -1,35 +1,12 @@
 //! A series of points with one look.
 
 use crate::canvas::Canvas;
-use crate::geometry::{Point, clip, dash, thin};
+use crate::geometry::{Point, clip, thin};
 use crate::legend::{Entry, Sample};
 use crate::marker::{Marker, Once};
-use crate::style::{DASH, Rgb, STROKE, palette};
+use crate::stroke::Stroke;
+use crate::style::palette;
 use crate::view::View;
-
-/// How a series' line is drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Stroke {
-    /// Without interruption.
-    #[default]
-    Solid,
-    /// In dashes.
-    Dashed,
-    /// Not at all: only markers.
-    None,
-}
-
-impl Stroke {
-    pub(crate) fn draw(self, path: &[Point], color: Rgb, canvas: &mut Canvas) {
-        match self {
-            Self::Solid => canvas.stroke(path.to_vec(), STROKE, color),
-            Self::Dashed => {
-                dash(path, DASH).into_iter().for_each(|part| canvas.stroke(part, STROKE, color));
-            }
-            Self::None => {}
-        }
-    }
-}
 
 /// Points in the order in which they are joined.
 ///

@@ -4,7 +4,8 @@ use crate::axis::Axis;
 use crate::line::{Band, LineChart};
 use crate::marker::Marker;
 use crate::panel::Panel;
-use crate::series::{Series, Stroke};
+use crate::series::Series;
+use crate::stroke::Stroke;
 
 /// How the accepted steps are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
