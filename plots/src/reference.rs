@@ -3,7 +3,7 @@
 use crate::canvas::Canvas;
 use crate::font::Fonts;
 use crate::geometry::{Point, Rect, clip, dash, thin};
-use crate::line::{Band, LineChart};
+use crate::line::{Band, Guide, LineChart};
 use crate::style::{BAND, DASH, GUIDE, MARK, NOTE, RIBBON, RIBBON_EDGE, Rgb, THIN, WHITE, palette};
 use crate::view::View;
 
@@ -55,11 +55,25 @@ pub(crate) fn draw_lines(chart: &LineChart, view: &View, canvas: &mut Canvas) {
     for x in chart.uprights.iter().filter_map(|upright| view.across(upright.x)) {
         canvas.rule(vec![(x, plot.top), (x, plot.bottom)], GUIDE);
     }
-    for ends in chart.guides.iter().filter_map(|guide| view.guide(guide)) {
+    for ends in chart.guides.iter().filter_map(|guide| guide_ends(guide, view)) {
         for part in dash(&ends, DASH) {
             canvas.stroke(part, THIN, GUIDE);
         }
     }
+}
+
+/// Both ends of the visible part of a guide, from left to right.
+fn guide_ends(guide: &Guide, view: &View) -> Option<[Point; 2]> {
+    let (x, y) = (view.x, view.y);
+    let (x0, y0) = (x.scale.coordinate(guide.through.0)?, y.scale.coordinate(guide.through.1)?);
+    let end = |value: f64, otherwise: f64| x.scale.coordinate(value).unwrap_or(otherwise);
+    let (from, to) = guide.span.map_or((x.lo, x.hi), |(from, to)| (end(from, x.lo), end(to, x.hi)));
+    let at = |c: f64| {
+        let height = y0 + guide.slope * (c - x0);
+        view.plot.at(((c - x.lo) / (x.hi - x.lo), (height - y.lo) / (y.hi - y.lo)))
+    };
+    let part = clip(&[at(from.min(to)), at(from.max(to))], &view.plot).pop()?;
+    part.try_into().ok()
 }
 
 /// A text and the area it takes.
@@ -124,7 +138,7 @@ fn texts<'a>(chart: &'a LineChart, view: &View, fonts: &Fonts) -> Vec<(&'a str, 
         }
     }
     for guide in &chart.guides {
-        if let Some([a, b]) = view.guide(guide) {
+        if let Some([a, b]) = guide_ends(guide, view) {
             let width = fonts.width(&guide.label, NOTE);
             // Both sides of the line: right above and left below it if it falls, else the others.
             let sides = if b.1 > a.1 {

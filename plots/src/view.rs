@@ -1,8 +1,7 @@
 //! A plot area with the spans of its axes: where values are drawn.
 
 use crate::axis::Span;
-use crate::geometry::{Point, Rect, clip};
-use crate::line::Guide;
+use crate::geometry::{Point, Rect};
 
 /// Maps values to places.
 #[derive(Clone, Copy, Debug)]
@@ -67,20 +66,5 @@ impl View {
         places.sort_by(f64::total_cmp);
         places.dedup_by(|b, a| *b - *a < 0.5);
         places
-    }
-
-    /// Both ends of the visible part of a guide, from left to right.
-    pub(crate) fn guide(&self, guide: &Guide) -> Option<[Point; 2]> {
-        let (x, y) = (self.x, self.y);
-        let (x0, y0) = (x.scale.coordinate(guide.through.0)?, y.scale.coordinate(guide.through.1)?);
-        let end = |value: f64, otherwise: f64| x.scale.coordinate(value).unwrap_or(otherwise);
-        let (from, to) =
-            guide.span.map_or((x.lo, x.hi), |(from, to)| (end(from, x.lo), end(to, x.hi)));
-        let at = |c: f64| {
-            let height = y0 + guide.slope * (c - x0);
-            self.plot.at(((c - x.lo) / (x.hi - x.lo), (height - y.lo) / (y.hi - y.lo)))
-        };
-        let part = clip(&[at(from.min(to)), at(from.max(to))], &self.plot).pop()?;
-        part.try_into().ok()
     }
 }
