@@ -1,7 +1,6 @@
 //! Heat maps: a table of coloured cells, of categories with a legend or of numbers with a colour bar.
 
 use crate::axis::Axis;
-use crate::panel::Panel;
 
 /// What the cells hold, row by row from the top, in each row from the left.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,10 +44,4 @@ pub struct Heatmap {
     pub cells: Cells,
     /// Texts in the cells, in the same order; empty for none. A text that does not fit is left out.
     pub texts: Vec<String>,
-}
-
-impl From<Heatmap> for Panel {
-    fn from(map: Heatmap) -> Self {
-        Panel::Heatmap(map)
-    }
 }

@@ -2,7 +2,6 @@
 
 use crate::axis::{Axis, Scale};
 use crate::line::{Bars, LineChart};
-use crate::panel::Panel;
 
 /// Part of a bin's width that its bars take together.
 const FILLED: f64 = 0.9;
@@ -66,11 +65,5 @@ impl Histogram {
             }
         };
         (at(from), at(to))
-    }
-}
-
-impl From<Histogram> for Panel {
-    fn from(histogram: Histogram) -> Self {
-        Panel::Histogram(histogram)
     }
 }

@@ -1,10 +1,10 @@
 //! Sharing of axes between panels, and the sizes of their plot areas.
 
+use crate::content::Content;
 use crate::error::Error;
 use crate::font::Fonts;
 use crate::frame::{Frame, Margins};
 use crate::geometry::Rect;
-use crate::panel::Content;
 
 /// Least sides of a plot area [px].
 const LEAST: (f64, f64) = (60.0, 40.0);

@@ -30,7 +30,8 @@
 //! |---|---|
 //! | `axis`, `series`, `stroke`, `marker` | what charts are described with |
 //! | `line`, `steps`, `histogram`, `orbit`, `heatmap` | one kind of chart each, as a value |
-//! | `panel`, `plane`, `tiles` | a chart made ready: what its axes cover, how it is drawn |
+//! | `content`, `plane`, `tiles` | a chart made ready: what its axes cover, how it is drawn |
+//! | `panel` | a chart of any kind |
 //! | `view`, `reference`, `ticks` | values to places; lines to compare with; where ticks stand |
 //! | `color_bar` | which colour stands for which number |
 //! | `frame`, `legend`, `layout`, `size`, `figure` | what surrounds the data, and where everything goes |
@@ -40,6 +41,7 @@
 mod axis;
 mod canvas;
 mod color_bar;
+mod content;
 mod error;
 mod figure;
 mod font;

@@ -2,7 +2,6 @@
 
 use crate::axis::Axis;
 use crate::marker::Marker;
-use crate::panel::Panel;
 use crate::series::Series;
 
 /// A shaded interval of x: a mode, a regime.
@@ -124,10 +123,4 @@ pub struct LineChart {
     pub notes: Vec<Note>,
     /// One unit of x is as long as one of y, in a square plot area.
     pub equal_aspect: bool,
-}
-
-impl From<LineChart> for Panel {
-    fn from(chart: LineChart) -> Self {
-        Panel::Line(chart)
-    }
 }

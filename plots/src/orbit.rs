@@ -3,7 +3,6 @@
 use crate::axis::Axis;
 use crate::line::LineChart;
 use crate::marker::Marker;
-use crate::panel::Panel;
 use crate::series::Series;
 use crate::stroke::Stroke;
 
@@ -88,11 +87,5 @@ impl Orbit {
             equal_aspect: true,
             ..LineChart::default()
         }
-    }
-}
-
-impl From<Orbit> for Panel {
-    fn from(orbit: Orbit) -> Self {
-        Panel::Orbit(orbit)
     }
 }

@@ -1,16 +1,11 @@
-//! What stands in one cell of a figure's grid, and what the layout asks of it.
+//! What stands in one cell of a figure's grid: a chart of any kind.
 
 use std::borrow::Cow;
 
-use crate::axis::Span;
-use crate::canvas::Canvas;
+use crate::content::Content;
 use crate::error::Error;
-use crate::font::Fonts;
-use crate::frame::Frame;
-use crate::geometry::Rect;
 use crate::heatmap::Heatmap;
 use crate::histogram::Histogram;
-use crate::legend::Entry;
 use crate::line::LineChart;
 use crate::orbit::Orbit;
 use crate::plane::Plane;
@@ -33,37 +28,6 @@ pub enum Panel {
     Heatmap(Heatmap),
 }
 
-/// An axis with the values it covers.
-#[derive(Clone, Debug)]
-pub(crate) struct Ruler {
-    pub(crate) label: String,
-    pub(crate) span: Span,
-    /// The span says something: there is data, or a range was asked for.
-    pub(crate) settled: bool,
-    /// A neighbour that shares this axis has its labels.
-    pub(crate) silent: bool,
-}
-
-/// A chart made ready to be laid out and drawn.
-pub(crate) trait Content {
-    /// Title, ticks and labels for a plot area of that size.
-    fn frame(&self, width: f64, height: f64, fonts: &Fonts) -> Frame;
-
-    /// Draws the data and the frame.
-    fn draw(&self, plot: Rect, frame: &Frame, canvas: &mut Canvas, fonts: &Fonts);
-
-    /// Entries for the figure's legend.
-    fn legend(&self) -> Vec<Entry>;
-
-    /// Whether it has no data.
-    fn is_empty(&self) -> bool;
-
-    /// Both axes, x first, if other panels can share them.
-    fn rulers(&mut self) -> Option<&mut [Ruler; 2]> {
-        None
-    }
-}
-
 impl Panel {
     pub(crate) fn content(&self) -> Result<Box<dyn Content + '_>, Error> {
         let chart = match self {
@@ -74,5 +38,35 @@ impl Panel {
             Panel::Orbit(orbit) => Cow::Owned(orbit.chart()),
         };
         Ok(Box::new(Plane::new(chart)?))
+    }
+}
+
+impl From<LineChart> for Panel {
+    fn from(chart: LineChart) -> Self {
+        Panel::Line(chart)
+    }
+}
+
+impl From<StepHistory> for Panel {
+    fn from(history: StepHistory) -> Self {
+        Panel::Steps(history)
+    }
+}
+
+impl From<Histogram> for Panel {
+    fn from(histogram: Histogram) -> Self {
+        Panel::Histogram(histogram)
+    }
+}
+
+impl From<Orbit> for Panel {
+    fn from(orbit: Orbit) -> Self {
+        Panel::Orbit(orbit)
+    }
+}
+
+impl From<Heatmap> for Panel {
+    fn from(map: Heatmap) -> Self {
+        Panel::Heatmap(map)
     }
 }

@@ -3,7 +3,6 @@
 use crate::axis::Axis;
 use crate::line::{Band, LineChart};
 use crate::marker::Marker;
-use crate::panel::Panel;
 use crate::series::Series;
 use crate::stroke::Stroke;
 
@@ -71,11 +70,5 @@ impl StepHistory {
 
     fn stairs(&self) -> Vec<(f64, f64)> {
         self.accepted.iter().flat_map(|&(t, h)| [(t, h), (t + h, h)]).collect()
-    }
-}
-
-impl From<StepHistory> for Panel {
-    fn from(history: StepHistory) -> Self {
-        Panel::Steps(history)
     }
 }

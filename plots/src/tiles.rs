@@ -2,13 +2,13 @@
 
 use crate::canvas::{Align, Canvas};
 use crate::color_bar::ColorBar;
+use crate::content::Content;
 use crate::error::Error;
 use crate::font::Fonts;
 use crate::frame::{CAP_HEIGHT, Frame, Side};
 use crate::geometry::Rect;
 use crate::heatmap::{Cells, Heatmap};
 use crate::legend::{Entry, Sample};
-use crate::panel::Content;
 use crate::style::{CELL, GRID_MINOR, LABEL, MUTED, NOTE, PANEL, Rgb, TICK, WHITE, palette};
 use crate::ticks::Ticks;
 
