@@ -17,7 +17,7 @@ use crate::layout::Layout;
 use crate::names::{Meaning, Names};
 use crate::report::{Checked, Complaint};
 use crate::sparsity::{Sparsity, span};
-use crate::system::{Model, TextModel};
+use crate::system::{Model, Target, TextModel};
 
 /// A model with what is to be warned of.
 pub(crate) struct Compiled {
@@ -215,13 +215,6 @@ impl Purpose {
             Self::Event => "what an event sets",
         }
     }
-}
-
-/// What an equation gives a value to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Target {
-    State(usize),
-    Held(usize),
 }
 
 /// An equation for one number, with the index that its formula is of.

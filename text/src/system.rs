@@ -8,7 +8,6 @@ use deltazero_solvers::{Next, Real, System, Vector};
 use deltazero_study::problem::Quantity;
 use num_dual::Dual64;
 
-use crate::compile::Target;
 use crate::declarations::ModeRole;
 use crate::evaluate::Inputs;
 use crate::jacobian::Jacobian;
@@ -97,6 +96,13 @@ pub(crate) struct Setting {
     pub(crate) tape: Tape,
     pub(crate) targets: Vec<Target>,
     pub(crate) goal: Goal,
+}
+
+/// What is given a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Target {
+    State(usize),
+    Held(usize),
 }
 
 impl Transition {

@@ -1,7 +1,7 @@
 //! One mode: its rates, guards, transitions and what is told of it.
 
 use super::told::told;
-use super::{Assignment, Purpose, Target, assignments, instances, within};
+use super::{Assignment, Purpose, assignments, instances, within};
 use crate::declarations::{Definition, EventDeclaration, Follows, ModeRole};
 use crate::expand::{Expander, Flaw};
 use crate::expression::{Comparison, Relation};
@@ -9,7 +9,7 @@ use crate::graph::Id;
 use crate::layout::MOST_EVENTS;
 use crate::names::Meaning;
 use crate::report::{Checked, Complaint};
-use crate::system::{CompiledMode, Goal, Setting, Transition};
+use crate::system::{CompiledMode, Goal, Setting, Target, Transition};
 use crate::tape::Tape;
 
 /// What is told beside a warning of an edge.
