@@ -63,7 +63,7 @@ pub(crate) fn compile(
     let is_autonomous = !rates.iter().any(|rates| expander.graph.is_of_time(rates));
     let mut left = MOST_NODES;
     for (mode, rates) in modes.iter_mut().zip(&rates) {
-        let rates = (&rates[..], mode.tape.first.len());
+        let rates = (&rates[..], mode.program.tape.first.len());
         mode.jacobian = Jacobian::new(&mut expander.graph, rates, &sparsity, &mut left);
     }
     let first_mode = file.mode.as_ref().map_or(Ok(0), |mode| names.mode(mode))?;

@@ -3,51 +3,9 @@
 use deltazero_solvers::Real;
 
 use crate::functions::power;
-use crate::tape::{Input, Instruction, Output, Tape};
-
-/// What a tape reads.
-#[derive(Debug)]
-pub(crate) struct Inputs<'a, S> {
-    pub(crate) t: S,
-    pub(crate) y: &'a [S],
-    pub(crate) held: &'a [f64],
-}
+use crate::tape::{Input, Inputs, Instruction, Output, Tape};
 
 impl Tape {
-    /// Writes the outputs of the first part.
-    #[inline]
-    pub(crate) fn run<S: Real>(&self, inputs: &Inputs<'_, S>, outputs: &mut [S]) {
-        self.run_in(inputs, outputs, None);
-    }
-
-    /// Writes the outputs of both parts.
-    #[inline]
-    pub(crate) fn run_both<S: Real>(
-        &self,
-        inputs: &Inputs<'_, S>,
-        first: &mut [S],
-        second: &mut [S],
-    ) {
-        self.run_in(inputs, first, Some(second));
-    }
-
-    #[inline(always)]
-    fn run_in<S: Real>(
-        &self,
-        inputs: &Inputs<'_, S>,
-        first: &mut [S],
-        mut second: Option<&mut [S]>,
-    ) {
-        if let (Some(y), Some(first)) = (S::as_f64s(inputs.y), S::as_f64s_mut(first)) {
-            let inputs = Inputs { t: inputs.t.value(), y, held: inputs.held };
-            let second = second.as_deref_mut().and_then(S::as_f64s_mut);
-            if self.machine.run(self, &inputs, first, second) {
-                return;
-            }
-        }
-        self.interpret(inputs, first, second);
-    }
-
     /// A small tape has its registers on the stack.
     // Not inlined where there is machine code: its stack would be made for that, too.
     #[cfg_attr(feature = "machine-code", inline(never))]

@@ -1,11 +1,11 @@
 //! The Jacobian of a mode's rates, as formulas.
 
 use crate::derivative::derivatives;
-use crate::evaluate::Inputs;
 use crate::functions::Elementary;
 use crate::graph::{Graph, Id, Node};
+use crate::program::Program;
 use crate::sparsity::{Column, Sparsity};
-use crate::tape::Tape;
+use crate::tape::Inputs;
 use crate::vector::Buffer;
 
 /// Nodes of a model that are differentiated, by one state each, after which a mode's Jacobian has no formulas: to write them takes
@@ -19,9 +19,9 @@ const DUAL: usize = 3;
 /// The entries that can be nonzero in some mode, with their formulas in this one.
 #[derive(Debug)]
 pub(crate) struct Jacobian {
-    /// Row and column of each result of the tape.
+    /// Row and column of each result.
     places: Vec<(u32, u32)>,
-    pub(crate) tape: Tape,
+    pub(crate) program: Program,
 }
 
 impl Jacobian {
@@ -50,16 +50,16 @@ impl Jacobian {
             places.extend(rows.iter().map(|i| (*i, *column as u32)));
             entries.extend(rows.iter().map(|i| derivatives[&rates[*i as usize]]));
         }
-        let tape = Tape::of(graph, &entries);
-        let is_short = tape.first.len() <= DUAL * groups.len() * n_operations;
-        is_short.then_some(Self { places, tape })
+        let program = Program::of(graph, &entries);
+        let is_short = program.tape.first.len() <= DUAL * groups.len() * n_operations;
+        is_short.then_some(Self { places, program })
     }
 
     /// Tells each entry: row, column, value.
     pub(crate) fn tell(&self, inputs: &Inputs<'_, f64>, mut entry: impl FnMut(usize, usize, f64)) {
         let mut buffer = Buffer::<f64, FEW>::new(self.places.len());
         let values = buffer.numbers();
-        self.tape.run(inputs, values);
+        self.program.run(inputs, values);
         for ((row, column), value) in self.places.iter().zip(values) {
             entry(*row as usize, *column as usize, *value);
         }

@@ -52,7 +52,7 @@
 //! | check | `names` (what they mean), `columns` of tables, `units` and `dimensions`; complaints are `report`s |
 //! | expand | `layout` (where states are, `shape`: what that follows from), `expand` (indices, sums, definitions) into one `graph`; `derivative`, `sparsity`, `jacobian` |
 //! | compile | `compile`, mode by mode, to a `tape` of operations |
-//! | run | `evaluate` a tape with any number, or by `machine` code with `f64`; `functions`, `bounds` of rounding |
+//! | run | a `program`: `evaluate` its tape with any number, or by `machine` code with `f64`; `functions` |
 //! | tell | `mode`, `system`, `problem` |
 //!
 //! What formulas mean where a paper leaves it open: `xⁿ` of a whole number is a product; with an exponent above one that is
@@ -81,6 +81,7 @@ mod mode;
 pub mod models;
 mod names;
 mod problem;
+mod program;
 mod report;
 mod shape;
 mod sparsity;

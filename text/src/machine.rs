@@ -8,9 +8,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use deltazero_machine::{Error, Function, Number, Routine, Shape};
 
-use crate::evaluate::Inputs;
 use crate::functions::Elementary;
-use crate::tape::{Input, Instruction, Output, Tape};
+use crate::tape::{Input, Inputs, Instruction, Output, Tape};
 
 /// Operations of a tape above which no code is made of it: a user would wait for it.
 const MOST_OPERATIONS: usize = 20_000;
@@ -361,9 +360,9 @@ mod tests {
             let file = ModelFile::parse(name, text).unwrap_or_else(|report| panic!("{report}"));
             for model in file.models(&[]).unwrap() {
                 for mode in &model.0.modes {
-                    let jacobian = mode.jacobian.iter().map(|jacobian| &jacobian.tape);
-                    for tape in [&mode.tape, &mode.guards].into_iter().chain(jacobian) {
-                        compare(name, tape, model.0.starts.len(), &mut random);
+                    let jacobian = mode.jacobian.iter().map(|jacobian| &jacobian.program);
+                    for program in [&mode.program, &mode.guards].into_iter().chain(jacobian) {
+                        compare(name, &program.tape, model.0.starts.len(), &mut random);
                     }
                 }
             }
@@ -374,12 +373,12 @@ mod tests {
     fn code_is_made_after_many_runs() {
         let text = "[states]\nx = 1\n[modes.a]\nrates = { x = \"-x^3\" }\n";
         let model = ModelFile::parse("rate.toml", text).unwrap().models(&[]).unwrap().remove(0);
-        let tape = &model.0.modes[0].tape;
+        let program = &model.0.modes[0].program;
         for i in 0..RUNS + 10 {
             let (y, mut rate) = ([1.0 + i as f64], [0.0]);
-            tape.run(&Inputs { t: 0.0, y: &y, held: &[] }, &mut rate);
+            program.run(&Inputs { t: 0.0, y: &y, held: &[] }, &mut rate);
             assert_eq!(rate, [-(y[0] * y[0] * y[0])]);
-            assert_eq!(tape.machine.code.get().is_some(), i >= RUNS, "{i}");
+            assert_eq!(program.machine.code.get().is_some(), i >= RUNS, "{i}");
         }
     }
 }

@@ -1,7 +1,6 @@
 //! What stands for machine code in a build without it.
 
-use crate::evaluate::Inputs;
-use crate::tape::Tape;
+use crate::tape::{Inputs, Tape};
 
 /// No machine code.
 #[derive(Debug, Default)]

@@ -10,10 +10,10 @@ use deltazero_study::run::{OwnRun, extended};
 use num_dual::Dual64;
 
 use crate::compile::role;
-use crate::evaluate::Inputs;
 use crate::mode::Mode;
+use crate::program::Program;
 use crate::system::{TextModel, Told};
-use crate::tape::Tape;
+use crate::tape::Inputs;
 use crate::vector::Family;
 
 impl<F: Family> TextModel<F> {
@@ -22,11 +22,16 @@ impl<F: Family> TextModel<F> {
     }
 }
 
-/// `N` results of a tape; none where it has none.
-fn results<S: Real, const N: usize>(tape: &Tape, mode: &Mode, t: S, y: &[S]) -> Option<[S; N]> {
+/// `N` results of a program; none where it has none.
+fn results<S: Real, const N: usize>(
+    program: &Program,
+    mode: &Mode,
+    t: S,
+    y: &[S],
+) -> Option<[S; N]> {
     let mut all = [S::cst(0.0); N];
-    tape.run(&Inputs { t, y, held: &mode.held }, &mut all);
-    (tape.first_outputs.len() == N).then_some(all)
+    program.run(&Inputs { t, y, held: &mode.held }, &mut all);
+    (program.n_first() == N).then_some(all)
 }
 
 impl<F: Family> Problem for TextModel<F> {
@@ -99,7 +104,7 @@ impl<F: Family> Problem for TextModel<F> {
 
     /// Where the file has a table `contact`.
     fn tells_forces(&self) -> bool {
-        self.0.modes.iter().any(|mode| !mode.told.touch.first_outputs.is_empty())
+        self.0.modes.iter().any(|mode| mode.told.touch.n_first() > 0)
     }
 
     fn touch<S: Real>(&self, mode: &Mode, t: S, y: &F::State<S>, _site: usize) -> Option<Touch<S>> {
@@ -155,7 +160,7 @@ impl<F: Family> Problem for TextModel<F> {
 
     /// Energy balances where it is given; damping takes it, and so does friction unless the file says otherwise.
     fn laws(&self) -> Laws {
-        let is_given = self.0.modes.iter().any(|mode| !mode.told.energy.first_outputs.is_empty());
+        let is_given = self.0.modes.iter().any(|mode| mode.told.energy.n_first() > 0);
         Laws {
             balances: is_given,
             damping_takes: is_given,

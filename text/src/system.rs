@@ -9,12 +9,12 @@ use deltazero_study::problem::Quantity;
 use num_dual::Dual64;
 
 use crate::declarations::ModeRole;
-use crate::evaluate::Inputs;
 use crate::jacobian::Jacobian;
 use crate::layout::MOST_HELD;
 use crate::mode::Mode;
+use crate::program::Program;
 use crate::sparsity::{Column, Sparsity};
-use crate::tape::Tape;
+use crate::tape::Inputs;
 use crate::vector::{Any, Family, Few};
 
 /// A state below this part of its scale is taken for zero, so that bounces do not shrink for ever.
@@ -58,13 +58,13 @@ pub(crate) struct CompiledMode {
     pub(crate) name: String,
     pub(crate) role: ModeRole,
     /// Rates, then guards.
-    pub(crate) tape: Tape,
+    pub(crate) program: Program,
     /// Guards alone.
-    pub(crate) guards: Tape,
+    pub(crate) guards: Program,
     /// What the rates depend on, if it has formulas.
     pub(crate) jacobian: Option<Jacobian>,
     /// Values that are kept on entry.
-    pub(crate) keep: Tape,
+    pub(crate) keep: Program,
     /// What follows each guard.
     pub(crate) transitions: Vec<Transition>,
     pub(crate) told: Told,
@@ -74,12 +74,12 @@ pub(crate) struct CompiledMode {
 #[derive(Debug)]
 pub(crate) struct Told {
     /// Depth, its rate, force.
-    pub(crate) touch: Tape,
+    pub(crate) touch: Program,
     /// Kinetic, elastic.
-    pub(crate) energy: Tape,
+    pub(crate) energy: Program,
     /// Of the drive, of damping, of friction.
-    pub(crate) power: Tape,
-    pub(crate) observables: Tape,
+    pub(crate) power: Program,
+    pub(crate) observables: Program,
 }
 
 /// What follows an event.
@@ -93,7 +93,7 @@ pub(crate) struct Transition {
 /// Values that are set, all at once, and where this leads.
 #[derive(Debug)]
 pub(crate) struct Setting {
-    pub(crate) tape: Tape,
+    pub(crate) program: Program,
     pub(crate) targets: Vec<Target>,
     pub(crate) goal: Goal,
 }
@@ -146,7 +146,7 @@ impl Model {
         let mut held = from.held;
         let n = self.discrete.len();
         held[n..].fill(0.0);
-        let n_kept = mode.keep.first_outputs.len();
+        let n_kept = mode.keep.n_first();
         if n_kept > 0 {
             let mut kept = [S::cst(0.0); MOST_HELD];
             mode.keep.run(&Inputs { t, y, held: &held }, &mut kept[..n_kept]);
@@ -160,7 +160,7 @@ impl Model {
     /// Sets what is to be set, and returns what follows.
     fn set<S: Real>(&self, setting: &Setting, mut mode: Mode, t: S, y: &mut [S]) -> Next<Mode> {
         let mut values = vec![S::cst(0.0); setting.targets.len()];
-        setting.tape.run(&Inputs { t, y, held: &mode.held }, &mut values);
+        setting.program.run(&Inputs { t, y, held: &mode.held }, &mut values);
         for (target, value) in setting.targets.iter().zip(values) {
             match target {
                 Target::State(i) => y[*i] = value,
@@ -203,13 +203,13 @@ impl<F: Family> System for TextModel<F> {
     #[inline]
     fn rhs<S: Real>(&self, mode: Mode, t: S, y: &F::State<S>, dydt: &mut F::State<S>) {
         let inputs = Inputs { t, y: y.as_ref(), held: &mode.held };
-        self.0.mode(&mode).tape.run(&inputs, dydt.as_mut());
+        self.0.mode(&mode).program.run(&inputs, dydt.as_mut());
     }
 
     fn guards<S: Real>(&self, mode: Mode, t: S, y: &F::State<S>, g: &mut Vec<S>) {
-        let tape = &self.0.mode(&mode).guards;
-        let (own, unused) = g.split_at_mut(tape.first_outputs.len());
-        tape.run(&Inputs { t, y: y.as_ref(), held: &mode.held }, own);
+        let guards = &self.0.mode(&mode).guards;
+        let (own, unused) = g.split_at_mut(guards.n_first());
+        guards.run(&Inputs { t, y: y.as_ref(), held: &mode.held }, own);
         unused.fill(S::cst(1.0));
     }
 
@@ -221,10 +221,10 @@ impl<F: Family> System for TextModel<F> {
         dydt: &mut F::State<S>,
         g: &mut Vec<S>,
     ) -> bool {
-        let tape = &self.0.mode(&mode).tape;
-        let (own, unused) = g.split_at_mut(tape.second_outputs.len());
+        let program = &self.0.mode(&mode).program;
+        let (own, unused) = g.split_at_mut(program.n_second());
         let inputs = Inputs { t, y: y.as_ref(), held: &mode.held };
-        tape.run_both(&inputs, dydt.as_mut(), own);
+        program.run_both(&inputs, dydt.as_mut(), own);
         unused.fill(S::cst(1.0));
         true
     }

@@ -4,7 +4,6 @@ use std::collections::HashMap;
 
 use crate::functions::Elementary;
 use crate::graph::{Graph, Id, Node};
-use crate::machine::Machine;
 
 /// A register.
 pub(crate) type Register = u32;
@@ -107,6 +106,14 @@ pub(crate) enum Input {
     Held(u8),
 }
 
+/// What a tape reads.
+#[derive(Debug)]
+pub(crate) struct Inputs<'a, S> {
+    pub(crate) t: S,
+    pub(crate) y: &'a [S],
+    pub(crate) held: &'a [f64],
+}
+
 /// Where a result is at the end of a tape, or of its first part.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Output {
@@ -123,18 +130,11 @@ pub(crate) struct Tape {
     pub(crate) second: Vec<Instruction>,
     pub(crate) second_outputs: Vec<Output>,
     pub(crate) n_registers: usize,
-    /// The same for `f64` as machine code.
-    pub(crate) machine: Machine,
 }
 
 impl Tape {
-    /// The tape of one group.
-    pub(crate) fn of(graph: &Graph, outputs: &[Id]) -> Self {
-        Self::of_two(graph, outputs, &[])
-    }
-
-    /// The tape of two groups, of which the first can be run alone.
-    pub(crate) fn of_two(graph: &Graph, first: &[Id], second: &[Id]) -> Self {
+    /// The tape of two groups, of which the first can be run alone; the second may be empty.
+    pub(crate) fn of(graph: &Graph, first: &[Id], second: &[Id]) -> Self {
         let mut order = Order::new(graph);
         order.add(first);
         let split = order.nodes.len();

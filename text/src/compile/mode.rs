@@ -8,9 +8,9 @@ use crate::expression::{Comparison, Relation};
 use crate::graph::Id;
 use crate::layout::MOST_EVENTS;
 use crate::names::Meaning;
+use crate::program::Program;
 use crate::report::{Checked, Complaint};
 use crate::system::{CompiledMode, Goal, Setting, Target, Transition};
-use crate::tape::Tape;
 
 /// What is told beside a warning of an edge.
 const EDGE: &str = "if the motion, or a step that is tried a little past an event, comes there: let an event end the mode before, or write a formula that goes on";
@@ -87,10 +87,10 @@ pub(super) fn mode(
     let mode = CompiledMode {
         name: declared.name.value.clone(),
         role: declared.role,
-        tape: Tape::of_two(&expander.graph, &rates, &guards),
-        guards: Tape::of(&expander.graph, &guards),
+        program: Program::of_two(&expander.graph, &rates, &guards),
+        guards: Program::of(&expander.graph, &guards),
         jacobian: None,
-        keep: Tape::of(&expander.graph, &keep),
+        keep: Program::of(&expander.graph, &keep),
         transitions,
         told,
     };
@@ -156,7 +156,7 @@ fn setting(expander: &mut Expander<'_>, follows: &Follows, is_held: bool) -> Che
         None if follows.stops => Goal::Stop,
         None => Goal::Stay,
     };
-    Ok(Setting { tape: Tape::of(&expander.graph, &values), targets, goal })
+    Ok(Setting { program: Program::of(&expander.graph, &values), targets, goal })
 }
 
 /// Warns of functions that are not smooth or not defined everywhere, where rates or guards use them.

@@ -8,9 +8,9 @@ use crate::expand::{Expander, Outside};
 use crate::expression::Expression;
 use crate::graph::Id;
 use crate::names::Meaning;
+use crate::program::Program;
 use crate::report::{Checked, Complaint};
 use crate::system::Told;
-use crate::tape::Tape;
 
 /// Compiles what is told of a mode with these rates.
 pub(super) fn told(
@@ -40,10 +40,10 @@ fn told_within(
     let observables = observed(expander, mode, observable)?;
     let graph = &expander.graph;
     Ok(Told {
-        touch: Tape::of(graph, &touch),
-        energy: Tape::of(graph, &energy),
-        power: Tape::of(graph, &power),
-        observables: Tape::of(graph, &observables),
+        touch: Program::of(graph, &touch),
+        energy: Program::of(graph, &energy),
+        power: Program::of(graph, &power),
+        observables: Program::of(graph, &observables),
     })
 }
 
