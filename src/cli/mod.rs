@@ -259,6 +259,7 @@ pub(crate) fn main() -> ExitCode {
         None => misplaced_command(&cli.study).map_or_else(|| study::run(&cli.study, &stop), Err),
         Some(Command::Study(args)) => study::run(&args, &stop),
         Some(Command::Simulate(args)) => simulate::run(&args, &stop),
+        Some(Command::Regimes(args)) if !args.axis.is_empty() => axes::run(&args, &stop),
         Some(Command::Regimes(args)) => regimes::run(&args, &stop),
         Some(Command::Recommend(args)) => recommend::run(&args, &stop),
         Some(Command::Audit(args)) => audit::run(&args, &stop),

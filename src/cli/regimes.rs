@@ -15,7 +15,6 @@ use deltazero_study::forecast::Forecast;
 use deltazero_study::reference::RECIPE;
 use serde_json::json;
 
-use super::axes;
 use super::contests;
 use super::output::{Output, hash, is_current};
 use super::progress::{Bar, spoken};
@@ -43,9 +42,6 @@ pub(super) struct RegimesArgs {
 }
 
 pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    if !args.axis.is_empty() {
-        return axes::run(args, stop);
-    }
     let why = "the map's damping ratio is that of the struts' masses under F_N = K δ + D δ̇";
     let mut config = default_only(args.run.load()?, why)?;
     let mut dir = "deltazero-out/regimes";
