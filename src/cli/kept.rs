@@ -9,8 +9,9 @@ use deltazero_study::work_precision::Row;
 
 use super::Failure;
 use super::output::Output;
-use super::study::write_json;
 
+/// The record of a study.
+pub(super) const RECORD: &str = "study.json";
 /// `study.json` is not written more often than this.
 const PAUSE: Duration = Duration::from_secs(1);
 
@@ -58,4 +59,9 @@ impl<'a> Kept<'a> {
         let state = self.state.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
         state.failure.map_or(Ok(state.study), Err)
     }
+}
+
+/// `study.json`; `finished` once figures and report are on disk too.
+pub(super) fn write_json(output: &Output, study: &StudyRecord) -> Result<(), Failure> {
+    output.write_json(RECORD, &study.to_json())
 }

@@ -22,14 +22,12 @@ use deltazero_study::work_precision::{Progress, Row, Status, WorkPrecision, agai
 use humantime::format_rfc3339_seconds;
 use serde_json::{Value, json};
 
-use super::kept::Kept;
+use super::kept::{Kept, RECORD, write_json};
 use super::output::{Output, cannot_draw, hash, is_current};
 use super::progress::Bar;
 use super::reference::reference;
 use super::{Failure, RESUMED, RunArgs, note_left_out, print, say, warn};
 
-/// The record of a study.
-const RECORD: &str = "study.json";
 /// What stands beside it, apart from the reference, which tells itself whose it is.
 const FILES: [&str; 11] = [
     "report.html",
@@ -165,11 +163,6 @@ fn unfinished_rows(output: &Output) -> Vec<Row> {
         serde_json::from_value::<Vec<Row>>(study.get_mut("rows")?.take()).ok()
     });
     rows.unwrap_or_default()
-}
-
-/// `study.json`; `finished` once figures and report are on disk too.
-pub(super) fn write_json(output: &Output, study: &StudyRecord) -> Result<(), Failure> {
-    output.write_json(RECORD, &study.to_json())
 }
 
 /// The figures with the data behind them, and the reports: all that follows from `study.json`.
