@@ -10,8 +10,9 @@ use deltazero_plots::{
 
 use super::Drawing;
 use crate::keys::ReadingName;
-use crate::study::audit::{Audit, Course};
+use crate::study::audit::Audit;
 use crate::study::course::{Bin, Quantity, Range, coarser};
+use crate::study::deployment::Course;
 use crate::study::ideal::RIGHT_ANGLE;
 
 /// Bins over the width of a panel: of a smooth curve, and of one that oscillates, each some periods long.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 pub use list::CLAIMS;
 
-use super::audit::Course;
+use super::deployment::Course;
 use super::torque_ratio::TorqueRatio;
 use crate::config::Config;
 use crate::keys::ReadingName;

@@ -4,6 +4,7 @@ pub mod audit;
 pub mod claims;
 pub mod contests;
 pub mod course;
+pub mod deployment;
 pub mod friction;
 pub mod ideal;
 pub mod machine;

@@ -13,7 +13,7 @@ use deltazero_study::setting::Events;
 use deltazero_study::work_precision::Progress;
 use serde::{Deserialize, Serialize};
 
-use super::audit::{patience, under};
+use super::deployment::{patience, under};
 use super::ideal::{RIGHT_ANGLE, time_to, without_clearance};
 use crate::config::Config;
 use crate::keys::{Inertia, ReadingName};

@@ -1,8 +1,8 @@
 //! What is measured on a deployment, claim by claim.
 
 use super::Deployment;
-use crate::study::audit::Course;
 use crate::study::course::{Bin, Quantity, coarser};
+use crate::study::deployment::Course;
 
 /// Forces are settled in the second after the paper's time of fluctuation [s].
 const SETTLED_S: (f64, f64) = (2.0, 3.0);
