@@ -3,7 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use super::together::ROW_BYTES;
+/// Bytes of a row of `trajectory.csv`, about.
+pub const ROW_BYTES: f64 = 200.0;
 
 /// Where a value was given.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Whether the values of a configuration go together.
+//! Puts the values of all keys together, and says whether they go together.
 
 use deltazero_solvers::Method;
 use deltazero_study::setting::{Digits, Events};
@@ -8,19 +8,42 @@ use super::Config;
 use super::all_keys::find;
 use super::error::{ConfigError, Place};
 use super::values::Values;
-use crate::keys::{Atol, FrictionLaw, JOINTS, Key, one_joint};
+use crate::keys::{Atol, FrictionLaw, JOINTS, Key, Shared, one_joint};
 use crate::mechanisms::Misfit;
 
 /// Most rows of `trajectory.csv`, all joints together: 1 GB of it, and 0.9 GB of memory (measured on Table 1).
 pub const MOST_ROWS: f64 = 5e6;
 
-/// Bytes of a row, about.
-pub const ROW_BYTES: f64 = 200.0;
-
 /// Largest number of fixed steps of a run, 1e12: some three days.
 const MOST_STEPS: f64 = 1e12;
 
 impl Values {
+    /// The typed configuration.
+    ///
+    /// # Errors
+    /// Values that do not go together.
+    pub(super) fn config(&mut self) -> Result<Config, ConfigError> {
+        let config = Config {
+            mechanism: self.chosen()?,
+            shared: Shared {
+                reading: self.part("reading")?,
+                bays: self.part("bays")?,
+                strut: self.part("strut")?,
+                drive: self.part("drive")?,
+                joints: [self.joint(JOINTS[0])?, self.joint(JOINTS[1])?],
+                run: self.part("run")?,
+                solver: self.part("solver")?,
+                study: self.part("study")?,
+                contest: self.part("contest")?,
+                regimes: self.part("regimes")?,
+            },
+        };
+        match (self.cross_check(&config), &self.model) {
+            (Err(error), Some(model)) => Err(model.shown(error)),
+            (checked, _) => checked.map(|()| config),
+        }
+    }
+
     /// What the mechanism cannot have: a key of another one, at the root or set by an argument, where it is not at its
     /// default, and values that do not go together. A table of another mechanism in a file is not used.
     fn check_mechanism(&self, config: &Config) -> Result<(), ConfigError> {

@@ -7,7 +7,6 @@ use deltazero_text::{Parameter, SETTINGS};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use super::Config;
 use super::all_keys::{find, is_of_runs, keys, names_in};
 use super::check::check;
 use super::error::{ConfigError, Place};
@@ -15,7 +14,7 @@ use super::given::{Datum, Given, excerpt};
 use super::model::{self, Model};
 use super::nearest::{nearest_key, nearest_of};
 use super::toml_source;
-use crate::keys::{DefaultValue, JOINT_TABLES, JOINTS, JointConfig, Key, Run, Shared, one_joint};
+use crate::keys::{DefaultValue, JOINT_TABLES, JointConfig, Key, Run, one_joint};
 use crate::mechanisms::{Chosen, Entry, text};
 
 /// The table of a configuration that holds the values of a model's parameters.
@@ -107,7 +106,7 @@ impl Values {
     ///
     /// # Errors
     /// As [`defaults`](Self::defaults), and what is wrong with a model at the values of its parameters.
-    fn chosen(&mut self) -> Result<Chosen, ConfigError> {
+    pub(super) fn chosen(&mut self) -> Result<Chosen, ConfigError> {
         let Some(model) = self.model.clone() else {
             let entry = self.for_mechanism()?;
             return self.mechanism(entry);
@@ -267,32 +266,6 @@ impl Values {
         ConfigError::NotOfModel { place, key, nearest: nearest.map(Into::into) }
     }
 
-    /// The typed configuration.
-    ///
-    /// # Errors
-    /// Values that do not go together.
-    pub(super) fn config(&mut self) -> Result<Config, ConfigError> {
-        let config = Config {
-            mechanism: self.chosen()?,
-            shared: Shared {
-                reading: self.part("reading")?,
-                bays: self.part("bays")?,
-                strut: self.part("strut")?,
-                drive: self.part("drive")?,
-                joints: [self.joint(JOINTS[0])?, self.joint(JOINTS[1])?],
-                run: self.part("run")?,
-                solver: self.part("solver")?,
-                study: self.part("study")?,
-                contest: self.part("contest")?,
-                regimes: self.part("regimes")?,
-            },
-        };
-        match (self.cross_check(&config), &self.model) {
-            (Err(error), Some(model)) => Err(model.shown(error)),
-            (checked, _) => checked.map(|()| config),
-        }
-    }
-
     /// Whether a key has its default.
     pub(super) fn is_default(&self, path: &str) -> bool {
         let Some((value, _)) = self.values.get(path) else { return true };
@@ -311,7 +284,7 @@ impl Values {
     }
 
     /// A table, or a key of the root, as its type.
-    fn part<T: DeserializeOwned>(&self, part: &str) -> Result<T, ConfigError> {
+    pub(super) fn part<T: DeserializeOwned>(&self, part: &str) -> Result<T, ConfigError> {
         let value = match self.values.get(part) {
             Some((value, _)) => value.clone(),
             None => self.table(part, None),
@@ -320,7 +293,7 @@ impl Values {
     }
 
     /// The three tables of one joint, each key its own value or else the common one.
-    fn joint(&self, joint: &str) -> Result<JointConfig, ConfigError> {
+    pub(super) fn joint(&self, joint: &str) -> Result<JointConfig, ConfigError> {
         typed(joint, self.joint_tables(joint))
     }
 
