@@ -1,7 +1,6 @@
 //! Interpolants over one step.
 
 use crate::real::Real;
-use crate::step::TableauStep;
 use crate::system::Vector;
 
 /// Cubic Hermite interpolation at `θ` between two ends, each a state and its slope.
@@ -42,11 +41,13 @@ pub fn stages<Y: Vector<f64>, const S: usize>(
     combine(y0, h, &weights, k, y);
 }
 
-/// The nested form of [`Dense::Nested`](crate::tableau::Dense::Nested) at `θ`, with the weights `d`.
-pub(crate) fn nested<Y: Vector<f64>, const S: usize>(
+/// The nested form of [`Dense::Nested`](crate::tableau::Dense::Nested) at `θ`: the cubic between both ends, and all slopes
+/// with the weights `d`.
+pub(crate) fn nested<'y, Y: Vector<f64> + 'y>(
     theta: f64,
-    step: &TableauStep<Y, S>,
-    d: &[&[f64]],
+    h: f64,
+    (start, end): ((&Y, &Y), (&Y, &Y)),
+    (slopes, d): (impl Iterator<Item = &'y Y>, &[&[f64]]),
     y: &mut Y,
 ) {
     let rest = 1.0 - theta;
@@ -55,10 +56,10 @@ pub(crate) fn nested<Y: Vector<f64>, const S: usize>(
     for i in 1..factors.len() {
         factors[i] = factors[i - 1] * if i % 2 == 1 { theta } else { rest };
     }
-    hermite(theta, step.h, (&step.y0, &step.k[0]), (&step.y1, &step.slope1), y);
-    for (j, slope) in step.slopes().enumerate() {
+    hermite(theta, h, start, end, y);
+    for (j, slope) in slopes.enumerate() {
         let weight: f64 = d.iter().zip(factors).map(|(row, factor)| row[j] * factor).sum();
-        add(y, step.h * weight, slope);
+        add(y, h * weight, slope);
     }
 }
 

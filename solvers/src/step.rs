@@ -119,12 +119,13 @@ impl<Y: Vector<f64>, const S: usize> Step<Y> for TableauStep<Y, S> {
             return;
         }
         let theta = (t - self.t0) / self.h;
+        let (start, end) = ((&self.y0, &self.k[0]), (&self.y1, &self.slope1));
         match self.dense {
-            Dense::Hermite => {
-                dense::hermite(theta, self.h, (&self.y0, &self.k[0]), (&self.y1, &self.slope1), y)
-            }
+            Dense::Hermite => dense::hermite(theta, self.h, start, end, y),
             Dense::Stages { p } => dense::stages(theta, self.h, &self.y0, &self.k, p, y),
-            Dense::Nested { d, .. } => dense::nested(theta, self, d, y),
+            Dense::Nested { d, .. } => {
+                dense::nested(theta, self.h, (start, end), (self.slopes(), d), y)
+            }
         }
     }
 }
