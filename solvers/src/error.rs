@@ -1,5 +1,7 @@
 //! Errors and outcomes.
 
+use crate::doubt::Doubt;
+
 /// How an integration without an error ended.
 ///
 /// ```
@@ -232,6 +234,6 @@ pub enum Error {
         /// Mode.
         mode: String,
         /// Why.
-        doubt: crate::enclosure::Doubt,
+        doubt: Doubt,
     },
 }

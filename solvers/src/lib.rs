@@ -117,6 +117,7 @@ pub mod diffsol;
 mod diffsol;
 #[cfg(feature = "extended")]
 pub mod double_double;
+mod doubt;
 pub mod enclosure;
 pub mod erk;
 pub mod error;

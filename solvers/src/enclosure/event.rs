@@ -1,11 +1,11 @@
 //! The passage of a set of states through an event.
 
-use super::doubt::Doubt;
 use super::expand::Field;
 use super::interval::{Interval, points};
 use super::set::{Set, along};
 use super::tube::Tube;
 use super::watched::{Allowed, Watch, Watched};
+use crate::doubt::Doubt;
 use crate::sensitivity::Tangent;
 use crate::system::{Next, System, Vector};
 

@@ -60,7 +60,6 @@
 //! F. Corliss, Appl. Math. Comput. 105(1), 21–68 (1999). W. Tucker, *Validated Numerics*, Princeton University Press
 //! (2011).
 
-mod doubt;
 mod event;
 mod expand;
 mod interval;
@@ -70,7 +69,7 @@ mod step;
 mod tube;
 mod watched;
 
-pub use doubt::Doubt;
+pub use crate::doubt::Doubt;
 pub use interval::Interval;
 
 use event::Fall;

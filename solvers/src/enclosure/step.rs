@@ -1,11 +1,11 @@
 //! One step: the set of states at its end, and the guards on the way.
 
-use super::doubt::Doubt;
 use super::expand::{Field, Jet, horner};
 use super::interval::Interval;
 use super::polynomial::Polynomial;
 use super::set::Set;
 use super::tube::Tube;
+use crate::doubt::Doubt;
 use crate::system::System;
 use crate::tolerance::Tolerance;
 

@@ -1,9 +1,9 @@
 //! A box that a solution stays in over a span of time.
 
-use super::doubt::Doubt;
 use super::expand::Field;
 use super::interval::Interval;
 use super::watched::{Allowed, Watch, Watched};
+use crate::doubt::Doubt;
 use crate::system::{System, Vector};
 
 /// Attempts at a box, each wider than the one before.
