@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use crate::error::Error;
 use crate::integrate::of_its_length;
-use crate::phase::Point;
+use crate::point::Point;
 use crate::real::Real;
 use crate::record::{Accepted, Event, Grazing, Needs, Record};
 use crate::stats::Stats;

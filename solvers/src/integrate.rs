@@ -5,7 +5,8 @@ use std::collections::VecDeque;
 
 use crate::error::{Error, Outcome};
 use crate::event_location::GuardWatch;
-use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
+use crate::phase::{PhaseEnd, PhaseSolver, check_finite};
+use crate::point::Point;
 use crate::real::Real;
 use crate::record::{Event, Record};
 use crate::stats::Stats;

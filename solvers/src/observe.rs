@@ -45,7 +45,7 @@ use std::ops::ControlFlow;
 
 use crate::error::Error;
 use crate::event_location::march::{Found, first_fall, first_width};
-use crate::phase::Point;
+use crate::point::Point;
 use crate::record::{Accepted, Event, Record};
 use crate::root::{Bracket, find_root};
 use crate::step::Step;

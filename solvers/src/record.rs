@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::error::Error;
-use crate::phase::Point;
+use crate::point::Point;
 use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{Next, System};

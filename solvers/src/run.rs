@@ -7,7 +7,7 @@ use crate::control::{Control, Steps};
 use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
 use crate::methods::{METHODS, Method};
-use crate::phase::Point;
+use crate::point::Point;
 use crate::record::Watch;
 use crate::stats::Stats;
 use crate::system::System;

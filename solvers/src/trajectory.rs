@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use piece::Piece;
 
 use crate::error::Error;
-use crate::phase::Point;
+use crate::point::Point;
 use crate::record::{Accepted, Event, Grazing, Needs, Record};
 use crate::system::{Next, System, Vector};
 

@@ -5,7 +5,7 @@ use crate::control::Steps;
 use crate::erk::ExplicitRk;
 use crate::methods::{DORMAND_PRINCE_853, KUTTA_43};
 use crate::one_step::{OneStepSolver, Paced};
-use crate::phase::Point;
+use crate::point::Point;
 use crate::system::System;
 use crate::taylor::{Operations, TaylorMethod, order_for};
 

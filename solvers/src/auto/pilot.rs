@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use super::explicit::Pace;
 use super::spectrum::Spectrum;
-use crate::phase::Point;
+use crate::point::Point;
 use crate::record::{Accepted, Event, Grazing, Needs, Record};
 use crate::stats::Stats;
 use crate::system::System;

@@ -13,7 +13,8 @@ mod stepper;
 
 use crate::error::Error;
 use crate::event_location::{GuardCrossing, GuardWatch};
-use crate::phase::{PhaseEnd, PhaseSolver, Point, check_finite};
+use crate::phase::{PhaseEnd, PhaseSolver, check_finite};
+use crate::point::Point;
 use crate::record::{Accepted, Record};
 use crate::stats::Stats;
 use crate::step::{Step, end_accessors};

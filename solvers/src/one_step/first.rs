@@ -1,7 +1,7 @@
 //! The size of the very first step.
 
 use super::{OneStep, OneStepSolver};
-use crate::phase::Point;
+use crate::point::Point;
 use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{System, Vector};

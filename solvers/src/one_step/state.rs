@@ -1,7 +1,7 @@
 //! The state of a phase between two attempts of a step.
 
 use crate::error::Error;
-use crate::phase::Point;
+use crate::point::Point;
 use crate::record::Record;
 use crate::stats::Stats;
 use crate::system::System;
