@@ -8,8 +8,8 @@ use crate::integrate::of_its_length;
 use crate::point::Point;
 use crate::real::Real;
 use crate::record::{Accepted, Event, Grazing, Needs, Record};
-use crate::stats::Stats;
 use crate::system::{ModeOfState, Next, System, Vector};
+use crate::work::Stats;
 
 /// A system whose right-hand side reads its mode off the state, as a model written with `if` statements does. Of its
 /// guards only the one that [ends](ModeOfState::end) a run remains.

@@ -3,11 +3,11 @@
 use crate::dense::{add, combine_with};
 use crate::one_step::OneStep;
 use crate::real::{Ordered, Over, Real};
-use crate::stats::Stats;
 use crate::step::TableauStep;
 use crate::system::{System, Vector};
 use crate::tableau::Tableau;
 use crate::tolerance::{Tolerance, norm_sq};
+use crate::work::Stats;
 
 /// The right-hand side that a stage loop evaluates.
 pub(crate) trait Slope<T, Y> {

@@ -9,8 +9,8 @@ use crate::phase::{PhaseEnd, PhaseSolver, check_finite};
 use crate::point::Point;
 use crate::real::Real;
 use crate::record::{Event, Record};
-use crate::stats::Stats;
 use crate::system::{Next, System, Vector};
+use crate::work::Stats;
 
 /// Largest number of transitions at one instant, unless twice the number of guards is larger. Beyond it the run ends
 /// in [`Error::Chatter`].

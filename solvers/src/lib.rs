@@ -150,6 +150,7 @@ pub mod tableau;
 pub mod taylor;
 pub mod tolerance;
 pub mod trajectory;
+mod work;
 
 pub use blind::{Blind, Unblind};
 pub use control::{Control, Steps};
@@ -162,8 +163,9 @@ pub use real::{Over, Real};
 pub use record::{Accepted, Event, Grazing, Needs, Record, Watch};
 pub use run::{Run, Solution};
 pub use sensitivity::Sensitive;
-pub use stats::{Stats, Work, WorkByKind};
+pub use stats::WorkByKind;
 pub use step::Step;
 pub use system::{Alike, ModeOfState, Next, System, Vector};
 pub use tolerance::Tolerance;
 pub use trajectory::{Grid, Sample, Switch, Trajectory};
+pub use work::{Stats, Work};

@@ -4,8 +4,8 @@ pub use crate::point::Point;
 
 use crate::error::Error;
 use crate::record::Record;
-use crate::stats::Stats;
 use crate::system::System;
+use crate::work::Stats;
 
 /// How a phase ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

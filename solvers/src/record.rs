@@ -4,9 +4,9 @@ use std::ops::ControlFlow;
 
 use crate::error::Error;
 use crate::point::Point;
-use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{Next, System};
+use crate::work::Stats;
 
 /// An accepted step, as a recorder sees it.
 pub struct Accepted<'a, P: System> {

@@ -4,9 +4,9 @@ use crate::dense::{add, combine};
 use crate::linear::{Jacobian, Shifted};
 use crate::one_step::OneStep;
 use crate::order_conditions::{residuals, trees};
-use crate::stats::Stats;
 use crate::step::{Step, end_accessors};
 use crate::system::{System, Vector};
+use crate::work::Stats;
 
 /// A stiffly accurate Rosenbrock method with `S` stages. The coefficients are those of the form that needs no product
 /// with the Jacobian in each stage.

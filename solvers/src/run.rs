@@ -9,10 +9,10 @@ use crate::integrate::Integration;
 use crate::methods::{METHODS, Method};
 use crate::point::Point;
 use crate::record::Watch;
-use crate::stats::Stats;
 use crate::system::System;
 use crate::tolerance::Tolerance;
 use crate::trajectory::{Grid, Trajectory};
+use crate::work::Stats;
 
 /// What is called at each step.
 type Progress<'a> = Box<dyn FnMut(f64, &Stats) -> ControlFlow<()> + 'a>;

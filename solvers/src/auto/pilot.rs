@@ -6,8 +6,8 @@ use super::explicit::Pace;
 use super::spectrum::Spectrum;
 use crate::point::Point;
 use crate::record::{Accepted, Event, Grazing, Needs, Record};
-use crate::stats::Stats;
 use crate::system::System;
+use crate::work::Stats;
 
 /// Cost of an attempt of an implicit step in right-hand sides. On contacts of six states it takes 2 to 4 times as long as
 /// a series of order 13, whose [cost](Pace::cost) is 9: so it is 20 to 40. Of 15 to 40, 20 gave the least time on 24

@@ -12,10 +12,10 @@ use crate::phase::{PhaseEnd, PhaseSolver};
 use crate::point::Point;
 use crate::radau::RadauMethod;
 use crate::record::Record;
-use crate::stats::Stats;
 use crate::system::System;
 use crate::taylor::Operations;
 use crate::tolerance::Tolerance;
+use crate::work::Stats;
 
 /// Fraction of the tolerance that the implicit method works to.
 const IMPLICIT_SHARE: f64 = 0.1;

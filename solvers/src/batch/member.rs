@@ -11,9 +11,9 @@ use crate::lanes::Simd;
 use crate::one_step::{OneStep, PhaseState};
 use crate::phase::PhaseEnd;
 use crate::record::Needs;
-use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{Alike, Vector};
+use crate::work::Stats;
 
 /// A run in a phase whose mode has parameters.
 pub(super) struct Member<'r, 'a, P: Alike, M> {

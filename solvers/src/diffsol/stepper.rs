@@ -14,8 +14,8 @@ use super::equations::{Equations, Places};
 use super::field::Field;
 use crate::error::Error;
 use crate::phase::PhaseEnd;
-use crate::stats::Stats;
 use crate::tolerance::Tolerance;
+use crate::work::Stats;
 
 /// Longest span that `diffsol` takes for zero, and the shortest first step that is chosen for it, as a fraction of the time.
 pub(super) const RESOLUTION: f64 = 100.0 * f64::EPSILON;

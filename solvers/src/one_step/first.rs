@@ -2,10 +2,10 @@
 
 use super::{OneStep, OneStepSolver};
 use crate::point::Point;
-use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
+use crate::work::Stats;
 
 impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     /// A first step size, at which the local error is about one per cent of the tolerance, estimated from the slope

@@ -4,9 +4,9 @@ use super::{OneStep, OneStepSolver};
 use crate::error::Error;
 use crate::event_location::GuardCrossing;
 use crate::root::Bracket;
-use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::System;
+use crate::work::Stats;
 
 /// Number of retaken steps by Newton's iteration after which every other one is a bisection.
 const NEWTON_RETAKES: usize = 8;

@@ -3,8 +3,8 @@
 use crate::error::Error;
 use crate::point::Point;
 use crate::record::Record;
-use crate::stats::Stats;
 use crate::system::System;
+use crate::work::Stats;
 
 /// State of a phase: its end, and the size of the step to try next.
 #[derive(Clone, Copy, Debug)]

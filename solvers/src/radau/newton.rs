@@ -9,9 +9,9 @@ use super::full::FullMatrix;
 use super::{Radau, RadauStep, transformed};
 use crate::control::Control;
 use crate::linear::{Jacobian, Shifted};
-use crate::stats::Stats;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
+use crate::work::Stats;
 
 /// Largest error of the iteration, as a fraction of the tolerance. RADAU5.
 const REST: f64 = 0.03;

@@ -20,10 +20,10 @@ use crate::phase::{PhaseEnd, check_finite};
 use crate::point::Point;
 use crate::real::Real;
 use crate::record::{Accepted, Record, reject};
-use crate::stats::Stats;
 use crate::step::Step;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
+use crate::work::Stats;
 
 /// Largest number of Newton iterations for the time of an event. It is enough to come close to a root of order four.
 const MOST_ITERATIONS: usize = 40;

@@ -10,10 +10,10 @@ use crate::error::Error;
 use crate::event_location::{GuardCrossing, GuardWatch};
 use crate::one_step::OneStep;
 use crate::real::Real;
-use crate::stats::Stats;
 use crate::step::{Step, end_accessors};
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
+use crate::work::Stats;
 
 /// The Taylor method applied to one system, or to several at once in lanes.
 #[derive(Debug)]

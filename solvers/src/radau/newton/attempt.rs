@@ -8,9 +8,9 @@ use crate::event_location::{GuardCrossing, GuardWatch};
 use crate::one_step::{OneStep, PREDICTION};
 use crate::radau::RadauStep;
 use crate::radau::convergence::Iteration;
-use crate::stats::Stats;
 use crate::system::System;
 use crate::tolerance::Tolerance;
+use crate::work::Stats;
 
 impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
     type Step = RadauStep<P::State<f64>>;
