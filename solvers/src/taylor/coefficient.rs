@@ -4,10 +4,12 @@ use std::ops::{Add, BitAnd, Mul};
 
 use wide::{f64x2, f64x4, f64x8};
 
-use super::recurrence::SHORT;
 use super::rows::{MAX_ORDER, Row, Tail};
 use crate::lanes::{FUSED, Lanes, Simd};
 use crate::real::{Ordered, Real};
+
+/// The highest order whose sums run from the middle outwards, which is the fastest form for straight-line code.
+pub(super) const SHORT: usize = 5;
 
 /// A number that can be the coefficient of a series.
 pub trait Coefficient: Real {

@@ -3,13 +3,15 @@
 use std::cell::Cell;
 
 use super::coefficient::Coefficient;
-use super::guards::FIRST_LOOK;
 use super::rows::{Rows, Table};
 use super::series::Series;
 use super::trace::Trace;
 use super::unrolled::OfOrder;
 use crate::erk::InMode;
 use crate::system::{System, Vector};
+
+/// Order to which guards are expanded first. In most steps it suffices to show that they are far from zero.
+pub(super) const FIRST_LOOK: usize = 5;
 
 /// A right-hand side with guards that can be evaluated with series.
 pub(crate) trait SeriesField<P: System, B: Coefficient> {

@@ -7,7 +7,7 @@ mod tests;
 use fit::{Fit, fit, may_fall};
 
 use super::coefficient::Coefficient;
-use super::expand::{GuardsRun, Run, SeriesField};
+use super::expand::{FIRST_LOOK, GuardsRun, Run, SeriesField};
 use super::polynomial::Polynomial;
 use super::rows::Rows;
 use super::trace::Trace;
@@ -20,8 +20,6 @@ use crate::root::minimum;
 use crate::step::Step;
 use crate::system::{System, Vector};
 
-/// Order to which guards are expanded first. In most steps it suffices to show that they are far from zero.
-pub(crate) const FIRST_LOOK: usize = 5;
 /// Terms that grow are of no account below this fraction of the guard.
 const NOISE: f64 = 1e-9;
 /// Precision of the roots of the polynomials, as a fraction of the step.

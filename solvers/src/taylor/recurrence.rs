@@ -9,14 +9,11 @@
 //! A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd ed., SIAM (2008), table 13.1 and 13.2;
 //! E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, I.8.
 
-use super::coefficient::Coefficient;
+use super::coefficient::{Coefficient, SHORT};
 use super::rows::Row;
 
 /// The largest integer exponent for which a power is computed by products.
 pub(super) const LARGEST_PRODUCT: f64 = 64.0;
-
-/// The highest order whose sums run from the middle outwards, which is the fastest form for straight-line code.
-pub(super) const SHORT: usize = 5;
 
 /// `1/k`, which the compiler evaluates where the order is a constant.
 #[inline(always)]

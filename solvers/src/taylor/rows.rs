@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use super::coefficient::Coefficient;
+use crate::real::Real;
 
 /// The highest order of a series.
 pub const MAX_ORDER: usize = 25;
@@ -19,7 +19,7 @@ pub struct Row<B: Copy> {
     pub(super) kept: Cell<B>,
 }
 
-impl<B: Coefficient> Row<B> {
+impl<B: Real> Row<B> {
     pub(super) fn new() -> Self {
         let zero = || Cell::new(B::cst(0.0));
         Self { coefficients: std::array::from_fn(|_| zero()), kept: zero() }
@@ -50,7 +50,7 @@ pub struct Tail<'a, B: Copy> {
     first: usize,
 }
 
-impl<B: Coefficient> Tail<'_, B> {
+impl<B: Real> Tail<'_, B> {
     /// The coefficient of order `first + k`.
     #[inline(always)]
     pub fn at(self, k: usize) -> B {
@@ -67,13 +67,13 @@ pub struct Rows<B: Copy> {
     rows: Vec<Row<B>>,
 }
 
-impl<B: Coefficient> Default for Rows<B> {
+impl<B: Real> Default for Rows<B> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<B: Coefficient> Rows<B> {
+impl<B: Real> Rows<B> {
     /// A table with enough rows for most systems, which grows where needed.
     pub fn new() -> Self {
         Self { rows: (0..N_ROWS).map(|_| Row::new()).collect() }
@@ -138,7 +138,7 @@ pub(crate) struct Table<'a, B: Copy> {
     pub(crate) k: usize,
 }
 
-impl<'a, B: Coefficient> Table<'a, B> {
+impl<'a, B: Real> Table<'a, B> {
     /// The next row. Beyond the last row it is an arbitrary one; the run is then [repeated](Rows::grow).
     #[inline(always)]
     pub(super) fn next(self) -> &'a Row<B> {
