@@ -2,15 +2,14 @@
 
 use std::cell::RefCell;
 
+use diffsol::{FaerSparseMat, FaerVec, NalgebraMat, NalgebraVec};
 use diffsol_la::error::{LaError, LinearSolverError};
-use diffsol_la::{LinearOp, LinearSolver, Matrix as _, MatrixCommon as _};
+use diffsol_la::{
+    FaerContext, LinearOp, LinearSolver, Matrix as _, MatrixCommon as _, NalgebraContext,
+    Vector as _,
+};
 
-use super::algebra::{Algebra, Dense, Sparse};
 use crate::linear::{DenseLu, SparseLu};
-
-type Matrix<A> = <A as Algebra>::M;
-type Vector<A> = <A as Algebra>::V;
-type Context<A> = <A as Algebra>::C;
 
 /// An error unless the solution in `b` is finite; that of a singular matrix is not.
 fn solved(b: &[f64]) -> Result<(), LaError> {
@@ -23,11 +22,11 @@ fn solved(b: &[f64]) -> Result<(), LaError> {
 
 /// An iteration matrix and its factors; `None` before its size is known.
 #[derive(Default)]
-pub(crate) struct DenseSolver(Option<(Matrix<Dense>, DenseLu<f64>)>);
+pub(crate) struct DenseSolver(Option<(NalgebraMat<f64>, DenseLu<f64>)>);
 
-impl LinearSolver<Matrix<Dense>> for DenseSolver {
+impl LinearSolver<NalgebraMat<f64>> for DenseSolver {
     fn set_sparsity<
-        C: LinearOp<T = f64, V = Vector<Dense>, M = Matrix<Dense>, C = Context<Dense>>,
+        C: LinearOp<T = f64, V = NalgebraVec<f64>, M = NalgebraMat<f64>, C = NalgebraContext>,
     >(
         &mut self,
         op: &C,
@@ -37,7 +36,7 @@ impl LinearSolver<Matrix<Dense>> for DenseSolver {
     }
 
     fn set_linearisation<
-        C: LinearOp<T = f64, V = Vector<Dense>, M = Matrix<Dense>, C = Context<Dense>>,
+        C: LinearOp<T = f64, V = NalgebraVec<f64>, M = NalgebraMat<f64>, C = NalgebraContext>,
     >(
         &mut self,
         op: &C,
@@ -48,28 +47,28 @@ impl LinearSolver<Matrix<Dense>> for DenseSolver {
         }
     }
 
-    fn solve_in_place(&self, b: &mut Vector<Dense>) -> Result<(), LaError> {
+    fn solve_in_place(&self, b: &mut NalgebraVec<f64>) -> Result<(), LaError> {
         let Some((_, lu)) = &self.0 else {
             return Err(LinearSolverError::LuNotInitialized.into());
         };
-        let b = Dense::components_mut(b);
+        let b = b.inner_mut().as_mut_slice();
         lu.solve(b);
         solved(b)
     }
 
     /// Transposed systems occur only in adjoint solutions, which are not supported.
-    fn solve_transpose_in_place(&self, _b: &mut Vector<Dense>) -> Result<(), LaError> {
+    fn solve_transpose_in_place(&self, _b: &mut NalgebraVec<f64>) -> Result<(), LaError> {
         Err(LinearSolverError::LuNotInitialized.into())
     }
 }
 
 /// A sparse iteration matrix and its factors; `None` before its pattern is known.
 #[derive(Default)]
-pub(crate) struct SparseSolver(Option<(Matrix<Sparse>, RefCell<SparseLu<f64>>)>);
+pub(crate) struct SparseSolver(Option<(FaerSparseMat<f64>, RefCell<SparseLu<f64>>)>);
 
-impl LinearSolver<Matrix<Sparse>> for SparseSolver {
+impl LinearSolver<FaerSparseMat<f64>> for SparseSolver {
     fn set_sparsity<
-        C: LinearOp<T = f64, V = Vector<Sparse>, M = Matrix<Sparse>, C = Context<Sparse>>,
+        C: LinearOp<T = f64, V = FaerVec<f64>, M = FaerSparseMat<f64>, C = FaerContext>,
     >(
         &mut self,
         op: &C,
@@ -80,7 +79,7 @@ impl LinearSolver<Matrix<Sparse>> for SparseSolver {
     }
 
     fn set_linearisation<
-        C: LinearOp<T = f64, V = Vector<Sparse>, M = Matrix<Sparse>, C = Context<Sparse>>,
+        C: LinearOp<T = f64, V = FaerVec<f64>, M = FaerSparseMat<f64>, C = FaerContext>,
     >(
         &mut self,
         op: &C,
@@ -91,17 +90,17 @@ impl LinearSolver<Matrix<Sparse>> for SparseSolver {
         }
     }
 
-    fn solve_in_place(&self, b: &mut Vector<Sparse>) -> Result<(), LaError> {
+    fn solve_in_place(&self, b: &mut FaerVec<f64>) -> Result<(), LaError> {
         let Some((_, lu)) = &self.0 else {
             return Err(LinearSolverError::LuNotInitialized.into());
         };
-        let b = Sparse::components_mut(b);
+        let b = b.inner_mut().col_as_slice_mut(0);
         lu.borrow_mut().solve(b);
         solved(b)
     }
 
     /// Not supported, as for [`DenseSolver`].
-    fn solve_transpose_in_place(&self, _b: &mut Vector<Sparse>) -> Result<(), LaError> {
+    fn solve_transpose_in_place(&self, _b: &mut FaerVec<f64>) -> Result<(), LaError> {
         Err(LinearSolverError::LuNotInitialized.into())
     }
 }
