@@ -147,6 +147,7 @@ pub mod stats;
 pub mod step;
 pub mod system;
 pub mod tableau;
+mod tableaux;
 pub mod taylor;
 pub mod tolerance;
 pub mod trajectory;

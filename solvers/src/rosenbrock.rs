@@ -288,7 +288,7 @@ impl<Y: Vector<f64>, const S: usize> Step<Y> for RosenbrockStep<Y, S> {
 
 #[cfg(test)]
 mod tests {
-    use crate::methods::RODAS_5P;
+    use crate::tableaux::RODAS_5P;
 
     #[test]
     fn rodas5p_has_order_six_on_linear_systems_and_no_more() {

@@ -3,10 +3,10 @@
 use super::LOOSE;
 use crate::control::Steps;
 use crate::erk::ExplicitRk;
-use crate::methods::{DORMAND_PRINCE_853, KUTTA_43};
 use crate::one_step::{OneStepSolver, Paced};
 use crate::point::Point;
 use crate::system::System;
+use crate::tableaux::{DORMAND_PRINCE_853, KUTTA_43};
 use crate::taylor::{Operations, TaylorMethod, order_for};
 
 /// Most operations of a right-hand side and its guards, and most states, for which a series is cheaper than the

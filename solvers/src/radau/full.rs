@@ -71,9 +71,9 @@ impl FullMatrix {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::RADAU_IIA_5;
     use crate::real::Real;
     use crate::system::Next;
+    use crate::tableaux::RADAU_IIA_5;
 
     /// Rates of all kinds: a state, multiples of a state, also of an earlier one and in a row, of itself, and others;
     /// one is a multiple in some stages and constant in others; one, in one mode, a multiple that changes.

@@ -1,25 +1,9 @@
 //! The list of methods. Tests, benches and figures loop over it, so a method in the list is in all of them.
 //!
-//! A new explicit tableau is a file in this folder and an entry in [`METHODS`]. A tableau need not be in the list to be
+//! A new explicit tableau is a file in `tableaux` and an entry in [`METHODS`]. A tableau need not be in the list to be
 //! used: see [`tableau`](crate::tableau).
 
-mod bogacki_shampine_3;
-mod classical_4;
-mod dormand_prince_5;
-mod dormand_prince_853;
-mod kutta_43;
-mod radau_iia_5;
-mod rodas_5p;
-mod verner_98;
-
-pub use bogacki_shampine_3::BOGACKI_SHAMPINE_3;
-pub use classical_4::CLASSICAL_4;
-pub use dormand_prince_5::DORMAND_PRINCE_5;
-pub use dormand_prince_853::DORMAND_PRINCE_853;
-pub use kutta_43::KUTTA_43;
-pub use radau_iia_5::RADAU_IIA_5;
-pub use rodas_5p::RODAS_5P;
-pub use verner_98::VERNER_98;
+pub use crate::tableaux::*;
 
 use crate::auto::{self, AutoSolver, LOOSE};
 use crate::batch::{self, Entry};
