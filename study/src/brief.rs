@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use deltazero_solvers::{Accepted, Event, Needs, Record};
 
 use crate::account::Account;
-use crate::energy_balance::Balance;
+use crate::balance::Balance;
 use crate::errors::contact_summary::ContactSummary;
 use crate::kinds::by_kind;
 use crate::part::Part;

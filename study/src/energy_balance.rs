@@ -3,45 +3,14 @@
 use std::ops::ControlFlow;
 
 use deltazero_solvers::{Accepted, Event, Next, Record};
-use serde::{Deserialize, Serialize};
 
-use crate::json_number;
+pub use crate::balance::Balance;
+
 use crate::points::{Points, mode_inside};
 use crate::problem::{Energy, Power, Problem};
 use crate::quadrature::{GAUSS, Nodes};
 use crate::self_check::SelfCheck;
 use crate::setting::Events;
-
-/// Where the energy went, all in J, summed over parts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Balance {
-    /// Work of what drives the system.
-    #[serde(with = "json_number::one")]
-    pub work: f64,
-    /// Kinetic energy at the end.
-    #[serde(with = "json_number::one")]
-    pub kinetic: f64,
-    /// Elastic energy of the contacts at the end.
-    #[serde(with = "json_number::one")]
-    pub elastic: f64,
-    /// Taken by damping, by friction, and by events that take energy: impacts, and contacts that end dented.
-    #[serde(with = "json_number::one")]
-    pub dissipated: f64,
-    /// `work + energy at the start − kinetic − elastic − dissipated`: zero for an exact run of a
-    /// model that conserves energy.
-    #[serde(with = "json_number::one")]
-    pub residual: f64,
-}
-
-impl std::ops::AddAssign for Balance {
-    fn add_assign(&mut self, other: Self) {
-        self.work += other.work;
-        self.kinetic += other.kinetic;
-        self.elastic += other.elastic;
-        self.dissipated += other.dissipated;
-        self.residual += other.residual;
-    }
-}
 
 /// Integrates the powers of one problem along its run: Gauss quadrature on the dense output of every step. Of a problem
 /// without energies there is no balance.

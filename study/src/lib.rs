@@ -21,6 +21,7 @@
 //! | [`selection`], [`map`] | which method reaches an accuracy at the least cost; over two parameters of a model |
 
 mod account;
+mod balance;
 pub mod brief;
 pub mod check;
 pub mod columns;

@@ -4,7 +4,7 @@ use deltazero_solvers::{Grid, Stats, Trajectory, WorkByKind};
 use serde::{Deserialize, Serialize};
 
 use crate::account::Account;
-use crate::energy_balance::Balance;
+use crate::balance::Balance;
 use crate::errors::contacts::{Contact, contact_errors, total_impulse};
 use crate::errors::dense::Distance;
 use crate::errors::work::WorkByPhase;

@@ -4,7 +4,7 @@
 //! A speed beyond what the energy allows is a residual of the balance, too. Equations that feed energy in by themselves
 //! have no balance to judge them by, only what damping gave and the penetration.
 
-use crate::energy_balance::Balance;
+use crate::balance::Balance;
 use crate::problem::Laws;
 use crate::warning::{Code, Warning};
 

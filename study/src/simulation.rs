@@ -3,8 +3,8 @@
 use deltazero_solvers::{Error, Grid, Next, Sample, Stats, Switch, Trajectory, WorkByKind};
 
 use crate::account::Account;
+use crate::balance::Balance;
 use crate::digits::count_of;
-use crate::energy_balance::Balance;
 use crate::errors::contacts::Contact;
 use crate::problem::{Problem, Quantity, Touch, change, leading_site};
 use crate::run::{Brake, Braked, ModeChange, OwnRun, PartRun, Setting, integrate};

@@ -7,8 +7,8 @@ mod summary;
 
 use serde::{Deserialize, Serialize};
 
+use crate::balance::Balance;
 use crate::check::{ProblemError, check_end};
-use crate::energy_balance::Balance;
 use crate::errors::contacts::{Contact, total_impulse};
 use crate::errors::dense::Node;
 use crate::errors::{ErrorScale, EventMatch, Largest, match_to_end, worse};

@@ -11,7 +11,7 @@ use num_dual::Dual64;
 
 use super::ReferenceError;
 use crate::account::Account;
-use crate::energy_balance::Balance;
+use crate::balance::Balance;
 use crate::errors::contacts::Contact;
 use crate::errors::dense::{Node, Nodes};
 use crate::errors::{ErrorScale, Largest, match_to_end, worse};

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::balance::Balance;
 use crate::digits::{as_meant, in_short, rounded_to};
-use crate::energy_balance::Balance;
 use crate::errors::Largest;
 use crate::json_number;
 use crate::selection::chooses;
