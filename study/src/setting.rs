@@ -3,10 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use deltazero_solvers::{Control, Method, Tolerance};
+use deltazero_solvers::Method;
 use serde::{Deserialize, Serialize};
-
-use crate::problem::{Problem, scales};
 
 /// What a method does with events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -75,7 +73,7 @@ impl fmt::Display for Digits {
 pub enum Atol {
     /// The same number for every state, in that state's unit.
     Same(f64),
-    /// One for each state; see [`Problem::spread`].
+    /// One for each state; see [`Problem::spread`](crate::Problem::spread).
     Each(Arc<[f64]>),
 }
 
@@ -142,23 +140,6 @@ impl Setting {
         match self.accuracy {
             Accuracy::Rtol(..) => None,
             Accuracy::Step(step) => Some(step),
-        }
-    }
-
-    /// What a solver of `problem` is told of it.
-    pub fn control<P: Problem>(&self, problem: &P) -> Control {
-        match &self.accuracy {
-            Accuracy::Step(step) => Control::Fixed(*step),
-            Accuracy::Rtol(rtol, atol) => {
-                let mut all: Vec<f64> =
-                    scales(problem).into_iter().map(|scale| scale * rtol).collect();
-                match atol {
-                    None => {}
-                    Some(Atol::Same(atol)) => all.fill(*atol),
-                    Some(Atol::Each(each)) => problem.spread(each, &mut all),
-                }
-                Control::Adaptive(Tolerance { rtol: *rtol, atol: all })
-            }
         }
     }
 }

@@ -6,12 +6,13 @@ mod stopwatch;
 
 use deltazero_solvers::taylor::ExtendedIntegration;
 use deltazero_solvers::{
-    Blind, Error, Integration, ModeOfState, Outcome, Real as _, Record, Stats, System, Tolerance,
-    Unblind,
+    Blind, Control, Error, Integration, ModeOfState, Outcome, Real as _, Record, Stats, System,
+    Tolerance, Unblind,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::problem::{Problem, scales};
+use crate::setting::Atol;
 pub use crate::setting::{Accuracy, Events, Setting};
 
 pub use at_once::{Begun, at_once, integrate_all};
@@ -89,6 +90,25 @@ impl<Y: AsRef<[f64]>, M: std::fmt::Debug> Ran<Y, M> {
             stats: self.stats,
             took: self.took,
             batch: self.batch,
+        }
+    }
+}
+
+impl Setting {
+    /// What a solver of `problem` is told of it.
+    pub fn control<P: Problem>(&self, problem: &P) -> Control {
+        match &self.accuracy {
+            Accuracy::Step(step) => Control::Fixed(*step),
+            Accuracy::Rtol(rtol, atol) => {
+                let mut all: Vec<f64> =
+                    scales(problem).into_iter().map(|scale| scale * rtol).collect();
+                match atol {
+                    None => {}
+                    Some(Atol::Same(atol)) => all.fill(*atol),
+                    Some(Atol::Each(each)) => problem.spread(each, &mut all),
+                }
+                Control::Adaptive(Tolerance { rtol: *rtol, atol: all })
+            }
         }
     }
 }
