@@ -143,3 +143,8 @@ impl Setting {
         }
     }
 }
+
+/// Whether the method called `name` is one that chooses between explicit and implicit as it goes.
+pub(crate) fn chooses(name: &str) -> bool {
+    Method::named(name).is_some_and(Method::chooses)
+}

@@ -6,7 +6,7 @@ use crate::balance::Balance;
 use crate::digits::{as_meant, in_short, rounded_to};
 use crate::errors::Largest;
 use crate::json_number;
-use crate::selection::chooses;
+use crate::setting::chooses;
 use crate::warning::Warning;
 
 /// What is said where a part has no sample by which runs could be compared.

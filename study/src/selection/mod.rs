@@ -34,7 +34,7 @@ use deltazero_solvers::{METHODS, Method, Stats};
 use serde::{Deserialize, Serialize};
 
 use crate::json_number;
-use crate::setting::{Accuracy, Atol, Events, Setting};
+use crate::setting::{Accuracy, Atol, Events, Setting, chooses};
 
 pub use benchmark::Benchmark;
 pub use trial::{Start, Trial, TrialEnd, TrialLimit, work};
@@ -297,11 +297,6 @@ impl Failure {
     pub fn is_auto(&self) -> bool {
         chooses(&self.method)
     }
-}
-
-/// Whether the method called `name` is one that chooses between explicit and implicit as it goes.
-pub(crate) fn chooses(name: &str) -> bool {
-    Method::named(name).is_some_and(Method::chooses)
 }
 
 /// How a contest ended.
