@@ -20,6 +20,7 @@
 //! | [`mod@work_precision`], [`steps`] | the tables of a study |
 //! | [`selection`], [`map`] | which method reaches an accuracy at the least cost; over two parameters of a model |
 
+mod accepted;
 mod account;
 mod balance;
 pub mod brief;

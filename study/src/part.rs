@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use deltazero_solvers::{Grid, Outcome, Trajectory};
 
+use crate::accepted::{Steps, steps};
 use crate::brief::{Brief, BriefShape, briefs_of, shape};
 use crate::check::{ProblemError, check};
 use crate::errors::{ErrorScale, Largest};
@@ -18,7 +19,6 @@ use crate::run::{
     integrate_all, is_at_once,
 };
 use crate::simulation::{Asked, Simulation, SiteMotion, motion_with_touches, simulate};
-use crate::steps::step_size::{Steps, steps};
 use crate::trace::Trace;
 
 /// Where a run starts.
