@@ -11,10 +11,7 @@ use super::mode::{END_BOUND, Mode, N_GUARDS, delta_bound, distance};
 use super::plain_slip::PlainSlip;
 use super::reading::Reading;
 use super::sliding::Shape;
-
-/// State of a block: X, Y [m], θ [rad] and their rates. Of struts X is the pin displacement whose arm goes
-/// with sin θ (x01, z02), Y the one with cos θ (y01, y02); of a linkage θ is the angle of the crank.
-pub type State<S> = [S; 6];
+use super::state::State;
 
 /// A joint and what hangs on it.
 ///

@@ -2,9 +2,9 @@
 
 use deltazero_solvers::Real;
 
-use super::block::State;
 use super::inertia::{Arrow, BlockInertia};
 use super::linkage::{AnyAt, AnyLinkage, Linkage as _};
+use super::state::State;
 
 /// What hangs on a joint.
 #[derive(Clone, Debug)]

@@ -2,10 +2,11 @@
 
 use deltazero_study::problem::{Energy, Power};
 
-use super::block::{Block, ContactForces, State};
+use super::block::{Block, ContactForces};
 use super::body::Body;
 use super::linkage::Linkage as _;
 use super::mode::Mode;
+use super::state::State;
 
 impl Block {
     /// Energies of `y` in `mode`; that of a linkage is its own, of struts

@@ -44,8 +44,8 @@
 
 use deltazero_solvers::Real;
 
-use super::block::State;
 use super::linkage::{Linkage, Outputs};
+use super::state::State;
 
 /// Crank, coupler and rocker.
 #[derive(Clone, Copy, Debug, PartialEq)]

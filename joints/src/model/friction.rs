@@ -2,12 +2,13 @@
 
 use deltazero_solvers::Real;
 
-use super::block::{Block, ContactForces, State};
+use super::block::{Block, ContactForces};
 use super::body::{Body, Held, Posture};
 use super::contact::{Onset, PinPose};
 use super::linkage::Linkage as _;
 use super::mode::Mode;
 use super::sliding::Shape;
+use super::state::State;
 
 /// Accelerations (Ẍ, Ÿ, θ̈) that neighbours in a chain add to a block's own; none where it has none.
 pub(super) type Extra<S> = Option<[S; 3]>;

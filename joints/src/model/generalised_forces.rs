@@ -3,9 +3,10 @@
 
 use deltazero_solvers::Real;
 
-use super::block::{Block, ContactForces, State};
+use super::block::{Block, ContactForces};
 use super::contact::PinPose;
 use super::inertia::{Arrow, BlockInertia};
+use super::state::State;
 
 impl Block {
     /// The force on the pin and the torque of friction.

@@ -2,12 +2,13 @@
 
 use num_dual::Dual64;
 
-use super::block::{Block, ContactForces, State};
+use super::block::{Block, ContactForces};
 use super::body::{Body, Posture};
 use super::contact::{Onset, PinPose};
 use super::inertia::BlockInertia;
 use super::linkage::AnyLinkage;
 use super::mode::Mode;
+use super::state::State;
 
 /// A gradient with respect to the six states.
 pub(super) type Gradient = [f64; 6];

@@ -7,11 +7,12 @@ use deltazero_study::problem::{
 };
 use deltazero_study::run::{Begun, OwnRun, Setting, at_once, blind, extended, integrate};
 
-use super::block::{Block, ContactForces, State};
+use super::block::{Block, ContactForces};
 use super::body::Body;
 use super::contact;
 use super::linkage::{Linkage as _, Outputs};
 use super::mode::Mode;
+use super::state::State;
 
 /// A problem of one joint or more, each with six states and a mode of its own.
 pub trait Jointed: Problem {

@@ -8,9 +8,9 @@ use std::fmt::Debug;
 
 use deltazero_solvers::Real;
 
-use super::block::State;
 use super::four_bar::FourBar;
 use super::slider_crank::SliderCrank;
+use super::state::State;
 
 /// A linkage as its joint sees it. `load` is the force on the pin (P_X, P_Y) [N] and the torque of friction `F_T r_p`
 /// [N m], r_p the radius of the pin.

@@ -27,9 +27,10 @@ pub mod reading;
 mod scale;
 pub mod slider_crank;
 pub mod sliding;
+mod state;
 pub mod struts;
 
-pub use block::{Block, State};
+pub use block::Block;
 pub use body::Body;
 pub use chain::Chain;
 pub use four_bar::FourBar;
@@ -38,6 +39,7 @@ pub use linkage::AnyLinkage;
 pub use mode::Mode;
 pub use reading::Reading;
 pub use slider_crank::SliderCrank;
+pub use state::State;
 
 use contact::NormalLaw;
 use sliding::Shape;

@@ -6,12 +6,13 @@ use std::fmt;
 use deltazero_solvers::real::{Length, Over};
 use deltazero_solvers::{Next, Real};
 
-use super::block::{Block, State};
+use super::block::Block;
 use super::body::{Body, Held};
 use super::contact::{Onset, Rounding};
 use super::friction::Extra;
 use super::linkage::Linkage as _;
 use super::sliding::Shape;
+use super::state::State;
 
 /// Guard: θ short of the 90° to which the drive turns, where the struts line up.
 pub const GUARD_END: usize = 0;

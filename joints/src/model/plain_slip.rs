@@ -6,10 +6,11 @@ use std::fmt::Debug;
 use deltazero_solvers::Alike;
 use deltazero_solvers::real::{Length, Over};
 
-use super::block::{Block, State};
+use super::block::Block;
 use super::body::{Body, Held};
 use super::inertia::BlockInertia;
 use super::mode::{GUARD_CONTACT, GUARD_END, GUARD_UPPER, Mode, N_GUARDS, distance, rho_v_t};
+use super::state::State;
 
 /// A slip of struts under `F_N = K δ + D δ̇` with Coulomb's friction, all of it at the pin but for a torque of
 /// friction. `C` are the constants of one joint, or of several at once.

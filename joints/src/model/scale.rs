@@ -5,9 +5,10 @@ use std::f64::consts::TAU;
 use deltazero_study::Problem as _;
 use deltazero_study::errors::{ErrorScale, Largest};
 
-use super::block::{Block, State};
+use super::block::Block;
 use super::body::Body;
 use super::linkage::Linkage as _;
+use super::state::State;
 
 impl Block {
     /// The scale of each state [m, m, rad, m/s, m/s, rad/s].

@@ -37,8 +37,8 @@
 
 use deltazero_solvers::Real;
 
-use super::block::State;
 use super::linkage::{Linkage, Outputs};
+use super::state::State;
 
 /// Crank, rod and slider.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,12 +4,13 @@ use deltazero_solvers::System as _;
 use num_dual::Dual64;
 
 use super::{Chain, Modes, Motion, STATES};
-use crate::model::block::{ContactForces, State};
+use crate::model::block::ContactForces;
 use crate::model::body::Posture;
 use crate::model::contact::PinPose;
 use crate::model::inertia::BlockInertia;
 use crate::model::jacobian::{FrozenContact, Gradient, gradient};
 use crate::model::mode::Mode;
+use crate::model::state::State;
 
 /// Gradients of `R` quantities with respect to the states of neighbouring bays.
 struct Band<const R: usize> {

@@ -23,13 +23,14 @@ use std::ops::Range;
 
 use deltazero_solvers::{Next, Real, System};
 
-use super::block::{Block, ContactForces, State};
+use super::block::{Block, ContactForces};
 use super::body::{Body, Held, Posture};
 use super::contact::{Onset, PinPose};
 use super::inertia::{Arrow, BlockInertia};
 use super::linkage::{AnyLinkage, Linkage as _};
 use super::mode::{Mode, N_GUARDS};
 use super::sliding::Bristles;
+use super::state::State;
 
 pub use mode::Modes;
 
