@@ -3,7 +3,8 @@
 use deltazero_solvers::Real;
 
 use super::inertia::{Arrow, BlockInertia};
-use super::linkage::{AnyAt, AnyLinkage, Linkage as _};
+use super::linkage::Linkage as _;
+use super::linkages::{AnyAt, AnyLinkage};
 use super::state::State;
 
 /// What hangs on a joint.

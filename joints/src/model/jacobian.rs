@@ -6,7 +6,7 @@ use super::block::{Block, ContactForces};
 use super::body::{Body, Posture};
 use super::contact::{Onset, PinPose};
 use super::inertia::BlockInertia;
-use super::linkage::AnyLinkage;
+use super::linkages::AnyLinkage;
 use super::mode::Mode;
 use super::state::State;
 
