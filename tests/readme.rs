@@ -60,6 +60,17 @@ fn the_answers_on_the_pages_are_those_of_their_committed_studies() {
     }
 }
 
+#[test]
+fn the_answer_on_the_page_of_text_models_is_that_of_the_last_model_there() {
+    let (page, study) = (file("docs/own_model.md"), file("docs/own_model/study.json"));
+    let table: WorkPrecision = serde_json::from_str(&study).unwrap();
+    assert!(page.contains(&report::answer(&table)), "{}", report::answer(&table));
+    let record: Value = serde_json::from_str(&study).unwrap();
+    let (_, last) = page.rsplit_once("```toml\n").unwrap();
+    let (model, _) = last.split_once("```").unwrap();
+    assert_eq!(record["config"]["model"]["text"], model);
+}
+
 fn committed_audit() -> (Value, Audit) {
     let mut record: Value = serde_json::from_str(&file("docs/audit/audit.json")).unwrap();
     let audit = serde_json::from_value(record["audit"].take()).unwrap();
