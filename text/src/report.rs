@@ -78,7 +78,7 @@ impl Complaint {
         self
     }
 
-    /// The same with the nearest of the known names, or with all of them if none is near.
+    /// The same with the nearest of the known names, or with some of them where none is near.
     pub(crate) fn nearest<'a>(self, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
         let mut known: Vec<&str> = known.into_iter().collect();
         known.sort_unstable();
@@ -90,17 +90,20 @@ impl Complaint {
         let best = known.iter().max_by(|a, b| similar(a).total_cmp(&similar(b)));
         match best {
             Some(best) if similar(best) >= NEAR => self.help(format!("did you mean `{best}`?")),
-            Some(_) if known.len() <= FEW_NAMES => {
-                self.help(format!("known here: {}", known.join(", ")))
+            Some(_) => {
+                let n_more = known.len().saturating_sub(FEW_NAMES);
+                let few = known[..known.len() - n_more].join(", ");
+                let more = if n_more > 0 { format!(", and {n_more} more") } else { String::new() };
+                self.help(format!("known here: {few}{more}"))
             }
-            _ => self,
+            None => self.or_help("none is declared here"),
         }
     }
 }
 
 /// Names that are compared with one that is not known, at most.
 const MOST_NAMES: usize = 1000;
-/// Names that are all told, at most.
+/// Names that are told where none is near, at most.
 const FEW_NAMES: usize = 24;
 /// Similarity from which on a name is taken for a slip of another.
 const NEAR: f64 = 0.5;

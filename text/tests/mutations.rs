@@ -134,19 +134,36 @@ fn try_run(model: &TextModel<Any>, text: &str) {
     }
 }
 
-/// Parses a text, evaluates every function of its models once, and runs them.
+/// What became of a text.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Tried {
+    Refused,
+    /// A model of too many states to run.
+    Evaluated,
+    Ran,
+}
+
+/// Whether a text is a model, which is then tried out.
 fn try_out(text: &str) -> bool {
+    tried(text) != Tried::Refused
+}
+
+/// Parses a text, evaluates every function of its models once, and runs them.
+fn tried(text: &str) -> Tried {
     let file = match ModelFile::parse("mutant.toml", text) {
         Ok(file) => file,
         Err(report) => {
-            assert!(!report.to_string().is_empty());
+            let told = report.to_string();
+            assert!(told.contains("--> mutant.toml:"), "no place: {told}\nof\n{text}");
+            assert!(told.contains("= help: "), "no way out: {told}\nof\n{text}");
             let ((line, column), lines) = (report.line_and_column(), text.split('\n').count());
             assert!((1..=lines + 1).contains(&line) && column > 0, "{line}:{column} of\n{text}");
             assert!(report.span().end <= text.len() + 1, "{:?} of\n{text}", report.span());
-            return false;
+            return Tried::Refused;
         }
     };
     assert!(file.warnings().iter().all(|warning| !warning.to_string().is_empty()));
+    let mut end = Tried::Evaluated;
     for model in file.models(&[]).unwrap() {
         let y = Problem::start(&model);
         let mode = model.initial_mode(0.0, &y);
@@ -165,14 +182,15 @@ fn try_out(text: &str) -> bool {
         if model.dim() < FEW {
             model.jacobian(mode, 0.0, &y, |_, _, _| {});
             try_run(&model, text);
+            end = Tried::Ran;
         }
     }
-    true
+    end
 }
 
 fn mutate(n: usize, seed: u64) {
     let mut rng = Rng::with_seed(seed);
-    let (mut n_valid, mut longest) = (0, Duration::ZERO);
+    let (mut ends, mut longest) = ([0; 3], Duration::ZERO);
     let models = models();
     for i in 0..n {
         let text = models[i % models.len()];
@@ -182,13 +200,16 @@ fn mutate(n: usize, seed: u64) {
             with_other_tokens(&mut rng, text)
         };
         let start = Instant::now();
-        n_valid += usize::from(try_out(&mutant));
+        ends[tried(&mutant) as usize] += 1;
         let took = start.elapsed();
         assert!(took < Duration::from_secs(20), "{took:?} for\n{mutant}");
         longest = longest.max(took);
     }
-    println!("{n_valid} of {n} are models; the longest took {longest:?}");
-    assert!(n_valid > n / 100);
+    let [n_refused, n_evaluated, n_ran] = ends;
+    println!(
+        "of {n} texts {n_refused} were refused, {n_evaluated} were models too large to run, {n_ran} ran; the longest took {longest:?}"
+    );
+    assert!(n_ran > n / 100);
 }
 
 #[test]
