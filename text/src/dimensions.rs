@@ -3,7 +3,7 @@
 //! | what | its unit |
 //! |---|---|
 //! | a name without a unit, and what is a product with one | fits anything |
-//! | a number in a product | none: `2*K*x` has the unit of `K*x` |
+//! | a number in a product | none: `2*K*x` has the unit of `K*x`, but may convert its scale |
 //! | a number alone on a side of an equation or a comparison | that of the other side |
 //! | 0 | every unit |
 //! | another number in a sum | none, so that all else in the sum has none |
@@ -36,9 +36,6 @@ enum Known {
     Unit(Unit, f64),
 }
 
-/// Factor between two scales that numbers leave open where they make up for it: they may be a conversion times a half.
-const OPEN: f64 = 10.0;
-
 impl Known {
     const ZERO: Self = Self::Number(Some(0.0));
     const ONE: Self = Self::unit(Unit::ONE);
@@ -47,8 +44,13 @@ impl Known {
         Self::Unit(unit, 1.0)
     }
 
+    /// Its value, if it is a number that is known.
+    fn value(self) -> Option<f64> {
+        if let Self::Number(value) = self { value } else { None }
+    }
+
     fn is_zero(self) -> bool {
-        matches!(self, Self::Number(Some(0.0)))
+        self.value() == Some(0.0)
     }
 
     fn times(self, other: Self) -> Self {
@@ -85,14 +87,11 @@ impl Known {
         }
     }
 
-    /// Whether both are in one unit. The numbers of a product may convert one scale to another: `0.001*w` of a `w` in mm/s is
-    /// in m/s, and `phi*pi/180` of a `phi` in deg in rad.
+    /// Whether both are in one unit; where numbers stand in a product, in units of one kind, as they may convert one scale to
+    /// another: `0.001*w` of a `w` in mm/s is in m/s.
     fn fits(self, other: Self) -> bool {
         let (Self::Unit(a, n), Self::Unit(b, m)) = (self, other) else { return true };
-        let Some(ratio) = a.factor_over(b) else { return false };
-        let size = |x: f64| libm::log(x).abs();
-        let left = size(n / m / ratio);
-        ratio == 1.0 || (left < size(n / m) && left < libm::log(OPEN))
+        a.factor_over(b).is_some_and(|ratio| ratio == 1.0 || n != 1.0 || m != 1.0)
     }
 
     /// What both are, which [fit](Self::fits).
@@ -203,6 +202,17 @@ pub(crate) fn contact_units(file: &Declarations, names: &Names) -> Vec<Complaint
                     "a name without a unit stands in it: make it a definition with its `unit`",
                 ));
             }
+            if let Known::Unit(unit, n) = found
+                && n != 1.0
+                && unit.factor_over(told).is_some_and(|ratio| ratio != 1.0)
+            {
+                let message = format!(
+                    "the numbers in this {what}, which {unit} without them, are taken to convert it to {symbol}"
+                );
+                all.push(Complaint::new(formula.span, message).help(
+                    "if they do not, make each a parameter with its `unit`, `1` where it has none",
+                ));
+            }
             if let Known::Unit(unit, _) = found
                 && unit.factor_over(told).is_none()
             {
@@ -281,6 +291,14 @@ impl<'a> Check<'a> {
             let index = event.indices.as_ref().map(|indices| &*indices.name);
             self.within(index, |own| own.event(event))?;
         }
+        for kept in &mode.keep {
+            self.unit(&kept.value)?;
+        }
+        if mode.role != ModeRole::Free {
+            for formula in file.contact.iter().flatten() {
+                self.unit(formula)?;
+            }
+        }
         for formula in file.energy.iter().flatten().flatten() {
             self.expect(formula, Known::unit(Unit::JOULE), "an energy")?;
         }
@@ -289,12 +307,16 @@ impl<'a> Check<'a> {
     }
 
     fn event(&mut self, event: &'a EventDeclaration) -> Checked<()> {
-        let Comparison { left, right, .. } = &event.when;
-        let sides = [(self.unit(left)?, left.span), (self.unit(right)?, right.span)];
-        same(sides, "these are compared")?;
+        self.comparison(&event.when)?;
         let after = [Some(&event.follows), event.rest.as_ref()];
         let all = after.into_iter().flatten().flat_map(|follows| &follows.set);
         all.into_iter().try_for_each(|equation| self.equation(equation))
+    }
+
+    fn comparison(&mut self, comparison: &'a Comparison) -> Checked<()> {
+        let Comparison { left, right, .. } = comparison;
+        let sides = [(self.unit(left)?, left.span), (self.unit(right)?, right.span)];
+        same(sides, "these are compared").map(|_| ())
     }
 
     /// Checks a value that a state is set to.
@@ -356,7 +378,8 @@ impl<'a> Check<'a> {
                 unit => Ok(unit),
             },
             Kind::Choice(choice) => {
-                let (_, yes, no) = &**choice;
+                let (condition, yes, no) = &**choice;
+                self.comparison(condition)?;
                 let sides = [(self.unit(yes)?, yes.span), (self.unit(no)?, no.span)];
                 same(sides, "these are two cases of one value")
             }
@@ -421,9 +444,12 @@ impl<'a> Check<'a> {
             let own = self.unit(next)?;
             unit = match operator {
                 Operator::Add => added(unit, own, [span, next.span])?,
-                Operator::Subtract => {
-                    added(unit, own.times(Known::Number(Some(-1.0))), [span, next.span])?
-                }
+                Operator::Subtract => match added(unit, own, [span, next.span])? {
+                    Known::Number(_) => {
+                        Known::Number(unit.value().zip(own.value()).map(|(a, b)| a - b))
+                    }
+                    sum => sum,
+                },
                 Operator::Multiply => unit.times(own),
                 Operator::Divide => unit.over(own),
             };
@@ -439,6 +465,7 @@ impl<'a> Check<'a> {
         }
         match (name, &units[..]) {
             ("sqrt", [(unit, _)]) => Ok(unit.power(Known::Number(Some(0.5)))),
+            ("abs", [(Known::Number(x), _)]) => Ok(Known::Number(x.map(f64::abs))),
             ("abs", [(unit, _)]) => Ok(*unit),
             ("min" | "max", [a, b]) => same([*a, *b], "these stand in one function"),
             ("hypot", [a, b]) => strictly_same([*a, *b], "these stand in one function"),
@@ -469,9 +496,12 @@ fn expected(found: Known, unit: Known, span: Span, what: &str) -> Checked<()> {
 
 /// What to do where a unit is found that is not `must`.
 fn way_out(found: Known, must: Known) -> String {
-    let parameter = |value: f64, unit: Unit| {
-        let (value, unit) = (in_short(rounded_to(value, 6)), unit.in_base());
-        format!("a parameter `{{ value = {value}, unit = \"{unit}\" }}`")
+    let parameter = |value: f64, unit: Unit| match unit.in_base() {
+        Some(unit) => {
+            let value = in_short(rounded_to(value, 6));
+            format!("a parameter `{{ value = {value}, unit = \"{unit}\" }}`")
+        }
+        None => "a parameter with its `unit`".to_owned(),
     };
     match (found, must) {
         (Known::Number(x), Known::Unit(unit, _)) | (Known::Unit(unit, _), Known::Number(x)) => {

@@ -180,7 +180,9 @@ impl<'a> Expander<'a> {
         let with = values.chain(indices).collect::<Vec<_>>().join(", ");
         let with = if with.is_empty() { with } else { format!(" with {with}") };
         let complaint = Complaint::new(formula.span, format!("{what}{with}, {why}"));
-        match used.first() {
+        // The one that is most likely not meant.
+        let culprit = used.iter().find(|(_, value)| *value <= 0.0).or(used.first());
+        match culprit {
             None => complaint.help(
                 "look for a division by zero, a root or a logarithm of what is below zero, or a power that is too large",
             ),

@@ -117,10 +117,11 @@ impl Unit {
         Self { factor: libm::pow(self.factor, p), powers: self.powers.map(|power| power * p) }
     }
 
-    /// Its base units with their powers, as a file gives them.
-    pub(crate) fn in_base(self) -> String {
+    /// The same as a file gives it, in base units with their powers; none where it has a factor.
+    pub(crate) fn in_base(self) -> Option<String> {
         let words: Vec<String> = self.words().collect();
-        if words.is_empty() { "1".to_owned() } else { words.join(" ") }
+        let text = if words.is_empty() { "1".to_owned() } else { words.join(" ") };
+        is_close(self.factor, 1.0).then_some(text)
     }
 
     fn words(self) -> impl Iterator<Item = String> {
@@ -213,7 +214,9 @@ mod tests {
         assert_eq!(told("N mm"), "is in 0.001 m^2 kg s^-2");
         assert_eq!(told("mg/h"), "is in 2.77778e-10 kg s^-1");
         assert_eq!(told("deg"), "is in 0.0174533");
-        assert_eq!(Unit::parse("N/mm").unwrap().in_base(), "kg s^-2");
-        assert_eq!(Unit::ONE.in_base(), "1");
+        let in_base = |text| Unit::parse(text).unwrap().in_base();
+        assert_eq!(in_base("N/m").as_deref(), Some("kg s^-2"));
+        assert_eq!(in_base("1").as_deref(), Some("1"));
+        assert_eq!([in_base("N/mm"), in_base("deg")], [None, None]);
     }
 }

@@ -128,13 +128,17 @@ fn a_force_of_unknown_unit_beside_a_depth_in_millimetres_is_warned_of() {
 }
 
 #[test]
-fn a_depth_that_is_converted_by_a_number_is_not_converted_again() {
-    for (depth, metres) in [("x", 3e-3), ("0.001*x", 3e-3), ("x/2", 1.5e-3), ("x/2000", 1.5e-3)] {
+fn a_depth_with_a_number_is_taken_to_be_converted_by_it_which_is_warned_of() {
+    for (depth, metres) in [("x", 3e-3), ("0.001*x", 3e-3), ("x/2000", 1.5e-3), ("x/2", 1.5)] {
         let text = contact_in("mm", "N").replace("depth = \"x\"", &format!("depth = \"{depth}\""));
         let model = model(&text);
         let y = Problem::start(&model);
         let told = model.touch(&model.initial_mode(0.0, &y), 0.0, &y, 0).unwrap();
-        assert!((told.depth - metres).abs() < 1e-18, "{depth}: {}", told.depth);
+        assert!((told.depth - metres).abs() < 1e-15, "{depth}: {}", told.depth);
+        let file = ModelFile::parse("model.toml", &text).unwrap();
+        let warnings = file.warnings().iter().map(ToString::to_string).collect::<String>();
+        let is_warned = warnings.contains("are taken to convert it to m");
+        assert_eq!(is_warned, depth != "x", "{depth}: {warnings}");
     }
 }
 

@@ -241,12 +241,39 @@ fn a_number_may_convert_one_scale_to_another() {
         "v/t*sin(phi*pi/180)",
         "v/t*cos(2*pi/180*phi)",
         "F/m + 1e-3*w/t",
+        "2*w/3.6/t",
+        "48*F*(w/1000)^3/(v/1000)^3/m",
     ] {
         assert_eq!(said_of_units(right), "");
     }
-    for right in ["2*w/t", "w/2/t", "1000*w/t", "w^2/(2*x)", "v/t*sin(2*phi)", "F/m + 2*w/t"] {
+    for right in ["w/t", "-w/t", "w^2/x", "v/t*sin(phi)", "F/m + w/t"] {
         let said = said_of_units(right);
         assert!(said.contains("both are of one kind: a factor of "), "{right}: {said}");
+    }
+}
+
+#[test]
+fn a_number_that_is_to_have_a_unit_is_told_with_its_sign_and_in_a_unit_that_fits() {
+    let help = "a parameter `{ value = 0.25, unit = \"m s^-2\" }` has one";
+    let said = said_of_units("F/m - 0.25");
+    assert!(said.contains(help), "{said}");
+    // A unit with a factor has no name in base units.
+    for right in ["(w - 0.25)/t", "F/m*(90 - phi)"] {
+        let said = said_of_units(right);
+        assert!(said.contains("a parameter with its `unit` has one"), "{right}: {said}");
+    }
+}
+
+#[test]
+fn conditions_kept_values_and_contacts_are_looked_at() {
+    for tables in [
+        "[definitions]\nd = \"if(m > k, x, x)\"\n[parameters.k]\nvalue = 1\nunit = \"m\"\n",
+        "[modes.a]\nkeep = { at = \"x + v\" }\n",
+        "[modes.a]\nrole = \"contact\"\n[contact]\ndepth = \"x - 0.5\"\nforce = \"F\"\n",
+        "[modes.a]\nrole = \"contact\"\n[contact]\ndepth = \"x\"\nforce = \"F + x\"\n",
+    ] {
+        let said = refusal(&with_units("v = 0", tables));
+        assert!(said.contains("this is in") && said.contains("help"), "{tables}: {said}");
     }
 }
 
