@@ -191,7 +191,7 @@ fn the_energy_balances_with_what_the_impacts_take() {
 #[test]
 fn a_block_that_topples_balances_by_what_moved_though_its_energy_is_below_zero() {
     let slenderness = RockingBlock::default().slenderness();
-    let block = RockingBlock { start_angle: 1.2 * slenderness, ..RockingBlock::default() };
+    let block = RockingBlock { start_angle: 2.5 * slenderness, ..RockingBlock::default() };
     let start = block.start();
     let mut record = EnergyBalance::new(&block, Events::Located, &start);
     let run = integrate(&block, &setting("radau5", 1e-12), start, 0.2, &mut record);
