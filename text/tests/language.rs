@@ -9,6 +9,7 @@ use deltazero_solvers::{Control, Integration, Method, Next, Outcome, System, Tol
 use deltazero_study::Problem;
 use deltazero_study::problem::Role;
 use deltazero_text::TextModel;
+use deltazero_text::models::MODELS;
 use num_dual::Dual64;
 
 /// Masses in a row between springs, the last of which hits a stop and is pushed.
@@ -23,6 +24,15 @@ fn modes(model: &TextModel) -> [deltazero_text::Mode; 2] {
     let first = model.initial_mode(0.0, &y);
     let Next::Mode(second) = model.transition(first, 0, 0.0, &mut y.clone()) else { panic!() };
     [first, second]
+}
+
+#[test]
+fn guards_that_depend_on_neighbours_are_differentiated_many_at_once() {
+    let [carts, ball] = ["carts", "bouncing_ball"]
+        .map(|name| model(MODELS.iter().find(|model| model.name == name).unwrap().text));
+    // Fifty carts, each impact of two that follow each other.
+    assert_eq!((carts.dim(), carts.guard_span()), (100, 2));
+    assert_eq!((ball.dim(), ball.guard_span()), (2, 1));
 }
 
 #[test]
