@@ -143,17 +143,21 @@ impl ModelFile {
         self.warnings.iter().map(|warning| self.source.warning(warning.clone())).collect()
     }
 
-    /// What is wrong with a setting of the program that stands on a line of the file, counted from 1: at `word` where that is on
-    /// the line, else at all of it.
-    pub fn report_of_line(&self, line: usize, word: &str, message: &str, help: &str) -> Report {
+    /// What is wrong with a setting of the program that stands on a line of the file, counted from 1: at the last of the `words`
+    /// that is on the line, each looked for after the one before, else at all of it.
+    pub fn report_of_line(&self, line: usize, words: &[&str], message: &str, help: &str) -> Report {
         let text = &*self.source.text;
         let start = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
         let own = text[start..].lines().next().unwrap_or_default();
-        let (from, length) = match own.find(word) {
-            Some(at) if !word.is_empty() => (at, word.len()),
-            _ => (own.len() - own.trim_start().len(), own.trim().len()),
-        };
-        let span = Span { start: start + from, end: start + from + length };
+        let (mut from, mut end) = (own.len() - own.trim_start().len(), own.trim_end().len());
+        let mut seen = 0;
+        for word in words.iter().filter(|word| !word.is_empty()) {
+            if let Some(at) = own[seen..].find(word) {
+                (from, end) = (seen + at, seen + at + word.len());
+                seen = end;
+            }
+        }
+        let span = Span { start: start + from, end: start + end };
         let complaint = Complaint::new(span, message);
         self.source.error(if help.is_empty() { complaint } else { complaint.help(help) })
     }

@@ -36,6 +36,22 @@ fn guards_that_depend_on_neighbours_are_differentiated_many_at_once() {
 }
 
 #[test]
+fn a_line_is_shown_at_its_value_though_its_key_holds_the_same_signs() {
+    let file = file(
+        "[parameters]\nstop_at_90 = 9\n[states]\nx = 1\n[modes.on]\nrates = { x = \"-stop_at_90\" }\n",
+    );
+    for (words, place) in [
+        (&["stop_at_90", "9"][..], "model.toml:2:14\n"),
+        (&["stop_at_90"], "model.toml:2:1\n"),
+        (&["stop_at_90", "12"], "model.toml:2:1\n"),
+        (&[], "model.toml:2:1\n"),
+    ] {
+        let shown = file.report_of_line(2, words, "it is wrong", "").to_string();
+        assert!(shown.contains(place), "{words:?}: {shown}");
+    }
+}
+
+#[test]
 fn a_row_of_masses_is_what_it_says() {
     let model = model(ROW);
     assert_eq!((model.dim(), model.n_guards()), (12, 6));

@@ -80,11 +80,7 @@ pub enum ConfigError {
     /// A name that is neither a parameter of the model nor a setting.
     #[error(
         "{place}: \"{key}\" is neither a parameter of the model nor a setting; {}",
-        match nearest.as_deref() {
-            Some(name) => format!("did you mean \"{name}\"?"),
-            None if key.contains('.') => "`deltazero config` lists every setting".to_owned(),
-            None => "`deltazero model check FILE` lists the parameters".to_owned(),
-        }
+        way_out_of_model(key, nearest.as_deref())
     )]
     NotOfModel {
         /// Where.
@@ -95,9 +91,7 @@ pub enum ConfigError {
         nearest: Option<Box<str>>,
     },
     /// A key that exists, but not for one joint.
-    #[error(
-        "{place}: {key} cannot differ for one joint; only the keys of [joint], [contact] and [friction] can"
-    )]
+    #[error("{place}: {key} cannot differ for one joint; {CAN_DIFFER}")]
     NotPerJoint {
         /// Where.
         place: Place,
@@ -159,7 +153,7 @@ pub enum ConfigError {
         expected: Box<str>,
     },
     /// Blind runs alone where there are none.
-    #[error("{place}: {key} asks for blind runs, but {reason}; use events = \"located\"")]
+    #[error("{place}: {key} asks for blind runs, but {reason}; {USE_LOCATED}")]
     NoBlindRuns {
         /// Where.
         place: Place,
@@ -193,10 +187,10 @@ pub enum ConfigError {
     /// An output grid that no disk would hold.
     #[error(
         "{place}: run.sample = {sample:e} s up to run.t_end = {t_end:e} s makes {:.1e} rows of \
-         trajectory.csv (one a joint: {joints}), {:.1e} bytes, at most {most:e} rows; raise run.sample above {:.2e} s",
+         trajectory.csv (one a joint: {joints}), {:.1e} bytes, at most {most:e} rows; {}",
         t_end / sample * *joints as f64,
         t_end / sample * *joints as f64 * ROW_BYTES,
-        t_end * *joints as f64 / most
+        raise_sample(t_end * *joints as f64 / most)
     )]
     TooManySamples {
         /// Where the offending one of the two was given.
@@ -213,7 +207,7 @@ pub enum ConfigError {
     /// More fixed steps than a run can take.
     #[error(
         "{place}: solver.step = {step:e} s up to run.t_end = {t_end:e} s makes {:.1e} steps, at most \
-         {most:e}; raise solver.step",
+         {most:e}; {RAISE_STEP}",
         t_end / step
     )]
     TooManySteps {
@@ -237,29 +231,73 @@ pub enum ConfigError {
 }
 
 impl ConfigError {
-    /// The line of a file that it is about, with the file and the word there that is wrong, as it is given.
-    pub(super) fn line(&self) -> Option<(&str, usize, &str)> {
-        let last = |key| str::rsplit(key, '.').next().unwrap_or(key).trim_matches('\'');
-        let (place, word) = match self {
-            Self::Syntax { place, .. } => (place, ""),
+    /// The line of a file that it is about, with the file and what is wrong there: the key, and the value as it is given.
+    pub(super) fn line(&self) -> Option<(&str, usize, [&str; 2])> {
+        let (place, key, value) = match self {
             Self::UnknownKey { place, key, .. }
             | Self::NotOfModel { place, key, .. }
-            | Self::NotPerJoint { place, key } => (place, last(key)),
-            Self::WrongType { place, value, .. }
-            | Self::OutOfRange { place, value, .. }
-            | Self::UnknownWord { place, value, .. }
-            | Self::WrongLength { place, value, .. } => (place, &**value),
-            Self::NoBlindRuns { place, key, .. } => (place, last(key)),
-            Self::NotWithBristles { place, .. }
+            | Self::NotPerJoint { place, key } => (place, &**key, ""),
+            Self::WrongType { place, key, value, .. }
+            | Self::OutOfRange { place, key, value, .. }
+            | Self::UnknownWord { place, key, value, .. }
+            | Self::WrongLength { place, key, value, .. } => (place, &**key, &**value),
+            Self::NoBlindRuns { place, key, .. } => (place, *key, ""),
+            Self::Syntax { place, .. }
+            | Self::NotWithBristles { place, .. }
             | Self::NotInMechanism { place, .. }
             | Self::TooManySamples { place, .. }
-            | Self::TooManySteps { place, .. } => (place, ""),
+            | Self::TooManySteps { place, .. } => (place, "", ""),
             _ => return None,
         };
+        // Without the tables before it, and the number of an entry behind it.
+        let key = key.rsplit('.').next().unwrap_or(key);
+        let key = key.split('[').next().unwrap_or(key).trim_matches('\'');
         match place {
-            Place::Line { file, line } => Some((file, *line, word)),
+            Place::Line { file, line } => Some((file, *line, [key, value])),
             _ => None,
         }
+    }
+
+    /// The way out, with which its message ends; empty where it ends without.
+    pub(super) fn way_out(&self) -> String {
+        match self {
+            Self::UnknownKey { nearest, .. } => way_out(nearest.as_deref()),
+            Self::NotOfModel { key, nearest, .. } => way_out_of_model(key, nearest.as_deref()),
+            Self::NotPerJoint { .. } => CAN_DIFFER.to_owned(),
+            Self::WrongType { expected, .. } | Self::WrongLength { expected, .. } => {
+                format!("expected {expected}")
+            }
+            Self::OutOfRange { allowed, .. } => allowed.to_string(),
+            Self::UnknownWord { allowed, nearest, .. } => {
+                format!("{allowed}{}", did_you_mean(*nearest))
+            }
+            Self::NoBlindRuns { .. } => USE_LOCATED.to_owned(),
+            Self::NotWithBristles { reason, .. } => (*reason).to_owned(),
+            Self::NotInMechanism { reason, .. } => reason.to_string(),
+            Self::TooManySamples { t_end, joints, most, .. } => {
+                raise_sample(t_end * *joints as f64 / most)
+            }
+            Self::TooManySteps { .. } => RAISE_STEP.to_owned(),
+            _ => String::new(),
+        }
+    }
+}
+
+const CAN_DIFFER: &str = "only the keys of [joint], [contact] and [friction] can";
+const USE_LOCATED: &str = "use events = \"located\"";
+const RAISE_STEP: &str = "raise solver.step";
+
+/// The end of the message on too many rows.
+fn raise_sample(least: f64) -> String {
+    format!("raise run.sample above {least:.2e} s")
+}
+
+/// The end of the message on an unknown name in a model.
+fn way_out_of_model(key: &str, nearest: Option<&str>) -> String {
+    match nearest {
+        Some(name) => format!("did you mean \"{name}\"?"),
+        None if key.contains('.') => "`deltazero config` lists every setting".to_owned(),
+        None => "`deltazero model check FILE` lists the parameters".to_owned(),
     }
 }
 

@@ -60,16 +60,24 @@ impl Model {
 
     /// The same error, with its line shown if that is one of this file.
     pub(super) fn shown(&self, error: ConfigError) -> ConfigError {
-        let Some((file, line, word)) =
+        let Some((file, line, words)) =
             error.line().filter(|(file, ..)| *file == self.file.file_name())
         else {
             return error;
         };
         let told = error.to_string();
-        let told = told.strip_prefix(&format!("{file}:{line}: ")).unwrap_or(&told);
-        let (message, help) =
-            told.rsplit_once("; ").or(told.rsplit_once(": ")).unwrap_or((told, ""));
-        refused(self.file.report_of_line(line, word, message, help))
+        let message = told.strip_prefix(&format!("{file}:{line}: ")).unwrap_or(&told);
+        let help = error.way_out();
+        let message = message.strip_suffix(&help).unwrap_or(message);
+        let message = message.trim_end_matches([' ', ':', ';']);
+        // Apart from its message, a range or a list of words does not say what it is.
+        let help = match error {
+            ConfigError::OutOfRange { .. } | ConfigError::UnknownWord { .. } => {
+                format!("allowed: {help}")
+            }
+            _ => help,
+        };
+        refused(self.file.report_of_line(line, &words, message, &help))
     }
 
     /// The settings that the file holds.

@@ -47,13 +47,13 @@ fn a_wrong_setting_of_a_model_is_told_with_its_line() {
         "solver.method = \"none\" is unknown",
         "ball.toml:10:10\n",
         "   |          ^^^^^^\n",
-        "help: rk4, ",
+        "help: allowed: rk4, ",
     ] {
         assert!(refused.contains(own), "{own}: {refused}");
     }
     let refused = load(&BALL.replace("t_end = 2", "[run]\nt_end = -1"), &[]);
     let refused = refused.unwrap_err().to_string();
-    let shown = "run.t_end = -1 is out of range\n --> DIR/ball.toml:2:9\n  |\n2 | t_end = -1\n  |         ^^\n  |\n  = help: s, greater than 0";
+    let shown = "run.t_end = -1 is out of range\n --> DIR/ball.toml:2:9\n  |\n2 | t_end = -1\n  |         ^^\n  |\n  = help: allowed: s, greater than 0";
     let dir = refused.split("--> ").nth(1).and_then(|at| at.split("/ball.toml").next()).unwrap();
     assert_eq!(refused.replace(dir, "DIR"), shown);
 }
@@ -68,6 +68,11 @@ fn every_wrong_setting_of_a_model_is_shown_at_its_word_with_the_way_out() {
         ("[study]\nmethods = [\"rk45\", \"rk455\"]\n", "10:20", "did you mean \"rk45\"?"),
         ("[run]\nsample = 1e-12\n", "10:1", "raise run.sample"),
         ("[contest]\nrepeats = 0\n", "10:11", "from 1"),
+        // Signs that part a message are no part of it in a value, nor is a value looked for in its key.
+        ("[solver]\nmethod = \"a; b: c\"\n", "10:10", "allowed: rk4, "),
+        ("[run]\nsample = \"sample\"\n", "10:10", "expected a number"),
+        ("[solver]\nrtoll = \"rtoll\"\n", "10:1", "did you mean \"solver.rtol\"?"),
+        ("solver = { rtol = \"tight\" }\n", "1:19", "expected a number"),
         ("solver = 3\n", "1:10", "expected a table"),
     ] {
         let text = if table.starts_with('[') {
@@ -82,6 +87,13 @@ fn every_wrong_setting_of_a_model_is_shown_at_its_word_with_the_way_out() {
             "{table}: {told}"
         );
     }
+}
+
+#[test]
+fn a_value_of_a_model_stands_in_its_message_as_it_is_given() {
+    let refused = load(&format!("{BALL}[solver]\nmethod = \"a; b: c\"\n"), &[]).unwrap_err();
+    let refused = refused.to_string();
+    assert!(refused.starts_with("solver.method = \"a; b: c\" is unknown\n"), "{refused}");
 }
 
 #[test]
