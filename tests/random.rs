@@ -9,6 +9,7 @@ use deltazero_study::parallel::{cores, in_parallel};
 use drawn::Judged;
 use drawn::audit::Budget;
 use drawn::draw::Draw;
+use drawn::verdict::Class;
 
 const SEED: u64 = 1;
 const N: u64 = 100;
@@ -19,15 +20,17 @@ const BUDGET: Budget = Budget { work: 3e5, wall_s: 60.0 };
 
 #[test]
 fn methods_of_different_kind_agree_on_configurations_drawn_at_random() {
-    agree(Draw::new);
+    // Measured: 98.
+    agree(Draw::new, 90);
 }
 
 #[test]
 fn methods_of_different_kind_agree_on_other_mechanisms_and_models_drawn_at_random() {
-    agree(Draw::of_another);
+    // Measured: 81; some do not close, or contradict themselves.
+    agree(Draw::of_another, 65);
 }
 
-fn agree(draw: fn(u64, u64) -> Draw) {
+fn agree(draw: fn(u64, u64) -> Draw, least_compared: usize) {
     let threads = cores();
     let draws: Vec<u64> = (0..N).collect();
     let all =
@@ -38,21 +41,31 @@ fn agree(draw: fn(u64, u64) -> Draw) {
         .map(|judged| format!("draw {}\n{}", judged.i, judged.toml()))
         .collect();
     assert!(found.is_empty(), "{} of {N}\n{}", found.len(), found.join("\n"));
+    let is_compared = |judged: &&Judged| judged.is(Class::Agree) || judged.is(Class::Past);
+    let n_compared = all.iter().filter(is_compared).count();
+    assert!(n_compared >= least_compared, "{n_compared} of {N} were compared");
 }
 
 #[test]
 fn a_draw_is_read_back_from_its_file_whatever_was_drawn_before() {
     let dir = tempfile::tempdir().unwrap();
-    for (i, kind) in (0..200).flat_map(|i| [(i, Draw::new as fn(_, _) -> _), (i, Draw::of_another)])
-    {
-        let draw = kind(SEED, i);
+    let read_back = |draw: &Draw, i: u64| {
         let path = dir.path().join(format!("{i}.toml"));
         std::fs::write(&path, draw.toml("what happened\nand when")).unwrap();
-        let model = draw.model_file();
-        let read = Config::load_with(model.as_deref(), Some(&path), &[]);
-        // What is refused is named by where it stands.
-        assert_eq!(read.ok(), draw.config().ok(), "{i}");
+        Config::load_with(draw.model_file().as_deref(), Some(&path), &[])
+    };
+    let mut n_read = 0;
+    for i in 0..200 {
+        let draw = Draw::new(SEED, i);
+        assert_eq!(read_back(&draw, i).unwrap(), draw.config().unwrap(), "{i}");
+        // Of the others some do not close, or contradict themselves.
+        let draw = Draw::of_another(SEED, i);
+        let read = read_back(&draw, i).ok();
+        n_read += usize::from(read.is_some());
+        assert_eq!(read, draw.config().ok(), "{i}");
     }
+    // Measured: 167.
+    assert!(n_read > 140, "{n_read}");
     assert_eq!(Draw::new(SEED, 7).toml(""), Draw::new(SEED, 7).toml(""));
     assert_ne!(Draw::new(SEED, 7).toml(""), Draw::new(SEED, 8).toml(""));
 }
