@@ -141,13 +141,30 @@ impl Growth {
                 grown[i] = worse(grown[i], scale.error(z, y));
             }
         }
+        Self::of(times, grown, [a.t, b.t], a.end != b.end)
+    }
+
+    /// From the errors of two runs at these times, of which the last ones are `ends` [s]; they end apart also where they do so
+    /// in different ways.
+    pub(crate) fn of(
+        times: Vec<f64>,
+        mut grown: Vec<f64>,
+        [a, b]: [f64; 2],
+        is_other_end: bool,
+    ) -> Self {
         let mut most = 0.0;
         for e in &mut grown {
             most = worse(most, *e);
             *e = most;
         }
-        let ends_apart = a.end != b.end || (a.t - b.t).abs() > 1e-6 * a.t;
-        Self { grown, times, end: if ends_apart { a.t.min(b.t) } else { f64::INFINITY } }
+        let ends_apart = is_other_end || (a - b).abs() > 1e-6 * a;
+        Self { grown, times, end: if ends_apart { a.min(b) } else { f64::INFINITY } }
+    }
+
+    /// What has grown up to `t` [s].
+    pub(crate) fn at(&self, t: f64) -> f64 {
+        let n = self.times.partition_point(|own| *own <= t);
+        self.grown[..n].last().copied().unwrap_or(0.0)
     }
 
     /// The last sample time at which it is no more than `e` [s]; infinite where it nowhere is more.

@@ -13,6 +13,7 @@ use deltazero_study::simulation::Asked;
 use deltazero_study::trace::Trace;
 
 use super::audit::Budget;
+use super::ran::Growth;
 use super::verdict::{
     Class, FARTHER, LEAST_SHARE, METHODS, MOST_E, MOST_OF_GROWTH, RTOL, STEADY, Verdict,
 };
@@ -29,40 +30,6 @@ struct Ran {
     told: Vec<String>,
     /// Whether it has the same bits where all of it is asked for.
     repeats: bool,
-}
-
-/// What the nudged run tells: how far a change of the last bit has grown at each sample.
-struct Growth {
-    times: Vec<f64>,
-    grown: Vec<f64>,
-    /// The last time of both runs, where they end apart [s]; else infinite.
-    end: f64,
-}
-
-impl Growth {
-    fn new(a: &Ran, b: &Ran, scale: &ErrorScale) -> Self {
-        let (mut times, mut grown, mut most) = (Vec::new(), Vec::new(), 0.0);
-        for (t, y, z) in a.trace.samples().pairs(b.trace.samples(), scale.event_window) {
-            most = worse(most, scale.error(z, y));
-            times.push(t);
-            grown.push(most);
-        }
-        let ends_apart = (a.run.t - b.run.t).abs() > 1e-6 * a.run.t;
-        Self { times, grown, end: if ends_apart { a.run.t.min(b.run.t) } else { f64::INFINITY } }
-    }
-
-    /// What has grown up to `t` [s].
-    fn at(&self, t: f64) -> f64 {
-        let n = self.times.partition_point(|own| *own <= t);
-        self.grown[..n].last().copied().unwrap_or(0.0)
-    }
-
-    /// The last sample time at which it is no more than `e` [s]; infinite where it nowhere is more.
-    fn until(&self, e: f64) -> f64 {
-        let n = self.grown.partition_point(|own| own.total_cmp(&e).is_le());
-        let last = if n == 0 { 0.0 } else { self.times[n - 1] };
-        if n == self.grown.len() { self.end } else { last.min(self.end) }
-    }
 }
 
 impl Verdict {
@@ -83,7 +50,9 @@ impl Verdict {
         let mut largest = Largest::default();
         part.measure(&base.trace.states, &mut largest);
         let scale = part.error_scale(&largest);
-        let growth = Growth::new(base, &nudged, &scale);
+        let pairs = base.trace.samples().pairs(nudged.trace.samples(), scale.event_window);
+        let (times, errors) = pairs.map(|(t, y, z)| (t, scale.error(z, y))).unzip();
+        let growth = Growth::of(times, errors, [base.run.t, nudged.run.t], false);
         let implicit = all.iter().filter(|ran| ran.setting.method.name == METHODS[1]);
         let implicit = implicit.map(|ran| ran.run.t).fold(0.0, f64::max);
         let variant = |ran: &Ran| ran.run.outcome.as_ref().err().map(std::mem::discriminant);
