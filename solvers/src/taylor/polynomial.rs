@@ -126,6 +126,16 @@ impl Polynomial {
         self
     }
 
+    /// Its derivative.
+    pub fn derivative(mut self) -> Self {
+        for k in 1..=self.degree {
+            self.c[k - 1] = k as f64 * self.c[k];
+        }
+        self.c[self.degree] = 0.0;
+        self.degree = self.degree.saturating_sub(1);
+        self
+    }
+
     /// The polynomial with the opposite sign.
     pub fn negated(mut self) -> Self {
         for c in &mut self.c {

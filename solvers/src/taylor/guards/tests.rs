@@ -34,12 +34,42 @@ fn touches_within_rounding_end_the_search() {
                 let c = [size * touch * touch, -2.0 * size * touch, size];
                 let lift = off * f64::EPSILON * bound;
                 let p = Polynomial::new(c.into_iter()).raised(-0.5 * bound).raised(lift);
-                let violated = fall_of(&p, bound).map(|(_, violated)| violated);
-                assert!(violated.is_none_or(|at| at == 1.0), "{touch} {size:e} {off}");
+                assert!(
+                    fall_of(&p, bound).is_none_or(|(_, dip)| dip.is_none()),
+                    "{touch} {size:e}"
+                );
             }
         }
     }
     let falls = Polynomial::new([1e-12, -4e-12].into_iter());
-    let (fall, violated) = fall_of(&falls, bound).unwrap_or((f64::NAN, f64::NAN));
-    assert!((fall - 0.375).abs() < 1e-12 && violated > 0.5, "{fall} {violated}");
+    let (fall, dip) = fall_of(&falls, bound).unwrap_or((f64::NAN, Some(f64::NAN)));
+    assert!((fall - 0.375).abs() < 1e-12 && dip.is_none(), "{fall} {dip:?}");
+}
+
+/// `20 ((s − a)² − d²)(1 − s/b)`, which falls at a − d, rises at a + d, and falls for good at b.
+fn dip_and_fall(a: f64, d: f64, b: f64) -> Polynomial {
+    let square = [a * a - d * d, -2.0 * a, 1.0, 0.0];
+    let before = [0.0, square[0], square[1], square[2]];
+    let c: [f64; 4] = std::array::from_fn(|k| 20.0 * (square[k] - before[k] / b));
+    Polynomial::new(c.into_iter())
+}
+
+#[test]
+fn a_dip_is_found_wherever_its_fall_is_rounded_to() {
+    for n in 0..2000 {
+        let (a, d) = (0.2 + 1e-4 * f64::from(n), 1e-4);
+        let found = fall_of(&dip_and_fall(a, d, 0.9), 1e-15);
+        let Some((fall, Some(deepest))) = found else { panic!("{n}: {found:?}") };
+        assert!((fall - (a - d)).abs() < 1e-9 && (deepest - a).abs() < 1e-3 * d, "{n}");
+    }
+}
+
+#[test]
+fn a_dip_between_the_bound_and_its_half_is_passed_over() {
+    // Its depth is 0.7 times the bound.
+    let (d, b) = (1e-4, 0.9);
+    let depth = 20.0 * d * d * (1.0 - 0.3 / b);
+    let found = fall_of(&dip_and_fall(0.3, d, b), depth / 0.7);
+    let Some((fall, None)) = found else { panic!("{found:?}") };
+    assert!((fall - b).abs() < 1e-6, "{fall}");
 }
