@@ -17,7 +17,9 @@ const PROBES: [f64; 5] = [0.14, 0.318, 0.53, 0.69, 0.91];
 /// range is seen to follow its cubic over 3.3 radians at most, where the middle of the step is a zero of it.
 const STRAYS: f64 = 1.0 / 64.0;
 /// Guards are compared with their cubics anew on a step longer than the longest compared before by this factor. So no
-/// sine is searched for by the polynomial of degree six over more than three quarters of a period.
+/// sine is searched for by the polynomial of degree six over more than three quarters of a period. They are also compared
+/// anew after a step on which one differs by more than the fraction above of its range: one that follows its cubic because
+/// it is far from zero need not follow it when it is near.
 const LONGER: f64 = 4.0 / 3.0;
 
 /// An end of a step: a state and its slope.
@@ -49,6 +51,7 @@ impl<P: System> GuardWatch<P> {
         let h = t1 - t0;
         problem.guard_bounds(mode.clone(), t1, end.0, &mut self.bounds);
         self.strays.fill(false);
+        let mut also_near = true;
         for theta in PROBES {
             hermite(theta, h, start, end, &mut self.y);
             problem.guards(mode.clone(), t0 + theta * h, &self.y, &mut self.values);
@@ -57,13 +60,15 @@ impl<P: System> GuardWatch<P> {
                 let slopes = [g0.eps * h, g1.eps * h];
                 let off = (value - cubic_at(theta, [g0.re, g1.re], slopes)).abs();
                 let size = g0.re.abs().max(g1.re.abs()).max(value.abs());
+                let range = (value - g0.re).abs().max((value - g1.re).abs());
+                let within = |allowed: f64| off <= STRAYS * allowed + self.bounds.as_ref()[i];
                 // A guard that is not a number strays.
-                let follows = off <= STRAYS * size + self.bounds.as_ref()[i];
-                self.strays[i] |= !follows;
+                self.strays[i] |= !within(size);
+                also_near &= within(range);
             }
         }
         let all = !self.strays.contains(&true);
-        if all {
+        if all && also_near {
             self.followed = h.abs();
         }
         all
