@@ -56,7 +56,7 @@ use graze::Touch;
 use shape::{has_no_dip, stays_above_zero};
 
 pub(crate) use graze::{Graze, STEPS};
-pub(crate) use shape::{is_far, no_turn};
+pub(crate) use shape::{cubic_root, is_far, no_turn};
 
 use crate::error::Error;
 use crate::root::{Bracket, find_root};
@@ -318,6 +318,11 @@ impl<P: System> GuardWatch<P> {
     /// The rate of guard `i`, as last evaluated.
     pub fn rate(&self, i: usize) -> f64 {
         self.end.as_ref()[i].eps
+    }
+
+    /// The value of guard `i` where the rates were evaluated last.
+    pub(crate) fn end_value(&self, i: usize) -> f64 {
+        self.end.as_ref()[i].re
     }
 
     /// Whether values and rates at both ends of a completed step show that no guard falls on it. If so, the end

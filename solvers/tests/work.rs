@@ -7,7 +7,7 @@ mod common;
 use std::ops::ControlFlow;
 
 use common::{at_most, log_slope, near, steps_itself, tolerance};
-use deltazero_solvers::problems::{BeltMode, BeltOscillator};
+use deltazero_solvers::problems::{BeltMode, BeltOscillator, BouncingBall};
 use deltazero_solvers::{
     Accepted, Control, Event, Integration, METHODS, Method, Next, Outcome, Real, Record, Stats,
     Steps, System, Tolerance, Work, WorkByKind,
@@ -47,6 +47,22 @@ fn work_by_kind_adds_up_to_that_of_the_run() {
             // Stick is a straight line, slip most of a turn.
             assert!(slip.n_accepted > stick.n_accepted, "{}", method.name);
         }
+    }
+}
+
+#[test]
+fn a_low_bounce_takes_as_few_retaken_steps_as_a_high_one() {
+    let ball = BouncingBall { restitution: 0.85, gravity: 9.8, height: 1.0 };
+    for method in METHODS.iter().filter(|method| !steps_itself(method, &ball)) {
+        let control = if method.is_fixed_step() { Control::Fixed(0.1) } else { tolerance(1e-6) };
+        let mut solver = method.solver(&ball, control).unwrap();
+        let mut run = Integration::new(&ball, 0.0, ball.start());
+        assert_eq!(run.run(20.0, &mut *solver, &mut ()), Ok(Outcome::Finished));
+        let Stats { n_retaken, n_events, .. } = run.stats;
+        // Down to bounces of 1e-31 m.
+        assert!(n_events > 200, "{}", method.name);
+        println!("{}: {n_retaken} for {n_events}", method.name);
+        assert!(n_retaken < 7 * n_events, "{}: {n_retaken} for {n_events}", method.name);
     }
 }
 

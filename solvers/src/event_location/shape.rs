@@ -1,6 +1,7 @@
 //! The shape of a guard between the ends of a step, from values and rates at both ends.
 
 use crate::real::Ordered;
+use crate::root::{Bracket, find_root};
 
 /// A minimum of the cubic is examined further unless it lies above zero by more than this many of its depths. For a
 /// sine that touches zero in the middle of a step of s radians the cubic is off by 4 tan(s/4)/s − 1 of its depth, and
@@ -59,6 +60,20 @@ fn bent([g0, g1]: [f64; 2], [s0, s1]: [f64; 2]) -> [f64; 2] {
 pub(super) fn cubic_at(theta: f64, values: [f64; 2], slopes: [f64; 2]) -> f64 {
     let [c2, c3] = bent(values, slopes);
     values[0] + theta * (slopes[0] + theta * (c2 + theta * c3))
+}
+
+/// Where the cubic with these values and slopes at 0 and 1 falls between them; `None` where it does not. One that rises from
+/// zero falls beyond that root.
+pub(crate) fn cubic_root(values: [f64; 2], slopes: [f64; 2]) -> Option<f64> {
+    let bracket = Bracket { above: 0.0, below: 1.0 };
+    let [at_0, at_1] = values;
+    if at_0 == 0.0 && slopes[0] > 0.0 && at_1 < 0.0 {
+        let [c2, c3] = bent(values, slopes);
+        let over_theta = |theta: f64| slopes[0] + theta * (c2 + theta * c3);
+        return Some(find_root(over_theta, bracket, f64::EPSILON));
+    }
+    let falls = at_0 > 0.0 && at_1 < 0.0;
+    falls.then(|| find_root(|theta| cubic_at(theta, values, slopes), bracket, f64::EPSILON))
 }
 
 /// The place and the value of the minimum in (0, 1] of the cubic with these values and slopes at 0 and 1; `None` where it
@@ -127,6 +142,20 @@ mod tests {
         let g = |floor: f64| x.map(|x: f64| 4.0 * x.powi(3) - 1.5 * x + floor);
         assert!(stays_above_zero(x, g(0.36)));
         assert!(!stays_above_zero(x, g(0.34)));
+    }
+
+    #[test]
+    fn a_cubic_falls_at_its_root_and_one_that_rises_from_zero_at_the_next() {
+        // (θ + 1)(θ − ¼)(θ − 2)
+        let root = cubic_root([0.5, -1.5], [-1.75, -1.25]);
+        assert!(root.is_some_and(|root| (root - 0.25).abs() < 1e-15), "{root:?}");
+        for size in [1.0, 1e-12] {
+            // θ (θ − ¼)(θ − 2)
+            let root = cubic_root([0.0, -0.75 * size], [0.5 * size, -size]);
+            assert!(root.is_some_and(|root| (root - 0.25).abs() < 1e-15), "{root:?}");
+        }
+        assert_eq!(cubic_root([0.0, -1.0], [-1.0, -1.0]), None);
+        assert_eq!(cubic_root([1.0, 1.0], [-1.0, 1.0]), None);
     }
 
     #[test]

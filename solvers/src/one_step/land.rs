@@ -2,14 +2,36 @@
 
 use super::{OneStep, OneStepSolver};
 use crate::error::Error;
-use crate::event_location::GuardCrossing;
+use crate::event_location::{GuardCrossing, cubic_root};
 use crate::root::Bracket;
 use crate::step::Step;
 use crate::system::System;
 use crate::work::Stats;
 
-/// Number of retaken steps by Newton's iteration after which every other one is a bisection.
-const NEWTON_RETAKES: usize = 8;
+/// An event is far where Newton's iteration changes the step by more than this fraction, and not for the first time. Where the guard
+/// rises from its surface and falls back, two roots seem one from there, and the distance is halved at a time.
+const FAR: f64 = 0.1;
+/// Number of retaken steps after which every other one is a bisection.
+const MOST_RETAKES: usize = 16;
+/// The search ends where the bracket is no wider than the spacing of the time, and than this fraction of the step.
+const NARROW: f64 = 1e-8;
+
+/// The guard at the end of a retaken step.
+#[derive(Clone, Copy, Debug)]
+struct End {
+    /// Size of the step.
+    h: f64,
+    /// What the guard is above the value at which events are located.
+    clearance: f64,
+    rate: f64,
+}
+
+impl End {
+    /// The size of the step that Newton's iteration takes next.
+    fn by_newton(&self) -> f64 {
+        self.h - self.clearance / self.rate
+    }
+}
 
 impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     /// Lands on the guard that falls first on the completed step and returns it; `None` where no guard falls.
@@ -41,8 +63,9 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     /// Returns `None` where the dense output showed a dip of the guard that the retaken step does not show; the step
     /// is then taken again in full.
     ///
-    /// Newton's iteration on `g(y(t₀ + h))`, with `dg/dh` from the slope at the end, inside a bracket. It ends where
-    /// the guard is at or below zero but within its rounding bound, or where the bracket contains no further number.
+    /// Newton's iteration on `g(y(t₀ + h))`, with `dg/dh` from the slope at the end, inside a bracket; where it is slow or leaves the
+    /// bracket, the root of the cubic through values and rates at both ends of that. It ends where
+    /// the guard is at or below zero but within its rounding bound, or where the bracket has no width that counts.
     fn land(
         &mut self,
         problem: &P,
@@ -63,22 +86,34 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             return Ok(None);
         }
         let (mut guard, mut h) = (crossing.guard, crossing.t - t0);
-        let mut n = 0;
+        let (mut ends, mut n) = ([None::<End>; 2], 0);
         loop {
             h = bracket.inside(h);
-            let closed = bracket.is_closed();
+            let closed = bracket.is_closed() || is_narrow(bracket, t0);
             if closed {
                 h = bracket.below;
             }
             let violated = self.retake(problem, mode.clone(), t0 + h, h, stats)?;
-            if closed || (violated.is_none() && self.watch.is_past(guard)) {
+            bracket.narrow(h, if violated.is_some() { -1.0 } else { 1.0 });
+            let is_past = violated.is_some() && is_narrow(bracket, t0);
+            let is_on = violated.is_none() && self.watch.is_past(guard);
+            if closed || is_past || is_on {
                 return Ok(violated.or(Some(guard)));
             }
-            bracket.narrow(h, if violated.is_some() { -1.0 } else { 1.0 });
-            (guard, h) = self.newton(problem, mode.clone(), guard, h);
+            let (next, end) = self.first_by_newton(problem, mode.clone(), guard, h);
+            if next != guard {
+                (guard, ends) = (next, [None; 2]);
+            }
+            ends[usize::from(violated.is_some())] = Some(end);
             n += 1;
-            if n > NEWTON_RETAKES && n % 2 == 0 {
+            h = end.by_newton();
+            if n > MOST_RETAKES && n % 2 == 0 {
                 h = bracket.middle();
+            } else if n > 1 && (h - end.h).abs() > FAR * end.h.abs() || bracket.inside(h) != h {
+                if bracket.above == 0.0 && ends[0].is_none() {
+                    ends[0] = Some(self.start(problem, mode.clone(), guard));
+                }
+                h = between(ends).unwrap_or(h);
             }
         }
     }
@@ -103,17 +138,49 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         self.watch.violated(problem, mode, t1, self.method.step().y1())
     }
 
-    /// Chooses the next retaken step by Newton's iteration: among the guards violated at the end of the last attempt
-    /// (or `guard` if none is), the guard whose estimated step size is the smallest, and that step size.
-    fn newton(&mut self, problem: &P, mode: P::Mode, guard: usize, h: f64) -> (usize, f64) {
+    /// Among the guards violated at the end of the last attempt, of size `h` (or `guard` if none is), the one whose event
+    /// Newton's iteration estimates to be the first, and its end.
+    fn first_by_newton(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        guard: usize,
+        h: f64,
+    ) -> (usize, End) {
         let (t1, y1) = (self.method.step().t1(), self.method.step().y1());
         let slope1 = self.method.step().slope1();
         self.watch.rates(problem, mode, t1, y1, slope1);
-        let estimate = |i: usize| h - self.watch.clearance(i) / self.watch.rate(i);
+        let end =
+            |i: usize| End { h, clearance: self.watch.clearance(i), rate: self.watch.rate(i) };
+        let estimate = |end: &End| end.by_newton().abs();
         (0..problem.n_guards())
             .filter(|&i| self.watch.is_violated(i))
-            .map(|i| (i, estimate(i)))
-            .min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-            .unwrap_or_else(|| (guard, estimate(guard)))
+            .map(|i| (i, end(i)))
+            .min_by(|a, b| estimate(&a.1).total_cmp(&estimate(&b.1)))
+            .unwrap_or_else(|| (guard, end(guard)))
     }
+
+    /// Guard `i` at the start of the step, as the end of a step without size. What is within rounding of the surface is zero there.
+    fn start(&mut self, problem: &P, mode: P::Mode, i: usize) -> End {
+        let step = self.method.step();
+        self.watch.rates(problem, mode, step.t0(), step.y0(), step.slope0());
+        let g = self.watch.end_value(i);
+        let clearance = if g > self.watch.bound(i) { g } else { 0.0 };
+        End { h: 0.0, clearance, rate: self.watch.rate(i) }
+    }
+}
+
+/// Whether a bracket of step sizes from `t0` has no width that counts: the times of its ends are one or neighbours.
+fn is_narrow(bracket: Bracket, t0: f64) -> bool {
+    let Bracket { above, below } = bracket;
+    let width = (below - above).abs();
+    width <= f64::EPSILON * (t0 + below).abs() && width <= NARROW * below.abs()
+}
+
+/// The size of the step at which the cubic through both ends falls; `None` where one is not known, or it does not fall.
+fn between([above, below]: [Option<End>; 2]) -> Option<f64> {
+    let (above, below) = (above?, below?);
+    let h = below.h - above.h;
+    let theta = cubic_root([above.clearance, below.clearance], [above.rate * h, below.rate * h])?;
+    Some(above.h + theta * h)
 }
