@@ -8,10 +8,13 @@
 //! | 0 | every unit |
 //! | another number in a sum | none, so that all else in the sum has none |
 
-use std::collections::HashMap;
-use std::fmt;
+mod contact;
+mod known;
 
-use deltazero_study::digits::{in_short, rounded_to};
+use std::collections::HashMap;
+
+pub(crate) use contact::{contact_factors, contact_units};
+use known::{Known, added, expected, same, strictly_same};
 
 use crate::declarations::{
     Declarations, Definition, Equation, EventDeclaration, ModeDeclaration, ModeRole,
@@ -24,104 +27,6 @@ use crate::units::Unit;
 
 /// Formulas within each other that are looked through.
 const DEEPEST: usize = 300;
-
-/// What is known of the unit of a formula.
-#[derive(Clone, Copy, Debug)]
-enum Known {
-    /// Nothing: a name without a unit stands in it.
-    Open,
-    /// It is made of numbers, with its value where there is no index and no function in it.
-    Number(Option<f64>),
-    /// A unit, and the size of the numbers that it is multiplied by.
-    Unit(Unit, f64),
-}
-
-impl Known {
-    const ZERO: Self = Self::Number(Some(0.0));
-    const ONE: Self = Self::unit(Unit::ONE);
-
-    const fn unit(unit: Unit) -> Self {
-        Self::Unit(unit, 1.0)
-    }
-
-    /// Its value, if it is a number that is known.
-    fn value(self) -> Option<f64> {
-        if let Self::Number(value) = self { value } else { None }
-    }
-
-    fn is_zero(self) -> bool {
-        self.value() == Some(0.0)
-    }
-
-    fn times(self, other: Self) -> Self {
-        match (self, other) {
-            _ if self.is_zero() || other.is_zero() => Self::ZERO,
-            (Self::Open, _) | (_, Self::Open) => Self::Open,
-            (Self::Number(a), Self::Number(b)) => Self::Number(a.zip(b).map(|(a, b)| a * b)),
-            (Self::Number(a), Self::Unit(unit, n)) | (Self::Unit(unit, n), Self::Number(a)) => {
-                Self::Unit(unit, n * a.unwrap_or(1.0).abs())
-            }
-            (Self::Unit(a, n), Self::Unit(b, m)) => Self::Unit(a.times(b), n * m),
-        }
-    }
-
-    fn over(self, other: Self) -> Self {
-        match other {
-            _ if other.is_zero() => Self::Open,
-            Self::Number(b) => self.times(Self::Number(b.map(|b| 1.0 / b))),
-            _ => self.times(other.power(Self::Number(Some(-1.0)))),
-        }
-    }
-
-    fn power(self, exponent: Self) -> Self {
-        match (self, exponent) {
-            (Self::Number(a), Self::Number(p)) => {
-                Self::Number(a.zip(p).map(|(a, p)| libm::pow(a, p)))
-            }
-            (Self::Number(_), _) => Self::ONE,
-            (Self::Unit(unit, n), Self::Number(Some(p))) => {
-                Self::Unit(unit.power(p), libm::pow(n, p))
-            }
-            (Self::Unit(unit, _), _) if unit.is(Unit::ONE) => Self::ONE,
-            _ => Self::Open,
-        }
-    }
-
-    /// Whether both are in one unit; where numbers stand in a product, in units of one kind, as they may convert one scale to
-    /// another: `0.001*w` of a `w` in mm/s is in m/s.
-    fn fits(self, other: Self) -> bool {
-        let (Self::Unit(a, n), Self::Unit(b, m)) = (self, other) else { return true };
-        a.factor_over(b).is_some_and(|ratio| ratio == 1.0 || n != 1.0 || m != 1.0)
-    }
-
-    /// What both are, which [fit](Self::fits).
-    fn or(self, other: Self) -> Self {
-        match (self, other) {
-            (Self::Unit(_, n), Self::Unit(_, m)) => {
-                if libm::log(n).abs() <= libm::log(m).abs() {
-                    self
-                } else {
-                    other
-                }
-            }
-            (Self::Unit(..), _) => self,
-            (_, Self::Unit(..)) => other,
-            (Self::Number(_), Self::Number(_)) => Self::Number(None),
-            _ => Self::Open,
-        }
-    }
-}
-
-/// As the end of a sentence.
-impl fmt::Display for Known {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Open => f.write_str("may have any unit"),
-            Self::Number(_) => f.write_str("is a number without a unit"),
-            Self::Unit(unit, _) => unit.fmt(f),
-        }
-    }
-}
 
 /// Checks the units of a file, if it gives any.
 pub(crate) fn check_units(file: &Declarations, names: &Names) -> Checked<()> {
@@ -163,77 +68,6 @@ pub(crate) fn unread_units(file: &Declarations) -> impl Iterator<Item = Complain
         let message = format!("the unit `{value}` is not read, and nothing is checked with it");
         Complaint::new(*span, message)
             .help("a product has spaces, one `/` stands before a symbol or parentheses: `N s/m`, `J/(kg K)`")
-    })
-}
-
-/// What the tables of contacts are in.
-const TOLD_IN: [(&str, &str); 2] = [("depth", "m"), ("force", "N")];
-
-/// Metres in the unit of a contact's depth in a mode, and newtons in that of its force; 1 for a unit that is not known, or of
-/// something else, which is [warned of](contact_units).
-pub(crate) fn contact_factors(file: &Declarations, names: &Names, mode: usize) -> [f64; 2] {
-    told_units(file, names, mode).map(factor)
-}
-
-fn factor((found, told): (Known, Unit)) -> f64 {
-    match found {
-        Known::Unit(unit, _) if !found.fits(Known::unit(told)) => {
-            unit.factor_over(told).unwrap_or(1.0)
-        }
-        _ => 1.0,
-    }
-}
-
-/// Warns of a contact whose depth is no length or whose force is no force, and of one of which only one has a known unit that is
-/// converted: tables and figures label them m and N.
-pub(crate) fn contact_units(file: &Declarations, names: &Names) -> Vec<Complaint> {
-    let mut all = Vec::new();
-    let in_contact = |mode: &usize| file.modes[*mode].role != ModeRole::Free;
-    for mode in (0..file.modes.len()).filter(in_contact) {
-        let of_formulas = file.contact.iter().flatten().zip(TOLD_IN);
-        let units = told_units(file, names, mode);
-        let is_converted = units.into_iter().any(|unit| factor(unit) != 1.0);
-        for ((formula, (what, symbol)), unit) in of_formulas.zip(units) {
-            let (found, told) = unit;
-            if matches!(found, Known::Open) && is_converted {
-                let message =
-                    format!("the unit of this {what} is not known, so it is taken for {symbol}");
-                all.push(Complaint::new(formula.span, message).help(
-                    "a name without a unit stands in it: make it a definition with its `unit`",
-                ));
-            }
-            if let Known::Unit(unit, n) = found
-                && n != 1.0
-                && unit.factor_over(told).is_some_and(|ratio| ratio != 1.0)
-            {
-                let message = format!(
-                    "the numbers in this {what}, which {unit} without them, are taken to convert it to {symbol}"
-                );
-                all.push(Complaint::new(formula.span, message).help(
-                    "if they do not, make each a parameter with its `unit`, `1` where it has none",
-                ));
-            }
-            if let Known::Unit(unit, _) = found
-                && unit.factor_over(told).is_none()
-            {
-                let message =
-                    format!("the {what} of a contact is told in {symbol}, and this {unit}");
-                all.push(Complaint::new(formula.span, message).help(
-                    "give a length and a force; else columns named m and N hold the file's own units",
-                ));
-            }
-        }
-    }
-    all
-}
-
-/// What is known of the units of a contact's depth and force in a mode, each with the one that it is told in.
-fn told_units(file: &Declarations, names: &Names, mode: usize) -> [(Known, Unit); 2] {
-    let mut check = Check::new(file, names, Some(mode));
-    std::array::from_fn(|i| {
-        let formula = file.contact.as_ref().map(|contact| &contact[i]);
-        let found = formula.and_then(|formula| check.unit(formula).ok());
-        (found.unwrap_or(Known::Open), Unit::parse(TOLD_IN[i].1).unwrap_or(Unit::ONE))
     })
 }
 
@@ -483,81 +317,4 @@ impl<'a> Check<'a> {
             }
         }
     }
-}
-
-/// Checks a formula at `span` against the unit that it must have.
-fn expected(found: Known, unit: Known, span: Span, what: &str) -> Checked<()> {
-    if found.fits(unit) {
-        return Ok(());
-    }
-    let complaint = Complaint::new(span, format!("{what} {unit}, and this {found}"));
-    Err(complaint.help(way_out(found, unit)))
-}
-
-/// What to do where a unit is found that is not `must`.
-fn way_out(found: Known, must: Known) -> String {
-    let parameter = |value: f64, unit: Unit| match unit.in_base() {
-        Some(unit) => {
-            let value = in_short(rounded_to(value, 6));
-            format!("a parameter `{{ value = {value}, unit = \"{unit}\" }}`")
-        }
-        None => "a parameter with its `unit`".to_owned(),
-    };
-    match (found, must) {
-        (Known::Number(x), Known::Unit(unit, _)) | (Known::Unit(unit, _), Known::Number(x)) => {
-            let parameter = parameter(x.unwrap_or(1.0), unit);
-            format!("a number in a sum has no unit, {parameter} has one, and 0 fits every unit")
-        }
-        (Known::Unit(a, n), Known::Unit(b, _)) => match a.factor_over(b) {
-            Some(ratio) => {
-                let ratio = in_short(rounded_to(ratio, 6));
-                format!("both are of one kind: a factor of {ratio} converts this")
-            }
-            None => {
-                let over = a.over(b);
-                let missing =
-                    format!("this over that {over}: a factor is missing, or one too many");
-                if n == 1.0 {
-                    return missing;
-                }
-                let parameter = parameter(n, b.over(a));
-                format!("{missing}; a number has no unit, {parameter} has one")
-            }
-        },
-        _ => String::new(),
-    }
-}
-
-/// The unit that both have, where one is known. A number alone is in that of the other.
-fn same([(a, a_span), (b, b_span)]: [(Known, Span); 2], what: &str) -> Checked<Known> {
-    if a.fits(b) {
-        return Ok(a.or(b));
-    }
-    Err(differ([(a, a_span), (b, b_span)], what))
-}
-
-fn differ([(a, a_span), (b, b_span)]: [(Known, Span); 2], what: &str) -> Complaint {
-    let message = format!("{what}, and their units differ");
-    let complaint = Complaint::new(b_span, message).label(format!("this {b}"));
-    complaint.and(a_span, format!("this {a}")).help(way_out(b, a))
-}
-
-/// The same where a number alone has no unit.
-fn strictly_same([(a, a_span), (b, b_span)]: [(Known, Span); 2], what: &str) -> Checked<Known> {
-    let is_right = match (a, b) {
-        (Known::Number(_), Known::Number(_)) => true,
-        (Known::Number(_), other) | (other, Known::Number(_)) => {
-            a.is_zero() || b.is_zero() || other.fits(Known::ONE)
-        }
-        _ => a.fits(b),
-    };
-    if is_right { Ok(a.or(b)) } else { Err(differ([(a, a_span), (b, b_span)], what)) }
-}
-
-/// The unit of a sum.
-fn added(a: Known, b: Known, [a_span, b_span]: [Span; 2]) -> Checked<Known> {
-    if let (Known::Number(a), Known::Number(b)) = (a, b) {
-        return Ok(Known::Number(a.zip(b).map(|(a, b)| a + b)));
-    }
-    strictly_same([(a, a_span), (b, b_span)], "these are added or subtracted")
 }
