@@ -8,7 +8,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use twofloat::TwoFloat;
 use twofloat::consts::FRAC_PI_2;
 
-use crate::real::Real;
+use crate::real::{Real, Shortcuts};
 
 /// An unevaluated sum of two `f64`, with about 31 digits where values are finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -163,6 +163,8 @@ impl Real for DoubleDouble {
         if self.hi() > 0.0 { (self.ln() * a).exp() } else { Self::from(libm::pow(self.hi(), a)) }
     }
 }
+
+impl Shortcuts for DoubleDouble {}
 
 #[cfg(test)]
 mod tests {

@@ -99,6 +99,7 @@
 //! - The run: [`run`] has its options with their defaults; [`integrate`] joins phases and transitions and counts work in [`stats`]; it ends in an outcome or an
 //!   [`error`]. Runs of systems of a kind are computed several at once by [`Method::run_batch`], in a [`batch`].
 //! - Derivatives by start values and parameters, through events: [`sensitivity`].
+//! - What a model promises so that it is faster, and whether it keeps it: [`contracts`].
 //! - Proofs: intervals that contain the exact solution and the times of its events ([`enclosure`]).
 //! - Results: a recorder ([`record`]) sees each event, and each step that it needs; [`trajectory`] keeps them.
 //!   Functions are [observed](observe) along a run without a change of it.
@@ -108,6 +109,7 @@
 pub mod auto;
 pub mod batch;
 pub mod blind;
+pub mod contracts;
 pub mod control;
 pub mod dense;
 #[cfg(feature = "diffsol")]

@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use num_dual::Dual64;
 
-use crate::real::Real;
+use crate::real::{Real, Shortcuts};
 use crate::system::{System, Vector};
 
 /// Half the spacing of numbers next to one.
@@ -194,6 +194,8 @@ impl Real for Bounded {
         self.function(power, slope)
     }
 }
+
+impl Shortcuts for Bounded {}
 
 #[cfg(test)]
 mod tests {

@@ -14,7 +14,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use duals::{DIRECTIONS, Duals};
 
-use crate::real::Real;
+use crate::real::{Real, Shortcuts};
 use crate::system::{System, Vector};
 
 /// Number of states whose influence one evaluation finds.
@@ -101,6 +101,8 @@ impl Real for Influenced {
         self.map(|x| Real::powf(x, a))
     }
 }
+
+impl Shortcuts for Influenced {}
 
 /// The rows of each column in which the Jacobian can be nonzero, as sets of [`WIDTH`] rows in a number.
 struct Pattern {

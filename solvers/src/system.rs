@@ -146,8 +146,7 @@ pub trait System {
     /// Taylor series is begun with this function and, unless it is [traced](Self::IS_TRACED), continued with `rhs`; both address the stored coefficients
     /// by the position of the operation. A breach gives wrong series: steps to a tolerance are rejected until the run
     /// ends in [`StepUnderflow`](crate::Error::StepUnderflow), and fixed steps are accepted with wrong results. A
-    /// model with an own implementation should test it with
-    /// [`begins_with_rhs`](crate::taylor::expand::begins_with_rhs).
+    /// model with an own implementation should test it with [`contracts::check`](crate::contracts::check).
     #[inline(always)]
     fn rhs_with_guards<S: Real>(
         &self,
@@ -230,25 +229,11 @@ pub trait System {
         mode: Self::Mode,
         t: f64,
         y: &Self::State<f64>,
-        mut entry: impl FnMut(usize, usize, f64),
+        entry: impl FnMut(usize, usize, f64),
     ) where
         Self: Sized,
     {
-        let n = self.dim();
-        let y = y.as_ref();
-        if const { !<Self::State<f64> as Vector<f64>>::IS_SHORT } {
-            return sparsity::jacobian(self, &mode, t, y, entry);
-        }
-        let mut dydt = Self::State::<Dual64>::from_fn(n, |_| Dual64::from_re(0.0));
-        for j in 0..n {
-            let seeded = Self::State::<Dual64>::from_fn(n, |i| {
-                Dual64::new(y[i], if i == j { 1.0 } else { 0.0 })
-            });
-            self.rhs(mode.clone(), Dual64::from_re(t), &seeded, &mut dydt);
-            for (i, d) in dydt.as_ref().iter().enumerate() {
-                entry(i, j, d.eps);
-            }
-        }
+        differentiated(self, mode, t, y, entry);
     }
 
     /// Writes the derivative `∂f_mode/∂t` at a fixed state to `dfdt`.
@@ -274,6 +259,29 @@ pub trait System {
     }
 }
 
+/// [`System::jacobian`] by its default: of [`System::rhs`], by dual numbers.
+pub(crate) fn differentiated<P: System>(
+    problem: &P,
+    mode: P::Mode,
+    t: f64,
+    y: &P::State<f64>,
+    mut entry: impl FnMut(usize, usize, f64),
+) {
+    let (n, y) = (problem.dim(), y.as_ref());
+    if const { !<P::State<f64> as Vector<f64>>::IS_SHORT } {
+        return sparsity::jacobian(problem, &mode, t, y, entry);
+    }
+    let mut dydt = P::State::<Dual64>::from_fn(n, |_| Dual64::from_re(0.0));
+    for j in 0..n {
+        let seeded =
+            P::State::<Dual64>::from_fn(n, |i| Dual64::new(y[i], if i == j { 1.0 } else { 0.0 }));
+        problem.rhs(mode.clone(), Dual64::from_re(t), &seeded, &mut dydt);
+        for (i, d) in dydt.as_ref().iter().enumerate() {
+            entry(i, j, d.eps);
+        }
+    }
+}
+
 /// Systems of one kind that differ, in some of their modes, only in numerical parameters.
 /// [`Method::run_batch`](crate::Method::run_batch) then computes several runs in such modes at once, each of a system
 /// of its own.
@@ -282,7 +290,7 @@ pub trait System {
 /// the same bits as [`rhs`](System::rhs) and [`guards`](System::guards) of that mode, except for the sign of a zero.
 /// The first step of each such phase is compared with them, and a difference ends the run in
 /// [`UnlikeParameters`](crate::Error::UnlikeParameters). They must not branch on the [value](Real::value) of a number,
-/// not even inside [outlined](Real::outlined) functions, because several runs are computed by one sequence of
+/// not even inside [outlined](crate::real::Shortcuts::outlined) functions, because several runs are computed by one sequence of
 /// operations. Bounds of rounding, transitions and accumulation are asked of each system separately.
 ///
 /// The operations are generic over the type `C` of the parameters: `f64` for one system, a vector type for several.

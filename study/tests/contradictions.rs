@@ -6,6 +6,7 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use common::plan;
+use deltazero_solvers::contracts::Breach;
 use deltazero_solvers::{Next, Real, System};
 use deltazero_study::check::ProblemError;
 use deltazero_study::problem::{Problem, Quantity, Role, Touch};
@@ -20,7 +21,12 @@ struct Faller {
     /// The modes in which it gives a force.
     gives: fn(Mode) -> bool,
     tells_forces: bool,
+    /// Whether the push of the pad has no derivative.
+    takes_value: bool,
 }
+
+/// One that does not contradict itself.
+const FALLER: Faller = Faller { gives: |_| true, tells_forces: true, takes_value: false };
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Mode {
@@ -39,9 +45,10 @@ impl System for Faller {
     }
 
     fn rhs<S: Real>(&self, mode: Mode, _t: S, &[x, v]: &[S; 2], dydt: &mut [S; 2]) {
+        let pressed = if self.takes_value { S::cst(x.value()) } else { x };
         *dydt = match mode {
             Mode::Falls => [v, S::cst(-10.0)],
-            Mode::OnPad => [v, -x * 1e3 - 10.0],
+            Mode::OnPad => [v, -pressed * 1e3 - 10.0],
             Mode::Held => [S::cst(0.0); 2],
         };
     }
@@ -105,10 +112,10 @@ fn refusal(problem: Faller, t_end: f64) -> Option<ProblemError> {
 
 #[test]
 fn a_contact_without_a_force_is_refused_at_the_first_such_mode_that_is_met() {
-    let falls = Faller { gives: |_| true, tells_forces: true };
+    let falls = FALLER;
     assert_eq!(refusal(falls, 0.3), None);
     let no_force = |gives, tells_forces| {
-        let error = refusal(Faller { gives, tells_forces }, 0.3).unwrap();
+        let error = refusal(Faller { gives, tells_forces, ..FALLER }, 0.3).unwrap();
         let ProblemError::NoForce { t, mode, site } = error else { panic!("{error}") };
         assert_eq!(site, 0);
         (mode, t)
@@ -122,12 +129,12 @@ fn a_contact_without_a_force_is_refused_at_the_first_such_mode_that_is_met() {
         assert!(mode == "Held" && t > 0.1, "{mode} {t}");
     }
     // A rigid contact has none to tell.
-    assert_eq!(refusal(Faller { gives: |_| false, tells_forces: false }, 0.3), None);
+    assert_eq!(refusal(Faller { gives: |_| false, tells_forces: false, ..FALLER }, 0.3), None);
 }
 
 #[test]
 fn a_force_that_is_given_in_contact_alone_is_refused_and_not_lost() {
-    let error = refusal(Faller { gives: |mode| mode != Mode::Falls, tells_forces: true }, 0.3);
+    let error = refusal(Faller { gives: |mode| mode != Mode::Falls, ..FALLER }, 0.3);
     let message = error.unwrap().to_string();
     assert!(message.contains("gives a force in mode OnPad") && message.contains("at site 0"));
 }
@@ -135,7 +142,15 @@ fn a_force_that_is_given_in_contact_alone_is_refused_and_not_lost() {
 #[test]
 fn an_end_of_the_run_that_is_no_time_after_its_start_is_refused() {
     for t_end in [0.0, -0.1, f64::NAN, f64::INFINITY] {
-        let error = refusal(Faller { gives: |_| true, tells_forces: true }, t_end);
+        let error = refusal(FALLER, t_end);
         assert!(matches!(error, Some(ProblemError::End { .. })), "{t_end}: {error:?}");
     }
+}
+
+#[test]
+fn a_number_without_a_derivative_is_refused_in_the_first_such_mode_that_is_met() {
+    let error = refusal(Faller { takes_value: true, ..FALLER }, 0.3);
+    let Some(ProblemError::Contract { t, mode, breach }) = error else { panic!("{error:?}") };
+    assert!(mode == "OnPad" && t > 0.1, "{mode} {t}");
+    assert!(matches!(*breach, Breach::Value { state: 1, .. }), "{breach}");
 }

@@ -3,9 +3,9 @@
 
 use std::f64::consts::LOG2_E;
 
+use deltazero_solvers::contracts::check;
 use deltazero_solvers::double_double::DoubleDouble;
 use deltazero_solvers::taylor::ExtendedIntegration;
-use deltazero_solvers::taylor::expand::begins_with_rhs;
 use deltazero_solvers::{Control, Integration, Method, Outcome, System, Tolerance};
 use deltazero_study::Problem;
 use deltazero_text::{ModelFile, TextModel};
@@ -138,7 +138,7 @@ fn values_and_derivatives_have_their_closed_forms() {
                 assert!(error < 4.9e-15, "{formula} at {x}: {found} against {exact}");
             }
         }
-        assert!(begins_with_rhs(&model, &mode, 0.0, &plain_y));
+        assert_eq!(check(&model, &mode, 0.0, &plain_y), Ok(()));
     }
 }
 

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{file, model};
-use deltazero_solvers::taylor::expand::begins_with_rhs;
+use deltazero_solvers::contracts::check;
 use deltazero_solvers::{Control, Integration, Method, Next, Outcome, System, Tolerance};
 use deltazero_study::Problem;
 use deltazero_study::problem::Role;
@@ -89,7 +89,7 @@ fn operations_of_guards_follow_those_of_rates() {
         let model = model(text);
         let y = vector(model.dim(), |i| 0.3 + 0.1 * i as f64);
         for mode in modes(&model) {
-            assert!(begins_with_rhs(&model, &mode, 0.1, &y));
+            assert_eq!(check(&model, &mode, 0.1, &y), Ok(()));
         }
     }
 }

@@ -221,7 +221,7 @@ impl Alike for Block {
 #[cfg(test)]
 mod tests {
     use deltazero_solvers::System;
-    use deltazero_solvers::taylor::expand::begins_with_rhs;
+    use deltazero_solvers::contracts::check;
     use num_dual::Dual64;
 
     use super::*;
@@ -258,7 +258,7 @@ mod tests {
                 let y = [3e-5, -9.9e-5, 0.02, 2e-3, -1e-3, 0.3];
                 let slips = [Mode::SlipPlus(Onset::PLAIN), Mode::SlipMinus(Onset::PLAIN)];
                 for mode in slips.into_iter().chain([Mode::Apart, Mode::Stick(Onset::PLAIN)]) {
-                    assert!(begins_with_rhs(block, &mode, 0.0, &y), "{mode}");
+                    assert_eq!(check(block, &mode, 0.0, &y), Ok(()), "{mode}");
                     let (mut dydt, mut g) = ([0.0; 6], [0.0; N_GUARDS]);
                     let shares = block.rhs_with_guards(mode, 0.0, &y, &mut dydt, &mut g);
                     assert_eq!(shares, adhesion && mode.sigma().is_some(), "{mode}");

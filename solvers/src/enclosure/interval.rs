@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::real::{Length, Real};
+use crate::real::{Length, Real, Shortcuts};
 use crate::taylor::coefficient::Coefficient;
 
 /// A closed interval of real numbers.
@@ -308,18 +308,6 @@ impl Real for Interval {
         }
     }
 
-    /// Of a vector along an axis the length is the size of that component, without rounding: what begins on a circle,
-    /// on an axis, is exactly there.
-    fn length(d: [Self; 2], v: [Self; 2]) -> Length<Self> {
-        let rho = match d {
-            [Self::ZERO, y] => y.abs(),
-            [x, Self::ZERO] => x.abs(),
-            [x, y] => (x * x + y * y).sqrt(),
-        };
-        let rho = rho.divisor();
-        Length { rho, rate: (d[0] * v[0] + d[1] * v[1]).over(&rho) }
-    }
-
     /// All numbers.
     fn exp(self) -> Self {
         Self::WHOLE
@@ -370,6 +358,20 @@ impl Real for Interval {
 
     fn max(self, other: Self) -> Self {
         Self::new(self.lo.max(other.lo), self.hi.max(other.hi))
+    }
+}
+
+impl Shortcuts for Interval {
+    /// Of a vector along an axis the length is the size of that component, without rounding: what begins on a circle,
+    /// on an axis, is exactly there.
+    fn length(d: [Self; 2], v: [Self; 2]) -> Length<Self> {
+        let rho = match d {
+            [Self::ZERO, y] => y.abs(),
+            [x, Self::ZERO] => x.abs(),
+            [x, y] => (x * x + y * y).sqrt(),
+        };
+        let rho = rho.divisor();
+        Length { rho, rate: (d[0] * v[0] + d[1] * v[1]).over(&rho) }
     }
 }
 

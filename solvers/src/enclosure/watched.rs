@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::interval::Interval;
-use crate::real::Real;
+use crate::real::{Real, Shortcuts};
 
 /// What a decision may be taken on, and whether one was taken on something else.
 #[derive(Debug)]
@@ -150,6 +150,8 @@ impl Real for Watched<'_> {
         self.unknown()
     }
 }
+
+impl Shortcuts for Watched<'_> {}
 
 #[cfg(test)]
 mod tests {

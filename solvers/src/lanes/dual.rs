@@ -5,7 +5,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use num_dual::Dual64;
 
 use super::{LANES, Lanes, Simd};
-use crate::real::{Over, Real};
+use crate::real::{Over, Real, Shortcuts};
 
 /// Values and their derivatives along one direction each.
 #[derive(Clone, Copy, Debug)]
@@ -164,6 +164,8 @@ impl<V: Simd> Real for DualLanes<V> {
         Self::from_fn(|i| Real::max(self.lane(i), other.lane(i)))
     }
 }
+
+impl<V: Simd> Shortcuts for DualLanes<V> {}
 
 #[cfg(test)]
 mod tests {

@@ -11,7 +11,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use wide::{f64x2, f64x8};
 
-use crate::real::{Ordered, Over, Real};
+use crate::real::{Ordered, Over, Real, Shortcuts};
 use sin_cos::sin_cos;
 
 /// The largest number of lanes: two vectors of AVX2, which do not wait for each other.
@@ -264,6 +264,8 @@ impl<V: Simd> Real for Lanes<V> {
         Self::from_fn(|i| Real::max(self.lane(i), other.lane(i)))
     }
 }
+
+impl<V: Simd> Shortcuts for Lanes<V> {}
 
 impl<V: Simd> Ordered for Lanes<V> {
     /// A bit for each lane.

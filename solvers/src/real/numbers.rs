@@ -2,7 +2,7 @@
 
 use num_dual::Dual64;
 
-use super::{Ordered, Real};
+use super::{Ordered, Real, Shortcuts};
 
 impl Real for f64 {
     const NEWTON_STEPS: usize = 0;
@@ -40,7 +40,9 @@ impl Real for f64 {
     fn abs(self) -> Self {
         self.abs()
     }
+}
 
+impl Shortcuts for f64 {
     #[inline(always)]
     fn as_f64s(numbers: &[Self]) -> Option<&[f64]> {
         Some(numbers)
@@ -67,6 +69,8 @@ impl Ordered for f64 {
         self > other
     }
 }
+
+impl Shortcuts for Dual64 {}
 
 /// A value and its derivative along one direction (forward-mode differentiation).
 impl Real for Dual64 {

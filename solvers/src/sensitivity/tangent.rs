@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::real::Real;
+use crate::real::{Real, Shortcuts};
 
 /// A number and its derivative along one direction. The scalar may be a Taylor series, or such a number again, for
 /// which there are no dual numbers in `num-dual`. The number itself is computed as without the derivative, to the bit.
@@ -98,6 +98,8 @@ impl<S: Real> Real for Tangent<S> {
         Self::new(self.re.powf(a), self.re.powf(a - 1.0) * self.eps * a)
     }
 }
+
+impl<S: Real> Shortcuts for Tangent<S> {}
 
 #[cfg(test)]
 mod tests {

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::real::Real;
+use crate::real::{Real, Shortcuts};
 
 /// Number of directions.
 pub(super) const DIRECTIONS: usize = 8;
@@ -138,3 +138,5 @@ impl Real for Duals {
         Self::new(Real::powf(self.re, a), |k| slope * self.eps[k])
     }
 }
+
+impl Shortcuts for Duals {}

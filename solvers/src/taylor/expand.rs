@@ -236,9 +236,13 @@ impl Operations {
 }
 
 /// Whether [`System::rhs_with_guards`] keeps its contract at `(t, y)` in `mode`: it returns false, or writes what `rhs`
-/// and `guards` write, to the bit, by operations that begin with those of `rhs`. It is meant for the tests of a model
-/// with an implementation of its own.
-pub fn begins_with_rhs<P: System>(problem: &P, mode: &P::Mode, t: f64, y: &P::State<f64>) -> bool {
+/// and `guards` write, to the bit, by operations that begin with those of `rhs`.
+pub(crate) fn begins_with_rhs<P: System>(
+    problem: &P,
+    mode: &P::Mode,
+    t: f64,
+    y: &P::State<f64>,
+) -> bool {
     let field = InMode { problem, mode };
     let [mut slope, mut slope_alone] = [(); 2].map(|()| y.clone());
     let [mut g, mut g_alone] =

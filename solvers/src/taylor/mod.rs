@@ -12,8 +12,8 @@
 //! - It is evaluated once per step, with a scalar that [notes](trace) the operations, and every order follows the notes. So it is for
 //!   [many states](crate::Vector::IS_SHORT), for systems that [ask for it](crate::System::IS_TRACED), and for double-double numbers.
 //!
-//! A model needs nothing special for either, but [`length`](crate::Real::length), [`over`](crate::Real::over) and
-//! [`turning`](crate::Real::turning) save sums where they apply. Up to order five the guards are expanded with the
+//! A model needs nothing special for either, but [`length`](crate::real::Shortcuts::length), [`over`](crate::real::Shortcuts::over) and
+//! [`turning`](crate::real::Shortcuts::turning) save sums where they apply. Up to order five the guards are expanded with the
 //! slope: in the same evaluation where they [share](crate::System::rhs_with_guards) terms with it, else in one of their own.
 //!
 //! A step [is its polynomial](method): its size follows from the [last terms](order), its dense

@@ -8,8 +8,8 @@ use super::coefficient::Coefficient;
 use super::recurrence::{self, LARGEST_PRODUCT};
 use super::rows::{Row, Table};
 use crate::real::{
-    Divisor, Function, Functions, Length, Real, Turning, length_of_values, less_turning_of_values,
-    turning_of_values,
+    Divisor, Function, Functions, Length, Real, Shortcuts, Turning, length_of_values,
+    less_turning_of_values, turning_of_values,
 };
 
 /// A function of time as a Taylor series. The present run computes the coefficient of one order; the lower ones are
@@ -259,7 +259,9 @@ impl<B: Coefficient> Real for Series<'_, B> {
         let (c, c_k) = table.outlined(|table| Self::power(table, (row, self.coefficient), p));
         Self { place: Some(Place { table, row: c }), coefficient: c_k }
     }
+}
 
+impl<B: Coefficient> Shortcuts for Series<'_, B> {
     #[inline(always)]
     fn divisor(self) -> Divisor<Self> {
         let reciprocal = match self.place {

@@ -3,6 +3,7 @@
 
 use std::ops::ControlFlow;
 
+use deltazero_solvers::contracts::Checked;
 use deltazero_solvers::taylor::MAX_ORDER;
 use deltazero_solvers::{
     Accepted, Event, Grid, Method, Needs, Outcome, Record, Trajectory, Vector as _,
@@ -12,6 +13,7 @@ use num_dual::Dual64;
 use super::ReferenceError;
 use crate::account::Account;
 use crate::balance::Balance;
+use crate::check::check_contracts;
 use crate::errors::contacts::Contact;
 use crate::errors::dense::{Node, Nodes};
 use crate::errors::{ErrorScale, Largest, match_to_end, worse};
@@ -25,7 +27,7 @@ use crate::warning::Warning;
 
 /// Changes with whatever changes results: what is kept on disk of a reference, a study or a map that is not
 /// finished is then made anew.
-pub const RECIPE: u32 = 17;
+pub const RECIPE: u32 = 18;
 
 /// Method and tolerance of the reference, and those of the run that tells its error.
 type Pair = [(&'static str, f64); 2];
@@ -340,10 +342,11 @@ pub(crate) fn path<P: Problem>(
     let mut watch = limits.watch(maker.price());
     let mut record = (
         ((trajectory, Braked(&mut watch)), Roots::new(problem, maker)),
-        (Nodes::new(problem.n_sites()), account),
+        ((Nodes::new(problem.n_sites()), account), Checked::new(problem)),
     );
     let run = maker.run(problem, y0, t_end, &mut record);
-    let (((trajectory, _), roots), (nodes, Account { balance, contacts })) = record;
+    let (((trajectory, _), roots), ((nodes, Account { balance, contacts }), checked)) = record;
+    check_contracts(&checked)?;
     if let Some(contradiction) = contacts.contradiction() {
         return Err(contradiction.clone().into());
     }

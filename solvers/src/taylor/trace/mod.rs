@@ -15,7 +15,7 @@
 //! | `c = sin a`, and cos in its turn | cos a_0 | | Σ j a_j (cos a)_(k−j)/k |
 //!
 //! over `j = 1 … k − 1`, and so on. A multiple of a result, and a result plus a constant, are kept as such and need no
-//! operation. What has another result as its derivative, as a [length](Real::length) has, follows from it: `c_k = a_(k−1)/k`.
+//! operation. What has another result as its derivative, as a [length](crate::real::Shortcuts::length) has, follows from it: `c_k = a_(k−1)/k`.
 //! An order is computed in three steps: first what has a derivative; then all sums, one kind after the other; then one pass
 //! through the operations. The right-hand side is not called, and what it decides it decides once a step, on values.
 //!
@@ -54,7 +54,7 @@ impl<B: Coefficient> Trace<B> {
     /// Notes the operations of the right-hand side and the guards at `(t, y)`, and writes their values.
     ///
     /// # Panics
-    /// In a build with debug assertions, where a [curve](crate::Real::turning) was not ended.
+    /// In a build with debug assertions, where a [curve](crate::real::Shortcuts::turning) was not ended.
     pub(crate) fn begin<P: System>(
         &mut self,
         field: &InMode<'_, P>,

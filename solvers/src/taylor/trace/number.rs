@@ -7,7 +7,8 @@ use super::super::recurrence::LARGEST_PRODUCT;
 use super::Trace;
 use super::notes::{CONSTANT, Derivative, Notes, Place, Term, Written};
 use crate::real::{
-    Divisor, Length, Real, Turning, length_of_values, less_turning_of_values, turning_of_values,
+    Divisor, Length, Real, Shortcuts, Turning, length_of_values, less_turning_of_values,
+    turning_of_values,
 };
 
 /// A number that notes what is computed with it in the [trace](super) that it belongs to: a multiple of a result there, and
@@ -238,7 +239,9 @@ impl<B: Coefficient> Real for Noted<'_, B> {
             notes.operation(to, sum.to, [Self::nothing(), self.times(value * p * reciprocal)]);
         })
     }
+}
 
+impl<B: Coefficient> Shortcuts for Noted<'_, B> {
     fn divisor(self) -> Divisor<Self> {
         Divisor { value: self, reciprocal: Self::constant(B::cst(1.0) / self.value) }
     }

@@ -8,7 +8,7 @@ use super::super::rows::MAX_ORDER;
 use super::super::series::Series;
 use super::super::series::tests::{enough_rows, operations};
 use super::*;
-use crate::real::Functions;
+use crate::real::{Functions, Shortcuts};
 use crate::system::Next;
 
 /// Largest difference of coefficients of order `k` of functions whose series converge within 0.7. Measured: a quarter of it.
@@ -93,7 +93,7 @@ enum Kind {
 }
 
 /// A motion. Slopes and guards share the sine; the guards need a
-/// [length](Real::length) besides, and a curve.
+/// [length](Shortcuts::length) besides, and a curve.
 struct Swing {
     /// Evaluations of the right-hand side.
     n_rhs: Cell<usize>,

@@ -1,0 +1,131 @@
+//! Each breach by a model that has it.
+
+use super::*;
+use crate::system::Next;
+use crate::{Control, Grid, Integration, Method, Tolerance, Trajectory};
+
+/// What a model does not keep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Broken {
+    Nothing,
+    Together,
+    Jacobian,
+    TimeDerivative,
+    GuardSpan,
+    Length,
+    Turning,
+    Value,
+}
+
+/// A point on a spring to a ring, beside a pendulum whose support it shakes.
+struct Ring(Broken);
+
+impl Ring {
+    fn is(&self, broken: Broken) -> bool {
+        self.0 == broken
+    }
+}
+
+impl System for Ring {
+    type Mode = ();
+    type State<S: Real> = [S; 6];
+    type Guards<S: Real> = [S; 2];
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 6]) {}
+
+    fn rhs<S: Real>(&self, (): (), t: S, y: &[S; 6], dydt: &mut [S; 6]) {
+        let [x, z, theta, v_x, v_z, omega] = *y;
+        let v = if self.is(Broken::Length) { [v_x * 2.0, v_z] } else { [v_x, v_z] };
+        let length = S::length([x, z], v);
+        let pull = -((length.rho.value - 1.0) + length.rate * 0.1).over(&length.rho);
+        let held = if self.is(Broken::Value) { S::cst(x.value()) } else { x };
+        let shaken = [pull * held + t.sin(), pull * z];
+        let turning = S::turning([S::cst(0.5), S::cst(0.2)], [theta, omega]);
+        let theta_dd = -turning.sin - omega * 0.1;
+        let told = if self.is(Broken::Turning) { theta_dd * 2.0 } else { theta_dd };
+        let [a_x, a_z] = S::less_turning(shaken, turning, told);
+        *dydt = [v_x, v_z, omega, a_x, a_z, theta_dd];
+    }
+
+    fn guards<S: Real>(&self, (): (), _t: S, &[x, z, ..]: &[S; 6], g: &mut [S; 2]) {
+        *g = [x + 9.0, x + z * 2.0 + 9.0];
+    }
+
+    fn rhs_with_guards<S: Real>(
+        &self,
+        (): (),
+        t: S,
+        y: &[S; 6],
+        dydt: &mut [S; 6],
+        g: &mut [S; 2],
+    ) -> bool {
+        self.rhs((), t, y, dydt);
+        self.guards((), t, y, g);
+        if self.is(Broken::Together) {
+            g[1] = g[1] * 0.5;
+        }
+        true
+    }
+
+    fn guard_span(&self) -> usize {
+        if self.is(Broken::GuardSpan) { 1 } else { 2 }
+    }
+
+    fn jacobian(&self, (): (), t: f64, y: &[f64; 6], mut entry: impl FnMut(usize, usize, f64)) {
+        let is_wrong = self.is(Broken::Jacobian);
+        differentiated(self, (), t, y, |i, j, d| {
+            if !(is_wrong && [i, j] == [5, 2]) {
+                entry(i, j, d);
+            }
+        });
+    }
+
+    fn time_derivative(&self, (): (), t: f64, _y: &[f64; 6], dfdt: &mut [f64; 6]) {
+        *dfdt = [0.0; 6];
+        if !self.is(Broken::TimeDerivative) {
+            dfdt[3] = libm::cos(t);
+        }
+    }
+
+    fn transition<S: Real>(&self, (): (), _: usize, _t: S, _y: &mut [S; 6]) -> Next<()> {
+        Next::Stop
+    }
+}
+
+const START: [f64; 6] = [1.1, -0.4, 0.3, 0.7, -0.2, 0.5];
+
+fn breach(broken: Broken) -> Option<Breach> {
+    check(&Ring(broken), &(), 0.3, &START).err()
+}
+
+#[test]
+fn a_promise_that_is_not_kept_is_told() {
+    assert_eq!(breach(Broken::Nothing), None);
+    assert_eq!(breach(Broken::Together), Some(Breach::Together));
+    let found = breach(Broken::Jacobian);
+    assert!(matches!(found, Some(Breach::Jacobian { entry: [5, 2], told: 0.0, .. })), "{found:?}");
+    let found = breach(Broken::TimeDerivative);
+    assert!(matches!(found, Some(Breach::TimeDerivative { state: 3, told: 0.0, .. })), "{found:?}");
+    let span = Breach::GuardSpan { guard: 1, states: [0, 1] };
+    assert_eq!(breach(Broken::GuardSpan), Some(span));
+    for broken in [Broken::Length, Broken::Turning] {
+        let found = breach(broken);
+        assert!(matches!(found, Some(Breach::Series { .. })), "{broken:?}: {found:?}");
+    }
+    let found = breach(Broken::Value);
+    assert!(matches!(found, Some(Breach::Value { state: 3, .. })), "{found:?}");
+}
+
+#[test]
+fn a_run_tells_when_a_promise_was_not_kept() {
+    for (broken, is_kept) in [(Broken::Nothing, true), (Broken::Value, false)] {
+        let ring = Ring(broken);
+        let tolerance = Tolerance { rtol: 1e-6, atol: vec![1e-6; 6] };
+        let method = Method::named("rk45").unwrap();
+        let mut solver = method.solver(&ring, Control::Adaptive(tolerance)).unwrap();
+        let mut record = (Trajectory::on(Grid::Times(vec![])), Checked::new(&ring));
+        let mut integration = Integration::new(&ring, 0.0, START);
+        integration.run(1.0, &mut *solver, &mut record).unwrap();
+        assert_eq!(record.1.breach().is_none(), is_kept);
+    }
+}
