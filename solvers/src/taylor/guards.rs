@@ -16,7 +16,6 @@ use crate::erk::InMode;
 use crate::error::Error;
 use crate::event_location::{GuardCrossing, GuardWatch};
 use crate::real::{Ordered, Real};
-use crate::root::minimum;
 use crate::step::Step;
 use crate::system::{System, Vector};
 
@@ -409,24 +408,29 @@ fn fall_on_step<P: System>(
 ) -> Option<(f64, Option<f64>)> {
     let at_end = watch.is_violated(i);
     match fall_of(p, watch.bound(i)) {
-        Some((fall, Some(deepest))) => {
+        Some(Fall { at, rises: false, .. }) if at_end => Some((at, None)),
+        // Where the polynomial does not rise before the end, the guard does.
+        Some(Fall { at, deepest, .. }) => {
             watch.note_dip(i);
-            Some((fall, Some(deepest)))
-        }
-        Some((fall, None)) if at_end => Some((fall, None)),
-        // The polynomial does not rise before the end, but the guard may.
-        Some((fall, None)) => {
-            let (deepest, _) = minimum(|s| p.at(s), [fall, 0.5 * (fall + 1.0), 1.0]);
-            watch.note_dip(i);
-            Some((fall, Some(deepest)))
+            Some((at, Some(deepest)))
         }
         None => at_end.then(|| (last_fall(&p.raised(0.5 * watch.bound(i)), 1.0), None)),
     }
 }
 
-/// The time on [0, 1] at which `p` falls below `−bound/2` before it is below `−bound` for the first time, and where it is
-/// deepest before it rises again; `None` for the latter if it does not rise above `−bound/2`.
-fn fall_of(p: &Polynomial, bound: f64) -> Option<(f64, Option<f64>)> {
+/// A fall of a polynomial on [0, 1].
+#[derive(Clone, Copy, Debug)]
+struct Fall {
+    /// Where it falls below −bound/2.
+    at: f64,
+    /// Where it is least before it rises, or the end.
+    deepest: f64,
+    /// Whether it rises above −bound/2 again.
+    rises: bool,
+}
+
+/// The fall of `p` on [0, 1] after which it is below `−bound` for the first time.
+fn fall_of(p: &Polynomial, bound: f64) -> Option<Fall> {
     // If the start lies between −bound and −bound/2, the fall is located at −bound instead.
     let is_below = p.at(0.0) <= -0.5 * bound;
     let violated = p.raised(bound);
@@ -440,7 +444,7 @@ fn fall_of(p: &Polynomial, bound: f64) -> Option<(f64, Option<f64>)> {
         let deepest = turns.first_fall(below, PRECISION).unwrap_or(1.0);
         if violated.at(deepest) < 0.0 {
             let rises = located.negated().first_fall(deepest, PRECISION).is_some();
-            return Some((last_fall(&located, below), rises.then_some(deepest)));
+            return Some(Fall { at: last_fall(&located, below), deepest, rises });
         }
         from = deepest.max(from + stride);
         stride *= 2.0;

@@ -34,16 +34,13 @@ fn touches_within_rounding_end_the_search() {
                 let c = [size * touch * touch, -2.0 * size * touch, size];
                 let lift = off * f64::EPSILON * bound;
                 let p = Polynomial::new(c.into_iter()).raised(-0.5 * bound).raised(lift);
-                assert!(
-                    fall_of(&p, bound).is_none_or(|(_, dip)| dip.is_none()),
-                    "{touch} {size:e}"
-                );
+                assert!(fall_of(&p, bound).is_none_or(|fall| !fall.rises), "{touch} {size:e}");
             }
         }
     }
     let falls = Polynomial::new([1e-12, -4e-12].into_iter());
-    let (fall, dip) = fall_of(&falls, bound).unwrap_or((f64::NAN, Some(f64::NAN)));
-    assert!((fall - 0.375).abs() < 1e-12 && dip.is_none(), "{fall} {dip:?}");
+    let found = fall_of(&falls, bound);
+    assert!(found.is_some_and(|fall| (fall.at - 0.375).abs() < 1e-12 && !fall.rises), "{found:?}");
 }
 
 /// `20 ((s − a)² − d²)(1 − s/b)`, which falls at a − d, rises at a + d, and falls for good at b.
@@ -59,8 +56,8 @@ fn a_dip_is_found_wherever_its_fall_is_rounded_to() {
     for n in 0..2000 {
         let (a, d) = (0.2 + 1e-4 * f64::from(n), 1e-4);
         let found = fall_of(&dip_and_fall(a, d, 0.9), 1e-15);
-        let Some((fall, Some(deepest))) = found else { panic!("{n}: {found:?}") };
-        assert!((fall - (a - d)).abs() < 1e-9 && (deepest - a).abs() < 1e-3 * d, "{n}");
+        let Some(Fall { at, deepest, rises: true }) = found else { panic!("{n}: {found:?}") };
+        assert!((at - (a - d)).abs() < 1e-9 && (deepest - a).abs() < 1e-3 * d, "{n}");
     }
 }
 
@@ -70,6 +67,6 @@ fn a_dip_between_the_bound_and_its_half_is_passed_over() {
     let (d, b) = (1e-4, 0.9);
     let depth = 20.0 * d * d * (1.0 - 0.3 / b);
     let found = fall_of(&dip_and_fall(0.3, d, b), depth / 0.7);
-    let Some((fall, None)) = found else { panic!("{found:?}") };
-    assert!((fall - b).abs() < 1e-6, "{fall}");
+    let Some(Fall { at, rises: false, .. }) = found else { panic!("{found:?}") };
+    assert!((at - b).abs() < 1e-6, "{at}");
 }
