@@ -50,12 +50,13 @@ const AGREE: [f64; 2] = [1e-6, 1e-11];
 /// A difference quotient agrees to the first fraction of the derivative, or the second of the terms that it is a sum of. A number
 /// without a derivative is missing altogether.
 const NEAR: [f64; 2] = [0.1, 1e-4];
-/// Two difference quotients that differ by more than this fraction of what is to be told tell nothing.
+/// Difference quotients that differ by more than this fraction of what is to be told tell nothing.
 const SURE: f64 = 0.1;
-/// Slopes are taken to be rounded by this many last bits of their terms.
+/// Sums are taken to be rounded by this many last bits of their terms.
 const BITS: f64 = 100.0;
-/// Steps of the difference quotients, as fractions of the time in which a slope changes by its size.
-const STEPS: [f64; 2] = [1e-4, 2e-5];
+/// Steps of the difference quotients, as fractions of the time in which slopes or their rates change by their size. A part of a
+/// slope may change faster than that.
+const STEPS: [f64; 5] = [1e-4, 1e-6, 1e-8, 1e-10, 1e-12];
 /// Number of phases of a run that are checked.
 const PHASES: u32 = 8;
 
@@ -152,206 +153,221 @@ pub fn check<P: System>(
     if !begins_with_rhs(problem, mode, t, y) {
         return Err(Breach::Together);
     }
-    let entries = jacobian(problem, mode, t, y)?;
-    time_derivative(problem, mode, t, y)?;
-    guard_span(problem, mode, t, y)?;
-    let derivatives = Derivatives::new(problem, mode, t, y);
-    series(problem, mode, t, (y, &derivatives, &entries))?;
-    value(problem, mode, t, (y, &derivatives, &entries))
+    let place = Place { problem, mode, t, y };
+    let jacobian = place.check_jacobian()?;
+    let by_time = place.check_time_derivative()?;
+    place.check_guard_span()?;
+    let derivatives = place.derivatives();
+    let mut sizes = sizes_of_product(&jacobian, y);
+    for (i, size) in sizes.as_mut().iter_mut().enumerate() {
+        *size = size.max(derivatives.first.as_ref()[i].abs()) + (by_time.as_ref()[i] * t).abs();
+    }
+    place.check_series(&derivatives, &jacobian, &sizes)?;
+    place.check_values(&derivatives, &jacobian, &sizes)
 }
 
-/// Whether two ways to one number agree, whose terms have the size `terms`, or are no numbers.
-fn agree(a: f64, b: f64, terms: f64) -> bool {
-    let allowed = AGREE[0] * a.abs().max(b.abs()) + AGREE[1] * terms;
+/// The entries of a Jacobian by row and column.
+type Entries = HashMap<[usize; 2], f64>;
+
+/// Whether two ways to one number agree to a fraction of it or to `allowed`, or are no numbers.
+fn agree(a: f64, b: f64, allowed: f64) -> bool {
     // False where one is not a finite number.
-    let differ = (a - b).abs() > allowed && (a - b).is_finite();
+    let differ = (a - b).abs() > AGREE[0] * a.abs().max(b.abs()) + allowed && (a - b).is_finite();
     !differ
 }
 
-/// The Jacobian, which agrees with that of the right-hand side.
-fn jacobian<P: System>(
-    problem: &P,
-    mode: &P::Mode,
-    t: f64,
-    y: &P::State<f64>,
-) -> Result<HashMap<[usize; 2], f64>, Breach> {
-    let (mut told, mut exact) = (HashMap::new(), HashMap::new());
-    problem.jacobian(mode.clone(), t, y, |i, j, d| {
-        told.insert([i, j], d);
-    });
-    differentiated(problem, mode.clone(), t, y, |i, j, d| {
-        exact.insert([i, j], d);
-    });
-    let largest = exact.values().filter(|d| d.is_finite()).fold(0.0, |a: f64, d| a.max(d.abs()));
-    // Rounding beside the largest one has no consequence.
-    let terms = largest * f64::EPSILON / AGREE[1];
-    let mut entries: Vec<_> = told.keys().chain(exact.keys()).copied().collect();
-    entries.sort_unstable();
-    for entry in entries {
-        let [told, derivative] = [&told, &exact].map(|d| d.get(&entry).copied().unwrap_or(0.0));
-        if !agree(told, derivative, terms) {
-            return Err(Breach::Jacobian { entry, told, derivative });
-        }
+/// The sizes of the terms whose sums are the product of a Jacobian and `of`.
+fn sizes_of_product<Y: Vector<f64>>(jacobian: &Entries, of: &Y) -> Y {
+    let mut sizes = Y::from_fn(of.as_ref().len(), |_| 0.0);
+    for ([i, j], d) in jacobian {
+        sizes.as_mut()[*i] += (d * of.as_ref()[*j]).abs();
     }
-    Ok(exact)
+    sizes
 }
 
-fn time_derivative<P: System>(
-    problem: &P,
-    mode: &P::Mode,
-    t: f64,
-    y: &P::State<f64>,
-) -> Result<(), Breach> {
-    let mut told = y.clone();
-    problem.time_derivative(mode.clone(), t, y, &mut told);
-    let still = P::State::<Dual64>::from_fn(y.as_ref().len(), |i| Dual64::cst(y.as_ref()[i]));
-    let mut dydt = still.clone();
-    problem.rhs(mode.clone(), Dual64::new(t, 1.0), &still, &mut dydt);
-    for (state, (told, slope)) in told.as_ref().iter().zip(dydt.as_ref()).enumerate() {
-        let (told, derivative) = (*told, slope.eps);
-        if !agree(told, derivative, slope.re.abs()) {
-            return Err(Breach::TimeDerivative { state, told, derivative });
-        }
-    }
-    Ok(())
-}
-
-fn guard_span<P: System>(
-    problem: &P,
-    mode: &P::Mode,
-    t: f64,
-    y: &P::State<f64>,
-) -> Result<(), Breach> {
-    let (n, span, y) = (y.as_ref().len(), problem.guard_span().max(1), y.as_ref());
-    let mut known = HashMap::new();
-    let mut g = P::Guards::<Dual64>::from_fn(problem.n_guards(), |_| Dual64::cst(0.0));
-    for j in (0..n).filter(|_| span < n) {
-        let seeded =
-            P::State::<Dual64>::from_fn(n, |i| Dual64::new(y[i], if i == j { 1.0 } else { 0.0 }));
-        problem.guards(mode.clone(), Dual64::cst(t), &seeded, &mut g);
-        for (guard, _) in g.as_ref().iter().enumerate().filter(|(_, g)| g.eps != 0.0) {
-            if let Some(other) = known.insert((guard, j % span), j) {
-                return Err(Breach::GuardSpan { guard, states: [other, j] });
-            }
-        }
-    }
-    Ok(())
-}
-
-/// The derivatives of a solution by time, from numbers that differentiate.
+/// The derivatives of a solution by time.
 struct Derivatives<Y> {
     first: Y,
     second: Y,
     third: Y,
 }
 
-impl<Y: Vector<f64>> Derivatives<Y> {
-    fn new<P: System<State<f64> = Y>>(problem: &P, mode: &P::Mode, t: f64, y: &Y) -> Self {
-        let n = y.as_ref().len();
-        let of = |derivative: &dyn Fn(usize) -> f64| Y::from_fn(n, derivative);
-        let mut first = y.clone();
-        problem.rhs(mode.clone(), t, y, &mut first);
-        let once = |i: usize| Dual64::new(y.as_ref()[i], first.as_ref()[i]);
-        let along = P::State::<Dual64>::from_fn(n, once);
+/// Where a model is checked.
+struct Place<'a, P: System> {
+    problem: &'a P,
+    mode: &'a P::Mode,
+    t: f64,
+    y: &'a P::State<f64>,
+}
+
+impl<P: System> Place<'_, P> {
+    /// Compares the Jacobian with that of the right-hand side, which is returned.
+    fn check_jacobian(&self) -> Result<Entries, Breach> {
+        let (mut told, mut exact) = (Entries::new(), Entries::new());
+        self.problem.jacobian(self.mode.clone(), self.t, self.y, |i, j, d| {
+            told.insert([i, j], d);
+        });
+        let n = self.y.as_ref().len();
+        let (mut of_row, mut of_column) = (vec![0.0_f64; n], vec![0.0_f64; n]);
+        differentiated(self.problem, self.mode.clone(), self.t, self.y, |i, j, d| {
+            exact.insert([i, j], d);
+            of_row[i] = of_row[i].max(d.abs());
+            of_column[j] = of_column[j].max(d.abs());
+        });
+        let mut entries: Vec<_> = told.keys().chain(exact.keys()).copied().collect();
+        entries.sort_unstable();
+        for entry in entries {
+            let [told, derivative] = [&told, &exact].map(|d| d.get(&entry).copied().unwrap_or(0.0));
+            // Beside the largest of its row or column it is rounding.
+            let largest = of_row[entry[0]].max(of_column[entry[1]]);
+            if !agree(told, derivative, BITS * f64::EPSILON * largest) {
+                return Err(Breach::Jacobian { entry, told, derivative });
+            }
+        }
+        Ok(exact)
+    }
+
+    /// Compares the derivative by time with that of the right-hand side.
+    fn check_time_derivative(&self) -> Result<P::State<f64>, Breach> {
+        let y = self.y.as_ref();
+        let mut told = self.y.clone();
+        self.problem.time_derivative(self.mode.clone(), self.t, self.y, &mut told);
+        let still = P::State::<Dual64>::from_fn(y.len(), |i| Dual64::cst(y[i]));
+        let mut dydt = still.clone();
+        self.problem.rhs(self.mode.clone(), Dual64::new(self.t, 1.0), &still, &mut dydt);
+        for (state, (told, slope)) in told.as_ref().iter().zip(dydt.as_ref()).enumerate() {
+            let (told, derivative) = (*told, slope.eps);
+            if !agree(told, derivative, AGREE[1] * slope.re.abs()) {
+                return Err(Breach::TimeDerivative { state, told, derivative });
+            }
+        }
+        Ok(told)
+    }
+
+    /// Looks for a guard of two states that are a multiple of the span apart.
+    fn check_guard_span(&self) -> Result<(), Breach> {
+        let (span, y) = (self.problem.guard_span().max(1), self.y.as_ref());
+        let mut known = HashMap::new();
+        let n_guards = self.problem.n_guards();
+        let mut g = P::Guards::<Dual64>::from_fn(n_guards, |_| Dual64::cst(0.0));
+        for j in (0..y.len()).filter(|_| span < y.len()) {
+            let seed = |i| Dual64::new(y[i], if i == j { 1.0 } else { 0.0 });
+            let seeded = P::State::<Dual64>::from_fn(y.len(), seed);
+            self.problem.guards(self.mode.clone(), Dual64::cst(self.t), &seeded, &mut g);
+            let depends = |g: &Dual64| g.eps != 0.0 && g.eps.is_finite();
+            for (guard, _) in g.as_ref().iter().enumerate().filter(|(_, g)| depends(g)) {
+                if let Some(other) = known.insert((guard, j % span), j) {
+                    return Err(Breach::GuardSpan { guard, states: [other, j] });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// By numbers that differentiate.
+    fn derivatives(&self) -> Derivatives<P::State<f64>> {
+        let (problem, y) = (self.problem, self.y.as_ref());
+        let mut first = self.y.clone();
+        problem.rhs(self.mode.clone(), self.t, self.y, &mut first);
+        let once = |i: usize| Dual64::new(y[i], first.as_ref()[i]);
+        let along = P::State::<Dual64>::from_fn(y.len(), once);
         let mut dydt = along.clone();
-        problem.rhs(mode.clone(), Dual64::new(t, 1.0), &along, &mut dydt);
-        let second = of(&|i| dydt.as_ref()[i].eps);
-        let along = P::State::<Tangent<Dual64>>::from_fn(n, |i| {
+        problem.rhs(self.mode.clone(), Dual64::new(self.t, 1.0), &along, &mut dydt);
+        let second = P::State::<f64>::from_fn(y.len(), |i| dydt.as_ref()[i].eps);
+        let along = P::State::<Tangent<Dual64>>::from_fn(y.len(), |i| {
             Tangent::new(once(i), Dual64::new(first.as_ref()[i], second.as_ref()[i]))
         });
         let mut twice = along.clone();
-        let time = Tangent::new(Dual64::new(t, 1.0), Dual64::new(1.0, 0.0));
-        problem.rhs(mode.clone(), time, &along, &mut twice);
-        let third = of(&|i| twice.as_ref()[i].eps.eps);
-        Self { first, second, third }
+        let time = Tangent::new(Dual64::new(self.t, 1.0), Dual64::new(1.0, 0.0));
+        problem.rhs(self.mode.clone(), time, &along, &mut twice);
+        let third = P::State::<f64>::from_fn(y.len(), |i| twice.as_ref()[i].eps.eps);
+        Derivatives { first, second, third }
     }
-}
 
-/// The sizes of the terms whose sum is the Jacobian times what has the sizes `of`.
-fn terms<Y: Vector<f64>>(entries: &HashMap<[usize; 2], f64>, of: &Y) -> Y {
-    let mut terms = Y::from_fn(of.as_ref().len(), |_| 0.0);
-    for ([i, j], d) in entries {
-        terms.as_mut()[*i] += (d * of.as_ref()[*j]).abs();
-    }
-    terms
-}
-
-/// The sizes of the terms that the slopes are sums of: as of the Jacobian times the state, or the slopes themselves.
-fn slope_sizes<Y: Vector<f64>>((y, slope): (&Y, &Y), entries: &HashMap<[usize; 2], f64>) -> Y {
-    let mut sizes = terms(entries, y);
-    for (size, slope) in sizes.as_mut().iter_mut().zip(slope.as_ref()) {
-        *size = size.max(slope.abs());
-    }
-    sizes
-}
-
-/// Compares the series with the derivatives.
-fn series<P: System>(
-    problem: &P,
-    mode: &P::Mode,
-    t: f64,
-    (y, of, entries): (&P::State<f64>, &Derivatives<P::State<f64>>, &HashMap<[usize; 2], f64>),
-) -> Result<(), Breach> {
-    let field = InMode { problem, mode };
-    let mut coefficients = vec![y.clone(); 4];
-    let mut g = [P::Guards::<f64>::from_fn(problem.n_guards(), |_| 0.0)];
-    let mut expansion = Expansion::default();
-    expansion.begin::<P, _>(&field, t, y, &mut coefficients[1], &mut g[0]);
-    expansion.complete(&field, t, &mut coefficients, &mut g);
-    let mut sizes = slope_sizes((y, &of.first), entries);
-    for (order, derivatives, factorial) in [(2, &of.second, 2.0), (3, &of.third, 6.0)] {
-        sizes = terms(entries, &sizes);
-        for (state, terms) in sizes.as_ref().iter().enumerate() {
-            let series = coefficients[order].as_ref()[state];
-            let derivative = derivatives.as_ref()[state] / factorial;
-            if !agree(series, derivative, terms / factorial) {
-                return Err(Breach::Series { order, state, series, derivative });
+    /// Compares the series of the solution with its derivatives; the slopes are sums of terms of these `sizes`.
+    fn check_series(
+        &self,
+        of: &Derivatives<P::State<f64>>,
+        jacobian: &Entries,
+        sizes: &P::State<f64>,
+    ) -> Result<(), Breach> {
+        let Self { problem, mode, t, y } = *self;
+        let field = InMode { problem, mode };
+        let mut coefficients = vec![y.clone(); 4];
+        let mut g = [P::Guards::<f64>::from_fn(problem.n_guards(), |_| 0.0)];
+        let mut expansion = Expansion::default();
+        expansion.begin::<P, _>(&field, t, y, &mut coefficients[1], &mut g[0]);
+        expansion.complete(&field, t, &mut coefficients, &mut g);
+        let mut sizes = sizes.clone();
+        for (order, derivatives, factorial) in [(2, &of.second, 2.0), (3, &of.third, 6.0)] {
+            sizes = sizes_of_product(jacobian, &sizes);
+            for (state, size) in sizes.as_ref().iter().enumerate() {
+                let series = coefficients[order].as_ref()[state];
+                let derivative = derivatives.as_ref()[state] / factorial;
+                if !agree(series, derivative, AGREE[1] * size / factorial) {
+                    return Err(Breach::Series { order, state, series, derivative });
+                }
             }
         }
+        Ok(())
     }
-    Ok(())
+
+    /// Compares the derivatives of the slopes along the solution with difference quotients ahead, where a number that was taken by
+    /// its value is one that changes; the slopes are sums of terms of these `sizes`.
+    fn check_values(
+        &self,
+        of: &Derivatives<P::State<f64>>,
+        jacobian: &Entries,
+        sizes: &P::State<f64>,
+    ) -> Result<(), Breach> {
+        let Some(time) = of.shortest_time() else { return Ok(()) };
+        let terms = sizes_of_product(jacobian, &of.first);
+        let quotients = STEPS.map(|part| self.quotients(&of.first, part * time));
+        for (state, derivative) in of.second.as_ref().iter().enumerate() {
+            let change = quotients[0].as_ref()[state];
+            let off = (change - derivative).abs();
+            let terms = NEAR[1] * terms.as_ref()[state];
+            // What is rounded tells nothing, but for the longest step.
+            let missing = STEPS.iter().zip(&quotients).enumerate().all(|(k, (part, quotient))| {
+                let quotient = quotient.as_ref()[state];
+                let rounded = BITS * f64::EPSILON * sizes.as_ref()[state] / (part * time);
+                if k > 0 && rounded > SURE * off {
+                    return true;
+                }
+                let size = NEAR[0] * derivative.abs().max(quotient.abs());
+                (quotient - derivative).abs() > size.max(terms).max(rounded)
+                    && (quotient - change).abs() <= SURE * off
+            });
+            if missing {
+                return Err(Breach::Value { state, change, derivative: *derivative });
+            }
+        }
+        Ok(())
+    }
+
+    /// What the slopes change by a unit of time along the straight line with the slope `first`, from three values `h` apart.
+    fn quotients(&self, first: &P::State<f64>, h: f64) -> P::State<f64> {
+        let (y, first) = (self.y.as_ref(), first.as_ref());
+        let [once, twice] = [h, 2.0 * h].map(|h| {
+            let ahead = P::State::<f64>::from_fn(y.len(), |i| y[i] + h * first[i]);
+            let mut slope = ahead.clone();
+            self.problem.rhs(self.mode.clone(), self.t + h, &ahead, &mut slope);
+            slope
+        });
+        let (once, twice) = (once.as_ref(), twice.as_ref());
+        Vector::from_fn(y.len(), |i| (4.0 * once[i] - twice[i] - 3.0 * first[i]) / (2.0 * h))
+    }
 }
 
-/// Compares the derivative of the slope along the solution with difference quotients ahead.
-fn value<P: System>(
-    problem: &P,
-    mode: &P::Mode,
-    t: f64,
-    (y, of, entries): (&P::State<f64>, &Derivatives<P::State<f64>>, &HashMap<[usize; 2], f64>),
-) -> Result<(), Breach> {
-    let (terms, sizes) = (terms(entries, &of.first), slope_sizes((y, &of.first), entries));
-    let (y, first) = (y.as_ref(), of.first.as_ref());
-    let changes = first.iter().zip(of.second.as_ref()).map(|(f, d)| (f / d).abs());
-    let time = changes.filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min);
-    if !time.is_finite() {
-        return Ok(());
+impl<Y: Vector<f64>> Derivatives<Y> {
+    /// The shortest time in which a slope or its rate changes by its size; `None` where none changes.
+    fn shortest_time(&self) -> Option<f64> {
+        let [first, second, third] = [&self.first, &self.second, &self.third].map(Y::as_ref);
+        let of_slopes = first.iter().zip(second);
+        let times = of_slopes.chain(second.iter().zip(third)).map(|(a, b)| (a / b).abs());
+        let shortest = times.filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min);
+        shortest.is_finite().then_some(shortest)
     }
-    let slope_at = |h: f64| {
-        let ahead = P::State::<f64>::from_fn(y.len(), |i| y[i] + h * first[i]);
-        let mut slope = ahead.clone();
-        problem.rhs(mode.clone(), t + h, &ahead, &mut slope);
-        slope
-    };
-    let [coarse, fine] = STEPS.map(|part| {
-        let h = part * time;
-        let [once, twice] = [slope_at(h), slope_at(2.0 * h)];
-        let (once, twice) = (once.as_ref(), twice.as_ref());
-        P::State::<f64>::from_fn(y.len(), |i| {
-            (4.0 * once[i] - twice[i] - 3.0 * first[i]) / (2.0 * h)
-        })
-    });
-    for (state, derivative) in of.second.as_ref().iter().enumerate() {
-        let [coarse, change] = [coarse.as_ref()[state], fine.as_ref()[state]];
-        let off = (change - derivative).abs();
-        let is_sure = (coarse - change).abs() <= SURE * off && off.is_finite();
-        let size = derivative.abs().max(change.abs());
-        let rounded = BITS * f64::EPSILON * sizes.as_ref()[state] / (STEPS[1] * time);
-        let allowed = (NEAR[0] * size).max(NEAR[1] * terms.as_ref()[state]).max(rounded);
-        if is_sure && off > allowed {
-            return Err(Breach::Value { state, change, derivative: *derivative });
-        }
-    }
-    Ok(())
 }
 
 /// A recorder that [checks](check) a model in the first phases of a run, after the first step of each.

@@ -129,3 +129,40 @@ fn a_run_tells_when_a_promise_was_not_kept() {
         assert_eq!(record.1.breach().is_none(), is_kept);
     }
 }
+
+/// `ẏ = b + sin(100 t)`, and a guard that is the root of what is zero.
+struct Ripple(f64);
+
+impl System for Ripple {
+    type Mode = ();
+    type State<S: Real> = [S; 3];
+    type Guards<S: Real> = [S; 1];
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 3]) {}
+
+    fn rhs<S: Real>(&self, (): (), t: S, _y: &[S; 3], dydt: &mut [S; 3]) {
+        *dydt = [(t * 100.0).sin() + self.0, S::cst(0.0), S::cst(0.0)];
+    }
+
+    fn guards<S: Real>(&self, (): (), _t: S, y: &[S; 3], g: &mut [S; 1]) {
+        *g = [(y[1] * y[1] + y[2] * y[2]).sqrt() + 1.0];
+    }
+
+    fn guard_span(&self) -> usize {
+        2
+    }
+
+    fn transition<S: Real>(&self, (): (), _: usize, _t: S, _y: &mut [S; 3]) -> Next<()> {
+        Next::Stop
+    }
+}
+
+#[test]
+fn a_ripple_on_a_large_slope_and_a_derivative_that_is_no_number_are_no_breach() {
+    for b in [0.0, 1e3, 1e5, 1e7, 1e9, 1e12] {
+        for k in 0..100 {
+            let t = 1e-3 * f64::from(k) * f64::from(k);
+            assert_eq!(check(&Ripple(b), &(), t, &[b, 0.0, 0.0]), Ok(()), "{b:e} {t}");
+        }
+    }
+}

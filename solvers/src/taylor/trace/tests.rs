@@ -8,7 +8,7 @@ use super::super::rows::MAX_ORDER;
 use super::super::series::Series;
 use super::super::series::tests::{enough_rows, operations};
 use super::*;
-use crate::real::{Functions, Shortcuts};
+use crate::real::Functions;
 use crate::system::Next;
 
 /// Largest difference of coefficients of order `k` of functions whose series converge within 0.7. Measured: a quarter of it.
@@ -246,6 +246,7 @@ fn a_system_has_the_coefficients_of_one_order_at_a_time() {
 fn a_curve_that_is_not_ended_is_refused() {
     let trace = Trace::<f64>::default();
     let (t, []) = trace.start(0.7, &[]);
+    use crate::real::Shortcuts as _;
     let curve = Noted::turning([0.3, -1.2].map(Noted::cst), [t * t, t * 2.0]);
     trace.end(&[], &[curve.sin], &mut [0.0]);
 }
