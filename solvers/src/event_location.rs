@@ -98,7 +98,8 @@ pub struct GuardWatch<P: System> {
     /// Fraction of the present step up to which dips of each guard were found to be errors of the interpolant.
     disproved: Vec<f64>,
     n_disproved: usize,
-    /// Length of the longest step of this phase on which all guards were seen to follow their cubics.
+    /// Length of the last step of this phase on which all guards were seen to follow their cubics, also beside their range: one
+    /// that is far from zero may follow beside its size, and need not when it is near.
     followed: f64,
     /// Guards that were seen to stray from their cubics on the present step.
     strays: Vec<bool>,

@@ -1,4 +1,4 @@
-//! Whether what a problem says of itself fits together, before anything runs.
+//! Whether what a problem says of itself fits together: before anything runs, and in the runs of its reference.
 
 mod error;
 

@@ -50,10 +50,10 @@ class Reference:
         if samples.shape != self.samples.shape:
             return math.nan
         off = samples - self.samples
-        return max(np.linalg.norm(off[:, states], axis=1).max() / scale for states, scale in self.groups)
+        return np.max([np.linalg.norm(off[:, states], axis=1).max() / scale for states, scale in self.groups])
 
 
-def ours(model, folder):
+def ours(model, folder, repeats=REPEATS):
     """The rows of the study and the reference of each part."""
     os.makedirs(folder, exist_ok=True)
     text = os.path.join(folder, model.name + ".toml")
@@ -62,7 +62,7 @@ def ours(model, folder):
         file.write(new.stdout)
     out = os.path.join(folder, model.name)
     methods = list(dict.fromkeys((EXPLICIT if not model.stiff else []) + (IMPLICIT if model.stiff is not False else [])))
-    sets = {"methods": methods, "rtol": TOLERANCES, "events": ["located"], "repeats": REPEATS}
+    sets = {"methods": methods, "rtol": TOLERANCES, "events": ["located"], "repeats": repeats}
     options = [word for key, value in sets.items() for word in ("--set", f"study.{key}={json.dumps(value)}")]
     subprocess.run([PROGRAM, "study", "--model", text, "--out", out, "--quiet"] + options, stdout=subprocess.DEVNULL, check=True)
     with open(os.path.join(out, "reference.json")) as file:
@@ -88,7 +88,7 @@ def measured(tool, method, prepare, model, references):
                 start = time.process_time()
                 found = whole(times)
                 took.append(time.process_time() - start)
-            e = max(reference.error(samples) for reference, (samples, _) in zip(references, found))
+            e = np.max([reference.error(samples) for reference, (samples, _) in zip(references, found)])
             yield tool, method, f"{tol:.0e}", f"{e:.3e}", sum(n for _, n in found), f"{min(took):.4e}"
         except Exception as error:
             yield tool, method, f"{tol:.0e}", "", 0, f"{type(error).__name__}: {error}"[:80]

@@ -58,7 +58,7 @@ def main():
         for model in chosen:
             own, theirs = [], []
             for _ in range(ROUNDS):
-                new, [reference] = ours(model, folder)
+                new, [reference] = ours(model, folder, 3)
                 own += new
                 theirs += by_cvode(program, model, reference, folder)
             rows += [(model.name,) + row for row in least(own) + least(theirs)]

@@ -16,10 +16,8 @@ const PROBES: [f64; 5] = [0.14, 0.318, 0.53, 0.69, 0.91];
 /// A guard strays where it differs from its cubic by more than this fraction of its size. A sine that is as large as its
 /// range is seen to follow its cubic over 3.3 radians at most, where the middle of the step is a zero of it.
 const STRAYS: f64 = 1.0 / 64.0;
-/// Guards are compared with their cubics anew on a step longer than the longest compared before by this factor. So no
-/// sine is searched for by the polynomial of degree six over more than three quarters of a period. They are also compared
-/// anew after a step on which one differs by more than the fraction above of its range: one that follows its cubic because
-/// it is far from zero need not follow it when it is near.
+/// Guards are compared with their cubics anew on a step longer than the last one on which they followed by this factor. So no
+/// sine is searched for by the polynomial of degree six over more than three quarters of a period.
 const LONGER: f64 = 4.0 / 3.0;
 
 /// An end of a step: a state and its slope.

@@ -13,7 +13,7 @@ use crate::work::Stats;
 const FAR: f64 = 0.1;
 /// Number of retaken steps after which every other one is a bisection.
 const MOST_RETAKES: usize = 16;
-/// The search ends where the bracket is no wider than the spacing of the time, and than this fraction of the step.
+/// The search ends where the bracket is no wider than the rounding of the time, and than this fraction of the step.
 const NARROW: f64 = 1e-8;
 
 /// The guard at the end of a retaken step.
@@ -21,7 +21,8 @@ const NARROW: f64 = 1e-8;
 struct End {
     /// Size of the step.
     h: f64,
-    /// What the guard is above the value at which events are located.
+    /// What the guard is above the value at which events are located; at the start, where the bound may be far off, above its
+    /// surface.
     clearance: f64,
     rate: f64,
 }
@@ -63,7 +64,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     /// Returns `None` where the dense output showed a dip of the guard that the retaken step does not show; the step
     /// is then taken again in full.
     ///
-    /// Newton's iteration on `g(y(t₀ + h))`, with `dg/dh` from the slope at the end, inside a bracket; where it is slow or leaves the
+    /// Newton's iteration on `g(y(t₀ + h))`, with `dg/dh` from the slope at the end, inside a bracket; where it is [far](FAR) or leaves the
     /// bracket, the root of the cubic through values and rates at both ends of that. It ends where
     /// the guard is at or below zero but within its rounding bound, or where the bracket has no width that counts.
     fn land(
@@ -170,7 +171,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     }
 }
 
-/// Whether a bracket of step sizes from `t0` has no width that counts: the times of its ends are one or neighbours.
+/// Whether a bracket of step sizes from `t0` has no width that counts: at most ε times the time there, and [`NARROW`] of the step.
 fn is_narrow(bracket: Bracket, t0: f64) -> bool {
     let Bracket { above, below } = bracket;
     let width = (below - above).abs();

@@ -1,4 +1,5 @@
-// Five text models as a user of CVODE would state them: parameters are those of text/models, modes those of ../models.py.
+// Five text models as a user of CVODE would state them: parameters are those of text/models, modes those of ../models.py; the block rests
+// below 1e-10 of the largest speed.
 //
 // Guards are positive inside a mode and found downwards. An instant that is known beforehand is the end of a mode, `until`.
 #pragma once
