@@ -33,7 +33,8 @@ def slope(joint, sigma, y, sin, cos, sqrt, contact=CONTACT):
     if sigma != 0:
         rho = sqrt(x * x + y_ * y_)
         normal = stiffness * (rho - clearance) + damping * (x * v_x + y_ * v_y) / rho
-        q_x, q_y = -normal * x / rho, -normal * y_ / rho
+        pull = -normal / rho
+        q_x, q_y = pull * x, pull * y_
         moment = moment - sigma * mu * PIN * normal
     alpha = (moment - p * c * q_x + q * s * q_y) / (j_0 + j_c * c * c)
     return (

@@ -26,14 +26,19 @@ class Track:
         self.mode = after
 
 
+def one_by_one(solve):
+    """A run of both joints, from `solve(joint number, rtol) -> Track`."""
+    return lambda rtol: [solve(number, rtol) for number in JOINTS]
+
+
 def once(solve, rtol):
     wall, cpu = time.perf_counter(), time.thread_time()
-    tracks = [solve(number, rtol) for number in JOINTS]
+    tracks = solve(rtol)
     return (time.perf_counter() - wall, time.thread_time() - cpu), tracks
 
 
 def ladder(tool, version, method, handling, solve, rtols=LADDER, warm_up=False):
-    """Runs `solve(joint number, rtol) -> Track` over the ladder and prints its lines."""
+    """Runs `solve(rtol) -> Tracks of both joints` over the ladder and prints its lines."""
     folder = sys.argv[-1]
     label = f"{tool},{version},{method},{handling}"
     for text in rtols:

@@ -26,7 +26,7 @@ except ImportError:
 import math
 
 import model
-from peer import T_END, TIMES, Track, ladder
+from peer import T_END, TIMES, Track, ladder, one_by_one
 
 MAX_EVENTS = 2000
 GRID = np.array(TIMES)
@@ -137,6 +137,6 @@ if __name__ == "__main__":
         version = f"{scipy.__version__} + numba {numba.__version__}"
         slope = compiled()
         for method in ("RK45", "DOP853", "BDF", "Radau"):
-            ladder("scipy-numba", version, method, "naive", naive(slope, method), DECADES)
-        ladder("scipy-numba", version, "DOP853", "located", located(slope, "DOP853"), DECADES)
-    ladder("scipy", scipy.__version__, "DOP853", "naive", naive(plain, "DOP853"), DECADES)
+            ladder("scipy-numba", version, method, "naive", one_by_one(naive(slope, method)), DECADES)
+        ladder("scipy-numba", version, "DOP853", "located", one_by_one(located(slope, "DOP853")), DECADES)
+    ladder("scipy", scipy.__version__, "DOP853", "naive", one_by_one(naive(plain, "DOP853")), DECADES)
