@@ -14,7 +14,7 @@ const FAR: f64 = 0.1;
 /// Number of retaken steps after which every other one is a bisection.
 const MOST_RETAKES: usize = 16;
 /// The search ends where the bracket is no wider than the rounding of the time, and than this fraction of the step.
-const NARROW: f64 = 1e-8;
+const NARROW: f64 = 1e-14;
 
 /// The guard at the end of a retaken step.
 #[derive(Clone, Copy, Debug)]

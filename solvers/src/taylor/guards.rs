@@ -16,6 +16,7 @@ use crate::erk::InMode;
 use crate::error::Error;
 use crate::event_location::{GuardCrossing, GuardWatch};
 use crate::real::{Ordered, Real};
+use crate::root::minimum;
 use crate::step::Step;
 use crate::system::{System, Vector};
 
@@ -409,8 +410,11 @@ fn fall_on_step<P: System>(
     let at_end = watch.is_violated(i);
     match fall_of(p, watch.bound(i)) {
         Some(Fall { at, rises: false, .. }) if at_end => Some((at, None)),
-        // Where the polynomial does not rise before the end, the guard does.
-        Some(Fall { at, deepest, .. }) => {
+        Some(Fall { at, mut deepest, .. }) => {
+            if deepest == 1.0 {
+                // The polynomial does not rise before the end, but the guard does.
+                deepest = minimum(|s| p.at(s), [at, 0.5 * (at + 1.0), 1.0]).0;
+            }
             watch.note_dip(i);
             Some((at, Some(deepest)))
         }
