@@ -122,8 +122,18 @@ def summary(rows):
     return "\n".join(lines) + "\n"
 
 
+def write(name, rows):
+    """Writes the rows to results/, and their summary."""
+    path = os.path.join(HERE, "..", "results", name)
+    with open(path + ".csv", "w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(["model", "tool", "method", "tolerance", "e", "n_events", "cpu_s"])
+        table.writerows(rows)
+    with open(path + ".md", "w") as file:
+        file.write(summary(rows))
+
+
 def main():
-    results = os.path.join(HERE, "..", "results")
     chosen = [model for model in models.MODELS + contacts.MODELS if len(sys.argv) < 2 or model.name in sys.argv[1:]]
     rows = []
     with tempfile.TemporaryDirectory() as folder:
@@ -138,12 +148,7 @@ def main():
                     own += measured("scipy", method, by_scipy.preparing(method), model, references)
             rows += [(model.name,) + row for row in own]
             print(summary([(model.name,) + row for row in own]), flush=True)
-    with open(os.path.join(results, "models.csv"), "w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["model", "tool", "method", "tolerance", "e", "n_events", "cpu_s"])
-        table.writerows(rows)
-    with open(os.path.join(results, "models.md"), "w") as file:
-        file.write(summary(rows))
+    write("models", rows)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ optimisation: three to seven times slower. This makes a fast one, in half a minu
 Both take turns, and of each run the least time counts. Written to results/models_cvode.csv and models_cvode.md.
 """
 
-import csv
 import os
 import subprocess
 import sys
@@ -21,7 +20,7 @@ import tempfile
 import numpy as np
 
 from models import MODELS
-from run import HERE, least, ours, summary
+from run import HERE, least, ours, write
 
 # Turns of each tool; in each a run is made three times.
 ROUNDS = 20
@@ -50,7 +49,6 @@ def by_cvode(program, model, reference, folder):
 
 
 def main():
-    results = os.path.join(HERE, "..", "results")
     chosen = [model for model in MODELS if model.name in (sys.argv[1:] or NAMES)]
     rows = []
     with tempfile.TemporaryDirectory() as folder:
@@ -63,12 +61,7 @@ def main():
                 theirs += by_cvode(program, model, reference, folder)
             rows += [(model.name,) + row for row in least(own) + least(theirs)]
             print(model.name, flush=True)
-    with open(os.path.join(results, "models_cvode.csv"), "w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(["model", "tool", "method", "tolerance", "e", "n_events", "cpu_s"])
-        table.writerows(rows)
-    with open(os.path.join(results, "models_cvode.md"), "w") as file:
-        file.write(summary(rows))
+    write("models_cvode", rows)
 
 
 if __name__ == "__main__":
