@@ -35,10 +35,12 @@ pub fn stages<Y: Vector<f64>, const S: usize>(
     p: &[&[f64]; S],
     y: &mut Y,
 ) {
-    let weights = std::array::from_fn::<f64, S, _>(|i| {
-        theta * p[i].iter().rev().fold(0.0, |sum, p| sum * theta + p)
-    });
-    combine(y0, h, &weights, k, y);
+    combine(y0, h, &weights_at(theta, p), k, y);
+}
+
+/// The weights `p_i0 θ + p_i1 θ² + …` of the stages.
+fn weights_at<const S: usize>(theta: f64, p: &[&[f64]; S]) -> [f64; S] {
+    p.map(|p| theta * p.iter().rev().fold(0.0, |sum, p| sum * theta + p))
 }
 
 /// The nested form of [`Dense::Nested`](crate::tableau::Dense::Nested) at `θ`: the cubic between both ends, and all slopes

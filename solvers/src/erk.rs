@@ -49,7 +49,7 @@ impl<Y: Vector<T>, const S: usize, T: Real> ExplicitRk<Y, S, T> {
     /// The method of `tableau` for systems of `n` states.
     pub fn new(tableau: &'static Tableau<S>, n: usize) -> Self {
         let zero = || Y::from_fn(n, |_| T::cst(0.0));
-        let weights = |b_hat: [f64; S]| std::array::from_fn(|i| tableau.b[i] - b_hat[i]);
+        let weights = |b_hat| difference(tableau.b, b_hat);
         Self {
             tableau,
             first_same_as_last: tableau.first_same_as_last(),
@@ -123,6 +123,12 @@ impl<Y: Vector<T>, const S: usize, T: Real> ExplicitRk<Y, S, T> {
         let error_sq = norm_sq(tolerance, self.step.error.as_ref(), y0, y1);
         (error_sq, self.low_weights.is_some().then_some(low))
     }
+}
+
+/// `b − b̂`.
+fn difference<const S: usize>(mut b: [f64; S], b_hat: [f64; S]) -> [f64; S] {
+    b.iter_mut().zip(b_hat).for_each(|(b, b_hat)| *b -= b_hat);
+    b
 }
 
 /// The slopes `k` of the stages computed so far in one step.

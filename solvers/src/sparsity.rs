@@ -171,13 +171,14 @@ fn bits(mut set: u64) -> impl Iterator<Item = usize> {
     })
 }
 
-/// [`System::jacobian`] by its default for many states: the entries of the pattern at `(t, y)`.
+/// [`System::jacobian`] by its default for many states: the entries of the pattern at `(t, y)`. They go to a
+/// trait object, so that this is compiled once for a system and not for each caller.
 pub(crate) fn jacobian<P: System>(
     problem: &P,
     mode: &P::Mode,
     t: f64,
     y: &[f64],
-    mut entry: impl FnMut(usize, usize, f64),
+    entry: &mut dyn FnMut(usize, usize, f64),
 ) {
     let pattern = Pattern::new(problem, mode, t, y);
     let (groups, n_groups) = pattern.groups();
@@ -186,8 +187,7 @@ pub(crate) fn jacobian<P: System>(
     for first in (0..n_groups).step_by(DIRECTIONS) {
         let direction = |of: &Option<usize>| of.and_then(|group| group.checked_sub(first));
         for (seeded, of) in seeded.as_mut().iter_mut().zip(&groups) {
-            let k = direction(of);
-            seeded.eps = std::array::from_fn(|i| if k == Some(i) { 1.0 } else { 0.0 });
+            seeded.eps = unit(direction(of));
         }
         problem.rhs(mode.clone(), Duals::cst(t), &seeded, &mut dydt);
         for (j, (column, of)) in pattern.columns().zip(&groups).enumerate() {
@@ -200,6 +200,15 @@ pub(crate) fn jacobian<P: System>(
             }
         }
     }
+}
+
+/// The unit vector of direction `k`; zeros where `k` is not among the [`DIRECTIONS`] of an evaluation.
+fn unit(k: Option<usize>) -> [f64; DIRECTIONS] {
+    let mut eps = [0.0; DIRECTIONS];
+    if let Some(of_k) = k.and_then(|k| eps.get_mut(k)) {
+        *of_k = 1.0;
+    }
+    eps
 }
 
 #[cfg(test)]

@@ -393,7 +393,7 @@ mod tests {
         let n = system.dim();
         let (mut found, mut expected) = (vec![0.0; n * n], vec![0.0; n * n]);
         system.jacobian(mode.clone(), 0.3, &y, |i, j, entry| found[i * n + j] = entry);
-        sparsity::jacobian(&system, &mode, 0.3, &y, |i, j, entry| expected[i * n + j] = entry);
+        sparsity::jacobian(&system, &mode, 0.3, &y, &mut |i, j, entry| expected[i * n + j] = entry);
         // δω̇ along (δθ, δω, δp) by θ.
         let (theta, [d_theta, _, d_p]) = (0.4_f64, [0.3, -0.7, 1.0]);
         let by_theta = 2.0 * theta.sin() * d_theta - theta.cos() * d_p;
