@@ -42,7 +42,7 @@ use crate::erk::InMode;
 use crate::real::Real;
 use crate::record::{Accepted, Event, Needs, Record};
 use crate::sensitivity::Tangent;
-use crate::system::{System, Vector, differentiated};
+use crate::system::{System, Vector, differentiated, differentiated_by_time};
 use crate::taylor::expand::{Expansion, begins_with_rhs};
 
 /// Two ways to one number agree to this fraction of it, or to the second fraction of the terms that it is a sum of.
@@ -229,12 +229,9 @@ impl<P: System> Place<'_, P> {
 
     /// Compares the derivative by time with that of the right-hand side.
     fn check_time_derivative(&self) -> Result<P::State<f64>, Breach> {
-        let y = self.y.as_ref();
         let mut told = self.y.clone();
         self.problem.time_derivative(self.mode.clone(), self.t, self.y, &mut told);
-        let still = P::State::<Dual64>::from_fn(y.len(), |i| Dual64::cst(y[i]));
-        let mut dydt = still.clone();
-        self.problem.rhs(self.mode.clone(), Dual64::new(self.t, 1.0), &still, &mut dydt);
+        let dydt = differentiated_by_time(self.problem, self.mode.clone(), self.t, self.y);
         for (state, (told, slope)) in told.as_ref().iter().zip(dydt.as_ref()).enumerate() {
             let (told, derivative) = (*told, slope.eps);
             if !agree(told, derivative, AGREE[1] * slope.re.abs()) {

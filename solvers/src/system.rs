@@ -266,10 +266,7 @@ pub trait System {
     ) where
         Self: Sized,
     {
-        let n = self.dim();
-        let y = Self::State::<Dual64>::from_fn(n, |i| Dual64::from_re(y.as_ref()[i]));
-        let mut dydt = Self::State::<Dual64>::from_fn(n, |_| Dual64::from_re(0.0));
-        self.rhs(mode, Dual64::new(t, 1.0), &y, &mut dydt);
+        let dydt = differentiated_by_time(self, mode, t, y);
         for (dfdt, d) in dfdt.as_mut().iter_mut().zip(dydt.as_ref()) {
             *dfdt = d.eps;
         }
@@ -297,6 +294,20 @@ pub(crate) fn differentiated<P: System>(
             entry(i, j, d.eps);
         }
     }
+}
+
+/// [`System::rhs`] at a fixed state, with its derivative by time, by a dual number.
+pub(crate) fn differentiated_by_time<P: System>(
+    problem: &P,
+    mode: P::Mode,
+    t: f64,
+    y: &P::State<f64>,
+) -> P::State<Dual64> {
+    let y = y.as_ref();
+    let y = P::State::<Dual64>::from_fn(y.len(), |i| Dual64::from_re(y[i]));
+    let mut dydt = y.clone();
+    problem.rhs(mode, Dual64::new(t, 1.0), &y, &mut dydt);
+    dydt
 }
 
 /// Systems of one kind that differ, in some of their modes, only in numerical parameters.
