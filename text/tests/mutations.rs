@@ -219,7 +219,7 @@ fn models_as_they_are_pass() {
 
 #[test]
 fn mutated_models_are_refused_or_run() {
-    mutate(100_000, 1);
+    mutate(40_000, 1);
 }
 
 /// By hand: `cargo test --release -p deltazero-text --test mutations -- --ignored --nocapture`.
