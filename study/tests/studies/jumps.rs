@@ -1,14 +1,12 @@
 //! Errors of runs whose states jump.
-#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
-mod common;
-
-use common::{plan, study};
 use deltazero_solvers::problems::BouncingBall;
 use deltazero_solvers::{Next, Real, System};
 use deltazero_study::Subject;
 use deltazero_study::problem::{Problem, Quantity};
 use deltazero_study::setting::Events;
+
+use crate::common::{plan, study};
 
 /// An oscillator that is kicked at each whole second: `ẍ = −x`, `v⁺ = v⁻ + 1`.
 #[derive(Clone)]

@@ -2,14 +2,10 @@
 //!
 //! Errors are held to closed forms. Counts of work, winners and tables are held to what they were when the closed forms were
 //! first met: a change of any of them is meant, or a defect.
-#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
-
-mod common;
 
 use std::fmt::Write as _;
 use std::sync::atomic::AtomicBool;
 
-use common::{plan, study};
 use deltazero_solvers::Grid;
 use deltazero_solvers::problems::{CompliantBall, Exit, SpringStop};
 use deltazero_study::columns::shown;
@@ -24,6 +20,8 @@ use deltazero_study::steps::StepTables;
 use deltazero_study::warning::{Code, Warning};
 use deltazero_study::work_precision::{Row, Status};
 use deltazero_study::{Plan, Subject};
+
+use crate::common::{plan, study};
 
 /// It flies fast between soft walls that take a tenth of its speed.
 const BALL: CompliantBall = CompliantBall {

@@ -1,11 +1,7 @@
 //! Problems that contradict themselves, as a user of the study meets them.
-#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
-
-mod common;
 
 use std::sync::atomic::AtomicBool;
 
-use common::plan;
 use deltazero_solvers::contracts::Breach;
 use deltazero_solvers::{Next, Real, System};
 use deltazero_study::check::ProblemError;
@@ -14,6 +10,8 @@ use deltazero_study::reference::ReferenceError;
 use deltazero_study::setting::Events;
 use deltazero_study::work_precision::work_precision;
 use deltazero_study::{Plan, Subject};
+
+use crate::common::plan;
 
 /// A mass that falls on a pad and is held there, as it is pressed down, for a while.
 #[derive(Clone, Copy)]

@@ -1,5 +1,4 @@
 //! What several test files share.
-#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
 use std::sync::atomic::AtomicBool;
 
@@ -22,7 +21,6 @@ pub(crate) fn plan(
 }
 
 /// The study of `subject` by `plan`.
-#[allow(dead_code, reason = "some test files make their own")]
 pub(crate) fn study(subject: &Subject, plan: &Plan) -> WorkPrecision {
     work_precision(subject, plan, &[], &AtomicBool::new(false), &|_| {}).unwrap()
 }

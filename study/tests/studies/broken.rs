@@ -1,5 +1,4 @@
 //! What is told of problems whose runs break down.
-#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
 
 use std::sync::atomic::AtomicBool;
 

@@ -1,11 +1,7 @@
 //! Each problem of `deltazero_solvers::problems`, studied: its reference has the samples and the events of the closed form.
-#![allow(clippy::unwrap_used, reason = "a test panics to fail")]
-
-mod common;
 
 use std::sync::atomic::AtomicBool;
 
-use common::plan;
 use deltazero_solvers::problems::{
     BeltOscillator, BouncingBall, CompliantBall, Exit, FrictionOscillator, Heater, HertzBall,
     SlidingStops, SpringStop, Thermostat, TwoBalls,
@@ -15,6 +11,8 @@ use deltazero_study::columns::{Given, Value, shown};
 use deltazero_study::problem::Problem;
 use deltazero_study::setting::Events;
 use deltazero_study::work_precision::{Row, Status, against, reference};
+
+use crate::common::plan;
 
 const BALL: BouncingBall = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
 const LOWER_BALL: BouncingBall = BouncingBall { restitution: 0.8, height: 0.25, ..BALL };
@@ -99,7 +97,7 @@ fn all() -> Vec<Known> {
 
 #[test]
 fn every_problem_with_a_closed_form_is_in_the_list() {
-    let files = include_str!("../../solvers/src/problems/mod.rs").lines();
+    let files = include_str!("../../../solvers/src/problems/mod.rs").lines();
     let files: Vec<&str> =
         files.filter_map(|line| line.strip_prefix("mod ")?.strip_suffix(';')).collect();
     let names: Vec<&str> = all().iter().map(|known| known.name).collect();
