@@ -1,13 +1,11 @@
 //! `audit`: the paper's claims, whatever the threads.
 
-use std::fs;
-
 use deltazero::figures::OF_AUDITS;
 use deltazero::report;
 use deltazero::study::audit::Audit;
 use serde_json::Value;
 
-use crate::{Scratch, with_sets};
+use crate::{Scratch, committed, with_sets};
 
 const READINGS: [&str; 5] = ["pin", "full", "centroid", "printed", "cosine"];
 
@@ -136,9 +134,7 @@ fn found(audit: &Value, rows: &[Value]) {
 /// What can be predicted is in the README to every digit shown, and in the committed audit; what cannot is marked as such in
 /// both.
 fn as_committed(audit: &Audit) {
-    let file =
-        |name: &str| fs::read_to_string(format!("{}/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
-    let (readme, today) = (file("README.md"), report::audit::answer(&audit.rows));
+    let (readme, today) = (committed("README.md"), report::audit::answer(&audit.rows));
     let cells = |line: &str| -> Vec<String> { line.split(" | ").map(str::to_owned).collect() };
     let mut n_beyond = 0;
     for line in today.lines().filter(|line| line.starts_with("| `")) {
@@ -154,7 +150,7 @@ fn as_committed(audit: &Audit) {
     }
     // x01_max and the settled forces under `printed` among them, or there is nothing to be marked.
     assert!(n_beyond > 0, "{today}");
-    let stored: Value = serde_json::from_str(&file("docs/audit/audit.json")).unwrap();
+    let stored: Value = serde_json::from_str(&committed("docs/audit/audit.json")).unwrap();
     let stored: Audit = serde_json::from_value(stored["audit"].clone()).unwrap();
     for (row, stored) in audit.rows.iter().zip(stored.rows) {
         assert_eq!((&row.claim, &row.reading), (&stored.claim, &stored.reading));

@@ -42,6 +42,11 @@ struct Ran {
     stderr: String,
 }
 
+/// The text of a file of the project, by its path there.
+fn committed(path: &str) -> String {
+    fs::read_to_string(format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
 /// An empty directory in which commands run.
 struct Scratch(TempDir);
 

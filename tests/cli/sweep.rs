@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use parquet::file::reader::{FileReader as _, SerializedFileReader};
 use parquet::record::RowAccessor as _;
 
-use crate::Scratch;
 use crate::interrupt::Running;
+use crate::{Scratch, committed};
 
 /// 600 runs of some 0.1 ms.
 const PLAN: &str = r#"
@@ -402,7 +402,7 @@ fn a_plan_of_ten_million_runs_starts_at_once_in_little_memory() {
 
 #[test]
 fn the_plan_of_the_page_runs_and_the_page_names_its_columns() {
-    let page = fs::read_to_string(format!("{}/docs/sweep.md", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let page = committed("docs/sweep.md");
     let plan = page.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
     let scratch = Scratch::new();
     fs::write(scratch.path("plan.toml"), plan).unwrap();

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::{Scratch, number};
+use crate::{Scratch, committed, number};
 
 /// 24 runs.
 const PLAN: &str = r#"
@@ -185,7 +185,7 @@ fn lengths_of_vectors_and_the_end_of_the_runs_are_swept() {
 
 #[test]
 fn the_plan_of_the_page_over_a_model_runs() {
-    let page = fs::read_to_string(format!("{}/docs/sweep.md", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let page = committed("docs/sweep.md");
     let plans = page.split("```toml\n").skip(1).filter_map(|block| block.split("```").next());
     let plan = plans.into_iter().find(|plan| plan.contains("model = \"stop.toml\"")).unwrap();
     let scratch = Scratch::with_model_and_plan("mass_against_stop", plan);

@@ -3,8 +3,8 @@
 use std::sync::atomic::AtomicBool;
 
 use deltazero_solvers::problems::{
-    BeltOscillator, BouncingBall, CompliantBall, Exit, FrictionOscillator, Heater, HertzBall,
-    SlidingStops, SpringStop, Thermostat, TwoBalls,
+    BeltOscillator, BouncingBall, FrictionOscillator, Heater, HertzBall, SlidingStops, SpringStop,
+    Thermostat, TwoBalls,
 };
 use deltazero_study::Subject;
 use deltazero_study::columns::{Given, Value, shown};
@@ -12,18 +12,10 @@ use deltazero_study::problem::Problem;
 use deltazero_study::setting::Events;
 use deltazero_study::work_precision::{Row, Status, against, reference};
 
-use crate::common::plan;
+use crate::common::{WALLS, plan};
 
 const BALL: BouncingBall = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
 const LOWER_BALL: BouncingBall = BouncingBall { restitution: 0.8, height: 0.25, ..BALL };
-const WALLS: CompliantBall = CompliantBall {
-    mass: 0.1,
-    stiffness: 1e4,
-    damping: 2.0,
-    exit: Exit::Penetration,
-    gap: 0.05,
-    start: [0.02, 1.0],
-};
 const STOP: SpringStop =
     SpringStop { mass: 1.0, stiffness: 50.0, stop_stiffness: 2000.0, gap: 0.0, start: [-0.2, 0.0] };
 const RUBS: FrictionOscillator =

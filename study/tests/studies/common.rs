@@ -2,10 +2,21 @@
 
 use std::sync::atomic::AtomicBool;
 
+use deltazero_solvers::problems::{CompliantBall, Exit};
 use deltazero_study::plan::settings;
 use deltazero_study::setting::Events;
 use deltazero_study::work_precision::{WorkPrecision, work_precision};
 use deltazero_study::{Plan, Subject};
+
+/// A ball that flies fast between soft walls that take a tenth of its speed.
+pub(crate) const WALLS: CompliantBall = CompliantBall {
+    mass: 0.1,
+    stiffness: 1e4,
+    damping: 2.0,
+    exit: Exit::Penetration,
+    gap: 0.05,
+    start: [0.02, 1.0],
+};
 
 /// Runs of these methods, each once.
 pub(crate) fn plan(

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::sync::atomic::AtomicBool;
 
 use deltazero_solvers::Grid;
-use deltazero_solvers::problems::{CompliantBall, Exit, SpringStop};
+use deltazero_solvers::problems::{CompliantBall, SpringStop};
 use deltazero_study::columns::shown;
 use deltazero_study::map::{CellStatus, Map, MapAxis, MapPlan};
 use deltazero_study::problem::Problem;
@@ -21,17 +21,8 @@ use deltazero_study::warning::{Code, Warning};
 use deltazero_study::work_precision::{Row, Status};
 use deltazero_study::{Plan, Subject};
 
-use crate::common::{plan, study};
+use crate::common::{WALLS, plan, study};
 
-/// It flies fast between soft walls that take a tenth of its speed.
-const BALL: CompliantBall = CompliantBall {
-    mass: 0.1,
-    stiffness: 1e4,
-    damping: 2.0,
-    exit: Exit::Penetration,
-    gap: 0.05,
-    start: [0.02, 1.0],
-};
 const T_END: f64 = 0.4;
 
 /// A spring of a hertz or so, a stop forty times as stiff.
@@ -55,10 +46,10 @@ fn assert_text(own: &str, expected: &str) {
 
 #[test]
 fn the_reference_of_a_ball_between_walls_has_its_events_forces_and_energies() {
-    let (subject, stop) = (Subject::of(BALL), AtomicBool::new(false));
+    let (subject, stop) = (Subject::of(WALLS), AtomicBool::new(false));
     let Plan { times, .. } = Plan::new(T_END);
     let reference = Reference::new(&subject, T_END, &times, Limits::none(&stop)).unwrap();
-    let ([x, v], events) = BALL.solution(T_END);
+    let ([x, v], events) = WALLS.solution(T_END);
     // The start is no event, and what happens there is neither.
     assert_eq!(
         (reference.n_events(), reference.n_all_events()),
@@ -86,17 +77,17 @@ fn the_reference_of_a_ball_between_walls_has_its_events_forces_and_energies() {
         assert!(error < 1e-7, "{what}: {own:?} {exact} {error:e}");
     };
     // In flight at the end, so all that was lost was lost to the walls.
-    let speed = |v: f64| 0.5 * BALL.mass * v * v;
-    near(row.errors.dissipated_j, speed(BALL.start[1]) - speed(v), "dissipated");
-    assert!((0.0..BALL.gap).contains(&x));
+    let speed = |v: f64| 0.5 * WALLS.mass * v * v;
+    near(row.errors.dissipated_j, speed(WALLS.start[1]) - speed(v), "dissipated");
+    assert!((0.0..WALLS.gap).contains(&x));
     // Contact k begins at the speed e^k and turns it round.
-    let (e, n_contacts) = (BALL.restitution(), events.len() / 2);
-    let impulses = (0..n_contacts).map(|k| BALL.mass * e.powi(k as i32) * (1.0 + e));
+    let (e, n_contacts) = (WALLS.restitution(), events.len() / 2);
+    let impulses = (0..n_contacts).map(|k| WALLS.mass * e.powi(k as i32) * (1.0 + e));
     near(row.errors.impulse_n_s, impulses.sum(), "impulse");
     // K δ + D δ̇ is largest in the first contact, where it is searched for on a fine grid.
     let force = |t: f64| {
-        let [x, v] = BALL.solution(t).0;
-        (x - BALL.gap) * BALL.stiffness + v * BALL.damping
+        let [x, v] = WALLS.solution(t).0;
+        (x - WALLS.gap) * WALLS.stiffness + v * WALLS.damping
     };
     let fine = (0..=20_000).map(|i| events[0] + (events[1] - events[0]) * f64::from(i) / 2e4);
     near(row.errors.peak_force_n, fine.map(force).fold(0.0, f64::max), "peak");
@@ -106,7 +97,7 @@ fn the_reference_of_a_ball_between_walls_has_its_events_forces_and_energies() {
 
 #[test]
 fn a_reference_that_is_cut_keeps_what_lies_before() {
-    let (subject, stop) = (Subject::of(BALL), AtomicBool::new(false));
+    let (subject, stop) = (Subject::of(WALLS), AtomicBool::new(false));
     let Plan { times, .. } = Plan::new(T_END);
     let whole = Reference::new(&subject, T_END, &times, Limits::none(&stop)).unwrap();
     let mut events: Vec<f64> = whole.parts[0].counted_events().map(|event| event.t).collect();
@@ -173,7 +164,7 @@ fn told(row: &Row) -> String {
 
 #[test]
 fn without_a_sample_before_the_horizon_no_error_is_told() {
-    let (subject, stop) = (Subject::of(BALL), AtomicBool::new(false));
+    let (subject, stop) = (Subject::of(WALLS), AtomicBool::new(false));
     let beyond = Plan {
         times: vec![2.0 * T_END],
         ..plan(&["rk45"], &[Events::Located], &[1e-3], &[], T_END)
@@ -200,7 +191,7 @@ fn without_a_sample_before_the_horizon_no_error_is_told() {
 
 #[test]
 fn rows_of_a_study_of_a_ball_between_walls_are_what_they_were() {
-    let subject = Subject::of(BALL);
+    let subject = Subject::of(WALLS);
     let plan = plan(&["rk4", "rk45", "radau5"], Events::ALL, &[1e-4, 1e-8], &[2e-4], T_END);
     let rows: Vec<String> = study(&subject, &plan).rows.iter().map(told).collect();
     assert_text(&rows.join("\n"), ROWS);
@@ -224,7 +215,7 @@ radau5 blind rtol 1e-8: [2400, 269, 158, 1226, 1583, 0] [10, 0, 0] 8.39e-5 8.48e
 #[test]
 fn a_contest_on_a_ball_between_walls_takes_the_trials_that_it_took() {
     let (stop, plan) = (AtomicBool::new(false), Plan::new(T_END));
-    let subject = Subject::of(BALL);
+    let subject = Subject::of(WALLS);
     let benchmark = Benchmark::new(subject, T_END, plan.times, Limits::none(&stop)).unwrap();
     let methods = ["rk4", "rk45", "dop853", "radau5", "rodas5p"].map(str::to_owned);
     let candidates = Candidate::all(&methods, Events::ALL);
@@ -372,7 +363,7 @@ fn a_map_has_a_winner_at_each_place_and_tells_by_how_much() {
     let rules = Rules { candidates, repeats: 1, ..Rules::default() };
     let plan = MapPlan { rules, accuracies: vec![1e-4, 1e-7], ..MapPlan::new(T_END) };
     let of =
-        |[stiffness, damping]: [f64; 2]| Subject::of(CompliantBall { stiffness, damping, ..BALL });
+        |[stiffness, damping]: [f64; 2]| Subject::of(CompliantBall { stiffness, damping, ..WALLS });
     let map = Map::new(axes, &plan, 2, of);
     let places: Vec<_> = map.cells.iter().map(|cell| (cell.at, cell.contest.accuracy)).collect();
     let at = |k: f64, d: f64| [([k, d], 1e-4), ([k, d], 1e-7)];
@@ -381,7 +372,7 @@ fn a_map_has_a_winner_at_each_place_and_tells_by_how_much() {
     for cell in &map.cells {
         let contest = &cell.contest;
         let [stiffness, damping] = cell.at;
-        let (_, events) = CompliantBall { stiffness, damping, ..BALL }.solution(T_END);
+        let (_, events) = CompliantBall { stiffness, damping, ..WALLS }.solution(T_END);
         assert_eq!((contest.status, contest.n_events), (CellStatus::Ok, Some(events.len())));
         assert_eq!((contest.t_end_s, contest.horizon_s), (Some(T_END), None));
         let (first, second) = (contest.winner().unwrap(), contest.second());
@@ -418,15 +409,15 @@ fn simulated(ball: CompliantBall, rtol: f64, times: &[f64]) -> Simulation {
 #[test]
 fn a_simulation_of_a_ball_between_walls_tells_its_motion_wall_by_wall() {
     let times = [0.01, 0.031, 0.1, 0.2, 0.39];
-    let own = simulated(BALL, 1e-12, &times);
-    let (end, events) = BALL.solution(T_END);
+    let own = simulated(WALLS, 1e-12, &times);
+    let (end, events) = WALLS.solution(T_END);
     assert_eq!((own.n_events, own.failed_site, own.stopped), (events.len(), None, None));
     assert_eq!((own.n_at_speed_floor, own.warnings.len()), (0, 0));
     for (own, exact) in own.run.y.iter().zip(end) {
         assert!((own - exact).abs() < 1e-9, "{own} {exact}");
     }
     let balance = own.balance.unwrap();
-    let lost = 0.5 * BALL.mass * (BALL.start[1] * BALL.start[1] - end[1] * end[1]);
+    let lost = 0.5 * WALLS.mass * (WALLS.start[1] * WALLS.start[1] - end[1] * end[1]);
     assert!(
         (balance.dissipated / lost - 1.0).abs() < 1e-9 && balance.residual.abs() < 1e-12,
         "{balance:?}"
@@ -439,7 +430,7 @@ fn a_simulation_of_a_ball_between_walls_tells_its_motion_wall_by_wall() {
         let samples: Vec<_> = site.samples().collect();
         assert_eq!(samples.len(), times.len());
         for ((t, _, values), time) in samples.iter().zip(&times) {
-            let [x, v] = BALL.solution(*time).0;
+            let [x, v] = WALLS.solution(*time).0;
             assert_eq!((*t, values.len()), (*time, site.columns.len()));
             assert!((values[0] - x).abs() < 1e-9 && (values[1] - v).abs() < 1e-9, "{values:?}");
         }
@@ -450,14 +441,14 @@ fn a_simulation_of_a_ball_between_walls_tells_its_motion_wall_by_wall() {
         let [first, last] = [&contacts[0], &contacts[contacts.len() - 1]];
         assert!(first.begin < last.begin && (contacts.len() == 2 || contacts.len() == 3));
         for contact in &contacts {
-            let speed = BALL.solution(contact.begin - 1e-9).0[1].abs();
+            let speed = WALLS.solution(contact.begin - 1e-9).0[1].abs();
             assert!(
                 (contact.impact_speed.unwrap() / speed - 1.0).abs() < 1e-9,
                 "{contact:?} {speed}"
             );
-            let impulse = BALL.mass * speed * (1.0 + BALL.restitution());
+            let impulse = WALLS.mass * speed * (1.0 + WALLS.restitution());
             assert!((contact.impulse / impulse - 1.0).abs() < 1e-6, "{contact:?} {impulse}");
-            assert!((contact.end - contact.begin - BALL.contact_time()).abs() < 1e-9);
+            assert!((contact.end - contact.begin - WALLS.contact_time()).abs() < 1e-9);
         }
     }
     all.sort_by(f64::total_cmp);
@@ -469,11 +460,11 @@ fn a_simulation_of_a_ball_between_walls_tells_its_motion_wall_by_wall() {
 
 #[test]
 fn walls_that_give_energy_are_told_with_how_much() {
-    let pushing = CompliantBall { damping: -2.0, ..BALL };
+    let pushing = CompliantBall { damping: -2.0, ..WALLS };
     let own = simulated(pushing, 1e-10, &[]);
     let ([x, v], _) = pushing.solution(T_END);
-    assert!((0.0..BALL.gap).contains(&x), "in a wall at {x}");
-    let given = 0.5 * BALL.mass * (v * v - BALL.start[1] * BALL.start[1]);
+    assert!((0.0..WALLS.gap).contains(&x), "in a wall at {x}");
+    let given = 0.5 * WALLS.mass * (v * v - WALLS.start[1] * WALLS.start[1]);
     let told: Vec<_> =
         own.warnings.iter().map(|warning| (warning.code, &warning.message)).collect();
     let [(code, message)] = told[..] else { panic!("{told:?}") };
