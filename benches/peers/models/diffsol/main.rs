@@ -74,12 +74,15 @@ impl<V: Vector<T = f64>> Samples<'_, V> {
     }
 }
 
-/// Steps to the end of a mode, and gives the state there and the guard that fell.
+/// The state at the end of a mode, and the guard that fell.
+type Ended<V> = (StateCommon<V>, Option<usize>);
+
+/// Steps to the end of a mode.
 fn phase<'a, E: OdeEquations<T = f64> + 'a>(
     mut solver: impl OdeSolverMethod<'a, E>,
     end: f64,
     samples: &mut Samples<'_, E::V>,
-) -> Result<(StateCommon<E::V>, Option<usize>), Box<dyn Error>> {
+) -> Result<Ended<E::V>, Box<dyn Error>> {
     solver.set_stop_time(end)?;
     let fallen = loop {
         match solver.step()? {
