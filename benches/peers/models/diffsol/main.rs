@@ -3,10 +3,10 @@
 //! what went wrong), file of the samples.
 //!
 //! Vectors and dense matrices are those of nalgebra; matrices of the carts are sparse, of faer: 0.2 to 0.7 of the time.
-//! Traps worked around:
-//! every mode gets a solver of its own, as slope, step and Jacobian are of the mode before; an instant that is known is its stop
-//! time; guards have no direction and are blind at zero, so on the surface they are inside; several may fall in one step, so all are
-//! looked at after moving back; the absolute tolerance of the rocking block shrinks with its flights, as in `../cvode`.
+//!
+//! Traps worked around: every mode gets a solver of its own, as slope, step and Jacobian are of the mode before; an instant that is
+//! known is its stop time; guards have no direction and are blind at zero, so on the surface they are inside; several may fall in one
+//! step, so all are looked at after moving back; the absolute tolerance of the rocking block shrinks with its flights, as in `../cvode`.
 
 mod models;
 
@@ -119,13 +119,16 @@ fn started<E: OdeEquations<T = f64>, S: OdeSolverState<E::V>>(
     start
 }
 
-/// One run: the samples, and the number of events.
+/// What a run gives: the samples, and the number of events.
+type Delivered = (Vec<f64>, usize);
+
+/// One run.
 fn run<M: Model, E, LS>(
     problem: &mut OdeSolverProblem<E>,
     model: &RefCell<M>,
     (method, order): (Method, usize),
     times: &[f64],
-) -> Result<(Vec<f64>, usize), Box<dyn Error>>
+) -> Result<Delivered, Box<dyn Error>>
 where
     E: OdeEquationsImplicit<T = f64>,
     E::V: DefaultDenseMatrix,
@@ -232,43 +235,46 @@ where
             // The first counts over the life of a solver, the second is absolute.
             problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
             problem.ode_options.min_timestep = 1e-16;
-            let (mut least, mut last) = (f64::INFINITY, None);
-            for _ in 0..REPEATS {
-                let begin = processor_time();
-                let found = run::<M, _, LS>(&mut problem, &model, (method, order), times);
-                least = least.min(processor_time() - begin);
-                let failed = found.is_err();
-                last = Some(found);
-                if failed || least > LONGEST {
-                    break;
-                }
-            }
-            match last {
-                Some(Ok((samples, n_events))) => {
+            let run = || run::<M, _, LS>(&mut problem, &model, (method, order), times);
+            match measured(run) {
+                Ok((least, (samples, n_events))) => {
                     let path = folder.join(format!("{name}-{tolerance}"));
-                    let lines: Vec<String> = samples
-                        .chunks(n)
-                        .map(|y| {
-                            y.iter().map(|y| format!("{y:?}")).collect::<Vec<_>>().join(" ") + "\n"
-                        })
-                        .collect();
-                    std::fs::write(&path, lines.concat())?;
+                    write(&path, &samples, n)?;
                     println!("{name},{tolerance},{n_events},{least:.4e},{}", path.display());
+                    if least > LONGEST {
+                        break;
+                    }
                 }
-                Some(Err(error)) => {
-                    println!(
-                        "{name},{tolerance},0,{},",
-                        error.to_string().replace([',', '\n'], ";")
-                    )
+                Err(error) => {
+                    let reason = error.to_string().replace([',', '\n'], ";");
+                    println!("{name},{tolerance},0,{reason},");
                 }
-                None => {}
-            }
-            if least > LONGEST {
-                break;
             }
         }
     }
     Ok(())
+}
+
+/// The least time of the repeats of a run [s], and what the last gave.
+fn measured(
+    mut run: impl FnMut() -> Result<Delivered, Box<dyn Error>>,
+) -> Result<(f64, Delivered), Box<dyn Error>> {
+    let (mut least, mut n) = (f64::INFINITY, 0);
+    loop {
+        let begin = processor_time();
+        let delivered = run()?;
+        least = least.min(processor_time() - begin);
+        n += 1;
+        if n == REPEATS || least > LONGEST {
+            return Ok((least, delivered));
+        }
+    }
+}
+
+/// Writes samples of `n` states, a line each.
+fn write(path: &Path, samples: &[f64], n: usize) -> std::io::Result<()> {
+    let line = |y: &[f64]| y.iter().map(f64::to_string).collect::<Vec<_>>().join(" ") + "\n";
+    std::fs::write(path, samples.chunks(n).map(line).collect::<String>())
 }
 
 /// Time of this process on the processor [s].
