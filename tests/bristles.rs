@@ -176,5 +176,5 @@ fn bays_may_have_bristles() {
 fn the_work_of_bristles_is_pinned() {
     let config = config(&[LUGRE, "run.t_end=0.5"]);
     let (_, run) = run(&config, &located("rk45", 1e-8));
-    assert_eq!((run.stats().work.n_rhs, run.stats().n_events), (52096, 36));
+    assert_eq!((run.stats().work.n_rhs, run.stats().n_events), (51994, 36));
 }

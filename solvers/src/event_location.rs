@@ -1,8 +1,8 @@
 //! Guards over a step: which guards fall below zero, which of them falls first, and when.
 //!
-//! A guard `g` is *violated* where `g < −bound`, its rounding bound. Events are located as roots of `g + bound/2`, so
-//! that the located state lies past the surface but within rounding of it. A *fall* is a crossing of a guard from
-//! above its surface to below; a *dip* is a fall followed by a rise within the same step.
+//! A guard `g` is *violated* where `g < −bound`, its rounding bound. Events are located as roots of `g`, or of `g + bound/2`
+//! for dips and where no cubic tells the fall, at or past the surface and within rounding of it. A *fall* is a crossing of a
+//! guard from above its surface to below; a *dip* is a fall followed by a rise within the same step.
 //!
 //! # What is found within one step
 //!
@@ -53,19 +53,25 @@ use num_dual::Dual64;
 
 use along::{along, along_flow};
 use graze::Touch;
-use shape::{has_no_dip, stays_above_zero};
+use shape::{cubic_slope, has_no_dip, stays_above_zero};
 
 pub(crate) use graze::{Graze, STEPS};
 pub(crate) use shape::{cubic_root, is_far, no_turn};
 
 use crate::error::Error;
-use crate::root::{Bracket, find_root};
+use crate::root::{Bracket, find_root, root_near};
 use crate::step::Step;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 
 /// Number of touches on one step for which there is room from the beginning.
 const MOST_TOUCHES: usize = 16;
+
+/// A fall is looked for around its guess no nearer to the last maximum than this fraction of the distance between them.
+const LEAST: f64 = 0.25;
+
+/// Rounding bounds are taken to be the same on this fraction of a step.
+const ALIKE: f64 = 0.01;
 
 /// The crossing of a guard that falls below zero within a step.
 #[derive(Clone, Copy, Debug)]
@@ -86,9 +92,14 @@ pub struct GuardWatch<P: System> {
     end: P::Guards<Dual64>,
     values: P::Guards<f64>,
     bounds: P::Guards<f64>,
+    /// Time at which the bounds were found last; not a number where they were not, or the step was forgotten.
+    bounded_at: f64,
     /// Depth beyond the bound that a dip must have to count.
     doubts: P::Guards<f64>,
+    /// Workspace, as the next two.
     y: P::State<f64>,
+    slope: P::State<f64>,
+    seeded: P::State<Dual64>,
     /// Values at the quarters of a step on its dense output.
     quarters: [P::Guards<f64>; 3],
     /// Values at the time of the first fall found so far.
@@ -128,8 +139,11 @@ impl<P: System> GuardWatch<P> {
             end: duals(),
             values: zeros(),
             bounds: zeros(),
+            bounded_at: f64::NAN,
             doubts: zeros(),
             y: Vector::from_fn(problem.dim(), |_| 0.0),
+            slope: Vector::from_fn(problem.dim(), |_| 0.0),
+            seeded: Vector::from_fn(problem.dim(), |_| Dual64::from_re(0.0)),
             quarters: std::array::from_fn(|_| zeros()),
             at_first: zeros(),
             deepest: vec![0.0; n],
@@ -161,13 +175,44 @@ impl<P: System> GuardWatch<P> {
         self.first_violated(mode, t)
     }
 
+    /// The same as [`violated`](Self::violated) at the end of a step of size `h` to `t`, with the bounds found last where that
+    /// was within [`ALIKE`] of the step.
+    pub(crate) fn violated_beside(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        (t, h): (f64, f64),
+        y: &P::State<f64>,
+    ) -> Result<Option<usize>, Error> {
+        problem.guards(mode.clone(), t, y, &mut self.values);
+        self.find_bounds(problem, mode.clone(), (t, y), ALIKE * h.abs());
+        self.first_violated(mode, t)
+    }
+
     /// Evaluates all guards of `mode` and their bounds at `(t, y)`.
     fn evaluate(&mut self, problem: &P, mode: P::Mode, t: f64, y: &P::State<f64>) {
         problem.guards(mode.clone(), t, y, &mut self.values);
         problem.guard_bounds(mode, t, y, &mut self.bounds);
+        self.bounded_at = t;
     }
 
-    /// The first guard that is violated, as evaluated in `mode` at `t`.
+    /// Finds the bounds at `(t, y)`, unless they were found `within` this time of it since a step was
+    /// [forgotten](Self::forget_step).
+    fn find_bounds(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        (t, y): (f64, &P::State<f64>),
+        within: f64,
+    ) {
+        let is_known = (t - self.bounded_at).abs() <= within;
+        if !is_known {
+            problem.guard_bounds(mode, t, y, &mut self.bounds);
+            self.bounded_at = t;
+        }
+    }
+
+    /// The first guard that is violated, as last evaluated, in `mode` at `t`.
     fn first_violated(&self, mode: P::Mode, t: f64) -> Result<Option<usize>, Error> {
         let mut first = None;
         for (i, (g, bound)) in self.values.as_ref().iter().zip(self.bounds.as_ref()).enumerate() {
@@ -216,7 +261,7 @@ impl<P: System> GuardWatch<P> {
         self.values.as_ref()[i]
     }
 
-    /// The rounding bound of guard `i`, as last evaluated.
+    /// The rounding bound of guard `i`, as last found.
     pub fn bound(&self, i: usize) -> f64 {
         self.bounds.as_ref()[i]
     }
@@ -229,7 +274,8 @@ impl<P: System> GuardWatch<P> {
         (t, y): (f64, &P::State<f64>),
         direction: &P::State<f64>,
     ) {
-        along(problem, mode, (Dual64::from_re(t), y), direction, &mut self.start);
+        let t = Dual64::from_re(t);
+        along(problem, mode, (t, y), direction, &mut self.seeded, &mut self.start);
     }
 
     /// The derivative of guard `i` [looked along](Self::look_along) last.
@@ -288,13 +334,14 @@ impl<P: System> GuardWatch<P> {
         y: &P::State<f64>,
         dydt: &P::State<f64>,
     ) {
-        along_flow(problem, mode, t, y, dydt, &mut self.start);
+        along_flow(problem, mode, (t, y), dydt, &mut self.seeded, &mut self.start);
     }
 
     /// Forgets what was found on a step that is not accepted.
     pub(crate) fn forget_step(&mut self) {
         self.forget_dips();
         self.touches.clear();
+        self.bounded_at = f64::NAN;
     }
 
     /// Forgets the dips that were discarded in a step that is over.
@@ -313,7 +360,7 @@ impl<P: System> GuardWatch<P> {
         y: &P::State<f64>,
         dydt: &P::State<f64>,
     ) {
-        along_flow(problem, mode, t, y, dydt, &mut self.end);
+        along_flow(problem, mode, (t, y), dydt, &mut self.seeded, &mut self.end);
     }
 
     /// The rate of guard `i`, as last evaluated.
@@ -366,9 +413,9 @@ impl<P: System> GuardWatch<P> {
     }
 
     /// The guard that falls first on a step that [`is_clear`](Self::is_clear) could not clear. The time is located to
-    /// within `precision` steps or the spacing of `f64`. Returns `None` where no guard falls; the end then becomes
-    /// the start of the next step. Where a tolerance is given, in `doubt`, a dip counts only if it is deeper than the
-    /// error of the guard that the tolerance allows.
+    /// within `precision` of the step, or, where a cubic tells it, of about its distance from the start, or the spacing of `f64`.
+    /// Returns `None` where no guard falls; the end then becomes the start of the next step. Where a tolerance is
+    /// given, in `doubt`, a dip counts only if it is deeper than the error of the guard that the tolerance allows.
     ///
     /// # Errors
     /// [`Error::NonFiniteGuard`], and [`Error::UnresolvedGuard`] for a guard that cannot be followed.
@@ -393,7 +440,11 @@ impl<P: System> GuardWatch<P> {
             step.interpolate(t, &mut self.y);
             problem.guards(mode.clone(), t, &self.y, values);
         }
-        self.violated(problem, mode.clone(), t1, step.y1())?;
+        self.find_bounds(problem, mode.clone(), (t1, step.y1()), 0.0);
+        for (value, end) in self.values.as_mut().iter_mut().zip(self.end.as_ref()) {
+            *value = end.re;
+        }
+        self.first_violated(mode.clone(), t1)?;
         let mut first: Option<GuardCrossing> = None;
         let mut knows_first = false;
         for guard in 0..self.end.as_ref().len() {
@@ -421,9 +472,21 @@ impl<P: System> GuardWatch<P> {
                     continue;
                 }
             }
-            let clearance = |t| self.clearance_on(problem, mode.clone(), step, guard, t);
             let bracket = Bracket { above: t0 + top * h, below: violated_at };
-            let t = find_root(clearance, bracket, precision * h.abs());
+            let guess = if dip.is_none() { self.fall_of_cubic(guard, h) } else { None };
+            let near = guess.and_then(|(theta, slope)| {
+                let t = t0 + theta * h;
+                // Beside the start a guard that begins on its surface is nothing but rounding.
+                let bracket =
+                    Bracket { above: bracket.above + LEAST * (t - bracket.above), ..bracket };
+                // Without the bound, which is that of the end of the step: the guard may not rise as high.
+                let g = |t| self.value_on(problem, mode.clone(), step, guard, t);
+                root_near((t, slope / h), g, bracket, precision * (t - t0).abs())
+            });
+            let t = near.unwrap_or_else(|| {
+                let g = |t| self.clearance_on(problem, mode.clone(), step, guard, t);
+                find_root(g, bracket, precision * h.abs())
+            });
             if first.is_none_or(|other| (t - t0).abs() < (other.t - t0).abs()) {
                 first = Some(GuardCrossing { guard, t, violated_at });
                 knows_first = false;
@@ -464,6 +527,17 @@ impl<P: System> GuardWatch<P> {
         is_far(from, to, h) || is_finite && has_no_dip(from, to, h)
     }
 
+    /// Where guard `i`, violated at the end of a step of size `h`, falls on the cubic through values and rates at both ends, as
+    /// a fraction of the step, and the slope there. What rises from within the bound at the end, or from below, rises from zero.
+    fn fall_of_cubic(&self, i: usize, h: f64) -> Option<(f64, f64)> {
+        let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
+        let is_above = g0.re > self.bounds.as_ref()[i] || g0.re > 0.0 && g0.eps * h < 0.0;
+        let from = if is_above { g0.re } else { 0.0 };
+        let (values, slopes) = ([from, g1.re], [g0.eps * h, g1.eps * h]);
+        let theta = cubic_root(values, slopes)?;
+        Some((theta, cubic_slope(theta, values, slopes)))
+    }
+
     /// Makes the end of the present step the start of the next one.
     pub fn keep(&mut self) {
         self.start.clone_from(&self.end);
@@ -479,8 +553,21 @@ impl<P: System> GuardWatch<P> {
         i: usize,
         t: f64,
     ) -> f64 {
+        self.value_on(problem, mode, step, i, t);
+        self.clearance(i)
+    }
+
+    /// Guard `i` at `t` on the step's dense output.
+    fn value_on(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        i: usize,
+        t: f64,
+    ) -> f64 {
         step.interpolate(t, &mut self.y);
         problem.guards(mode, t, &self.y, &mut self.values);
-        self.clearance(i)
+        self.values.as_ref()[i]
     }
 }

@@ -128,7 +128,8 @@ pub struct OneStepSolver<P: System, M> {
     pub(crate) watch: GuardWatch<P>,
     /// Order of the error estimate, from which the first step size follows.
     error_order: usize,
-    /// Step size that the controller proposed last, with which the next phase begins.
+    /// Step size with which the next phase begins: that which the controller proposed last, after an event no longer than the step
+    /// tried.
     h: Option<f64>,
     /// Size that the first step of the run does not exceed; infinite after it.
     first: f64,
@@ -218,7 +219,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     }
 
     /// Chooses the size of the next step if that is still [due](PhaseState::due). Under adaptive control this is the
-    /// size that the method proposes; else the size that the controller made of the last step, or a first step size.
+    /// size that the method proposes; else the size that the controller made of the last step, after an event no longer than that
+    /// step was before it was cut, or a first step size.
     #[inline(always)]
     pub(crate) fn choose_step(
         &mut self,
@@ -398,6 +400,10 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             if let Some(smaller) = self.controller.refusal(h_landed, error_sq) {
                 self.watch.forget_step();
                 return self.rejected(context, phase, smaller);
+            }
+            if matches!(self.controller.control(), Control::Adaptive(_)) {
+                // How long a step the next mode allows is not known, so its phase begins with none longer than the last one tried.
+                phase.h = phase.h.abs().min(h.abs()).copysign(h);
             }
         }
         let needs = record.needs(point.t, self.method.step().t1());

@@ -47,12 +47,62 @@ impl Bracket {
 /// T. R. Chandrupatla, "A new hybrid quadratic/bisection algorithm for finding the zero of a
 /// nonlinear function without using derivatives", Adv. Eng. Softw. 28(3), 145–149 (1997).
 pub fn find_root(mut f: impl FnMut(f64) -> f64, bracket: Bracket, tolerance: f64) -> f64 {
+    let values = [f(bracket.above), f(bracket.below)];
+    close(f, bracket, values, tolerance)
+}
+
+/// A root of `f` near a guess in `bracket`, where the slope of `f` is about `slope`, to within `tolerance` or the spacing of `f64`.
+/// The number returned is one where `f ≤ 0`.
+///
+/// Twice the step of Newton's iteration is to pass the root, or eight times that, and so on; what they enclose is searched. `None`
+/// where the guess or they leave the bracket, and where `f` is not a number: what `f` is at the ends of the bracket is not asked.
+pub(crate) fn root_near(
+    (guess, slope): (f64, f64),
+    mut f: impl FnMut(f64) -> f64,
+    mut bracket: Bracket,
+    tolerance: f64,
+) -> Option<f64> {
+    if bracket.inside(guess) != guess {
+        return None;
+    }
+    let (mut x, mut fx) = (guess, f(guess));
+    let least = tolerance.max(f64::EPSILON * guess.abs());
+    let mut stride = (2.0 * fx / slope).abs().max(least);
+    while !fx.is_nan() {
+        if fx == 0.0 {
+            return Some(x);
+        }
+        let (before, is_above) = (fx, fx > 0.0);
+        bracket.narrow(x, fx);
+        let towards = if is_above { bracket.below } else { bracket.above };
+        x += stride.copysign(towards - x);
+        if bracket.inside(x) != x {
+            return None;
+        }
+        fx = f(x);
+        let has_crossed = if is_above { fx < 0.0 } else { fx > 0.0 };
+        if has_crossed {
+            bracket.narrow(x, fx);
+            let values = if is_above { [before, fx] } else { [fx, before] };
+            return Some(close(f, bracket, values, tolerance));
+        }
+        stride *= 8.0;
+    }
+    None
+}
+
+/// Closes `bracket`, with the values of `f` above and below, on its root.
+fn close(
+    mut f: impl FnMut(f64) -> f64,
+    mut bracket: Bracket,
+    values: [f64; 2],
+    tolerance: f64,
+) -> f64 {
     let (mut a, mut b) = (bracket.below, bracket.above);
-    let (mut fa, mut fb) = (f(a), f(b));
-    let mut bracket = bracket;
+    let [mut fb, mut fa] = values;
     let mut fraction = 0.5;
     let mut n = 0_u32;
-    loop {
+    while (b - a).abs() > tolerance && !bracket.is_closed() {
         n += 1;
         let x = a + fraction * (b - a);
         let fx = f(x);
@@ -68,9 +118,8 @@ pub fn find_root(mut f: impl FnMut(f64) -> f64, bracket: Bracket, tolerance: f64
             (b, fb) = (a, fa);
         }
         (a, fa) = (x, fx);
-        let width = (b - a).abs();
-        if width <= tolerance || fx == 0.0 || bracket.is_closed() {
-            return bracket.below;
+        if fx == 0.0 {
+            break;
         }
         let xi = (a - b) / (c - b);
         let phi = (fa - fb) / (fc - fb);
@@ -81,9 +130,11 @@ pub fn find_root(mut f: impl FnMut(f64) -> f64, bracket: Bracket, tolerance: f64
             0.5
         };
         // The next point keeps at least this distance from both ends, so that the bracket closes from both sides.
+        let width = (b - a).abs();
         let least = ((0.5 * tolerance).max(f64::EPSILON * a.abs()) / width).min(0.5);
         fraction = fraction.clamp(least, 1.0 - least);
     }
+    bracket.below
 }
 
 /// Ratio of the golden-section search, (3 − √5)/2.
@@ -132,6 +183,43 @@ pub(crate) fn parabola([a, m, b]: [(f64, f64); 3]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_root_is_found_near_a_guess_on_either_side_of_it() {
+        // Falls at 0.3 with the slope −1.3.
+        let f = |x: f64| (0.3 - x) * (1.0 + x);
+        for bracket in [Bracket { above: 0.0, below: 1.0 }, Bracket { above: 0.0, below: 7.0 }] {
+            for guess in [0.3, 0.3 - 1e-12, 0.31, 0.29, 0.2, 0.35] {
+                for slope in [-1.3, -0.7, -1e3, 1.3] {
+                    let mut n = 0;
+                    let counted = |x| {
+                        n += 1;
+                        f(x)
+                    };
+                    let root = root_near((guess, slope), counted, bracket, 1e-9).unwrap();
+                    assert!(
+                        f(root) <= 0.0 && (root - 0.3).abs() <= 1e-9,
+                        "{guess}, {slope}: {root}"
+                    );
+                    assert!(n < 20, "{guess}, {slope}: {n} evaluations");
+                }
+            }
+        }
+        // A slope of zero says nothing, nor does a stride that leaves the bracket, a guess or a root outside, or what is not a
+        // number.
+        let bracket = Bracket { above: 0.0, below: 1.0 };
+        assert_eq!(root_near((0.2, 0.0), f, bracket, 1e-9), None);
+        assert_eq!(root_near((0.2, -0.1), f, bracket, 1e-9), None);
+        let never = |x: f64| -> f64 { panic!("{x} is outside") };
+        assert_eq!(root_near((1.2, -1.0), never, bracket, 1e-9), None);
+        assert_eq!(root_near((f64::NAN, -1.0), never, bracket, 1e-9), None);
+        assert_eq!(root_near((0.4, -1.0), |x| -0.1 - x, bracket, 1e-9), None);
+        assert_eq!(root_near((0.4, -1.0), |_| f64::NAN, bracket, 1e-9), None);
+        // Time runs backward, and no tolerance.
+        let back = Bracket { above: 0.0, below: -1.0 };
+        let root = root_near((-0.29, 1.3), |x| f(-x), back, 0.0).unwrap();
+        assert!((root + 0.3).abs() < 1e-15 && f(-root) <= 0.0, "{root:e}");
+    }
 
     #[test]
     fn a_minimum_is_found_to_a_thousandth_of_its_interval() {

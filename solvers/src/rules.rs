@@ -5,8 +5,8 @@
 //! - A guard is positive inside its mode. It is *violated* where it is below minus its rounding bound, which the
 //!   model states. An event is a violated guard, not a change of sign: there are no direction flags and no cool-down
 //!   times.
-//! - An event is located at the root of `g + bound/2`: past the surface, but within rounding of it. Steps of one-step
-//!   methods end with g between `−bound` and zero.
+//! - An event is located at or past the surface, but within rounding of it. Steps of one-step methods end with g between
+//!   `−bound` and zero.
 //! - One-step methods retake the step from the same start until it lands there, so time and state have the method's
 //!   own order. The methods of `diffsol` land on their interpolant, so an event is as exact as that. The error of the
 //!   time is (error of the guard + bound)/|ġ|.

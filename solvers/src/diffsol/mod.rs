@@ -221,8 +221,9 @@ impl<P: System> DiffsolSolver<P> {
             (step.t1, step.y1) = (t, y);
             stepper.interpolate_slope(t, step.slope1.as_mut())?;
             landed_on = Some(guard);
-            // The search takes the rounding bound at the end of the step. Where that is larger than the one at the event,
-            // the event may come too late by much more than the arc that it ends, and is searched for again before there.
+            // Where no cubic tells the fall, the search takes the rounding bound at the end of the step. Where that is larger
+            // than the one at the event, the event may come too late by much more than the arc that it ends, and is searched
+            // for again before there.
             self.watch.violated(problem, mode(), t, &step.y1)?;
             if !(is_much_shorter && self.watch.is_violated(guard)) {
                 break;

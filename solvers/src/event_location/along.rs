@@ -2,19 +2,19 @@
 
 use num_dual::Dual64;
 
-use crate::system::{System, Vector};
+use crate::system::System;
 
-/// Writes the values of the guards at `(t, y)`, and their rates along `dydt`, to `g`.
+/// Writes the values of the guards at `(t, y)`, and their rates along `dydt`, to `g`. `seeded` is workspace.
 #[inline(never)]
 pub(super) fn along_flow<P: System>(
     problem: &P,
     mode: P::Mode,
-    t: f64,
-    y: &P::State<f64>,
+    (t, y): (f64, &P::State<f64>),
     dydt: &P::State<f64>,
+    seeded: &mut P::State<Dual64>,
     g: &mut P::Guards<Dual64>,
 ) {
-    along(problem, mode, (Dual64::new(t, 1.0), y), dydt, g);
+    along(problem, mode, (Dual64::new(t, 1.0), y), dydt, seeded, g);
 }
 
 /// Writes the values of the guards at `(t, y)`, and their derivatives where `y` changes by `direction`, to `g`.
@@ -24,9 +24,10 @@ pub(super) fn along<P: System>(
     mode: P::Mode,
     (t, y): (Dual64, &P::State<f64>),
     direction: &P::State<f64>,
+    seeded: &mut P::State<Dual64>,
     g: &mut P::Guards<Dual64>,
 ) {
-    let (y, direction) = (y.as_ref(), direction.as_ref());
-    let along = P::State::<Dual64>::from_fn(y.len(), |i| Dual64::new(y[i], direction[i]));
-    problem.guards(mode, t, &along, g);
+    let each = seeded.as_mut().iter_mut().zip(y.as_ref()).zip(direction.as_ref());
+    each.for_each(|((seeded, y), direction)| *seeded = Dual64::new(*y, *direction));
+    problem.guards(mode, t, seeded, g);
 }

@@ -47,7 +47,7 @@ impl<P: System> GuardWatch<P> {
         [start, end]: [End<'_, P::State<f64>>; 2],
     ) -> bool {
         let h = t1 - t0;
-        problem.guard_bounds(mode.clone(), t1, end.0, &mut self.bounds);
+        self.find_bounds(problem, mode.clone(), (t1, end.0), 0.0);
         self.strays.fill(false);
         let mut also_near = true;
         for theta in PROBES {

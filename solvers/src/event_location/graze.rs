@@ -7,13 +7,13 @@
 
 use num_dual::Dual64;
 
-use super::GuardWatch;
 use super::along::along_flow;
 use super::shape::cubic_minimum;
+use super::{ALIKE, GuardWatch};
 use crate::real::Real;
 use crate::record::Grazing;
 use crate::step::Step;
-use crate::system::{System, Vector};
+use crate::system::System;
 
 /// Errors add up along a run: a state is taken to be wrong by up to this many times what is allowed in one step. The
 /// error of methods that extrapolate was 65 times that at most (bs32), over 12 units of time of the guards of
@@ -98,7 +98,7 @@ impl<P: System> GuardWatch<P> {
     }
 
     /// Notes the turn of guard `i` at a dip that is to be discarded: beside the end of `step`, which was retaken up to there,
-    /// by the curvature over a part of the size `h`. The guard was last evaluated at that end.
+    /// by the curvature over a part of the size `h`.
     pub(crate) fn note_discarded(
         &mut self,
         problem: &P,
@@ -107,10 +107,11 @@ impl<P: System> GuardWatch<P> {
         i: usize,
         h: f64,
     ) {
-        let [rate, curvature] = self.bent(problem, mode, step, i, |_| LOCAL * h);
+        let g = self.at_end_of(problem, mode.clone(), step, i);
+        let curvature = self.curvature(problem, mode, step, (i, g.eps), LOCAL * h);
         // Where rounding hides the curvature the turn is taken to be at the end.
-        let to_turn = if curvature > 0.0 { 0.5 * rate * rate / curvature } else { 0.0 };
-        let height = self.value(i) - to_turn;
+        let to_turn = if curvature > 0.0 { 0.5 * g.eps * g.eps / curvature } else { 0.0 };
+        let height = g.re - to_turn;
         if height < self.lows.as_ref()[i] {
             self.touches.push(Touch { is_discarded: true, ..Touch::new(i, step.t1(), height) });
         }
@@ -200,18 +201,19 @@ impl<P: System> GuardWatch<P> {
     ) {
         let (t0, t1) = (step.t0(), step.t1());
         self.touches.retain(|touch| (touch.t - t1) * (t1 - t0) <= 0.0);
-        let shallow = landed_on.filter(|guard| {
-            self.strays(*guard, h) || self.may_rise(problem, mode.clone(), step, *guard, h)
+        let landed = landed_on.map(|i| (i, self.at_end_of(problem, mode.clone(), step, i)));
+        let shallow = landed.filter(|(i, g)| {
+            self.strays(*i, h) || self.may_rise(problem, mode.clone(), step, (*i, g.eps), h)
         });
         if shallow.is_some() || self.touches.iter().any(|touch| self.is_new(touch)) {
             self.find_errors(problem, mode.clone(), step, error);
         }
         self.tell_known(t1, t1 - t0, told);
-        if let Some(guard) = shallow
+        if let Some((guard, g)) = shallow
             && is_resolved(t1, t1 - t0)
         {
             let error = self.lows.as_ref()[guard] / LOW;
-            let dip = self.depth_after(problem, mode, step, guard, (error, h));
+            let dip = self.depth_after(problem, mode, step, (guard, g), (error, h));
             if let Some(depth) = dip {
                 told(Graze { guard, t: t1, depth, error, is_event: true });
             }
@@ -243,7 +245,8 @@ impl<P: System> GuardWatch<P> {
         error: &dyn Fn(usize) -> f64,
     ) {
         self.doubt(problem, mode.clone(), step, error);
-        self.evaluate(problem, mode, step.t1(), step.y1());
+        let within = ALIKE * (step.t1() - step.t0()).abs();
+        self.find_bounds(problem, mode, (step.t1(), step.y1()), within);
         let errors = self.doubts.as_ref().iter().zip(self.bounds.as_ref());
         for ((doubt, bound), low) in errors.zip(self.lows.as_mut()) {
             // Not a number where a derivative is infinite.
@@ -253,58 +256,69 @@ impl<P: System> GuardWatch<P> {
         self.found[1] = step.t1();
     }
 
-    /// Whether guard `i`, on which `step` landed, would rise again by its curvature there, from no deeper than a turn that is
-    /// noted. False where a rate is not finite.
+    /// Whether guard `i`, on which `step` landed with a `rate`, would rise again by its curvature there, from no deeper than a
+    /// turn that is noted. False where a rate is not finite.
     fn may_rise(
         &mut self,
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
-        i: usize,
+        (i, rate): (usize, f64),
         h: f64,
     ) -> bool {
-        let [rate, curvature] = self.bent(problem, mode, step, i, |_| LOCAL * h);
+        let curvature = self.curvature(problem, mode, step, (i, rate), LOCAL * h);
         curvature > 0.0 && 0.5 * rate * rate / curvature < self.lows.as_ref()[i]
     }
 
-    /// How far guard `i`, on which `step` landed, would fall below zero by its curvature there, where that is at most
-    /// `most`. A full step has the size `h`.
+    /// How far guard `i`, on which `step` landed with the value and rate `g`, would fall below zero by its curvature there, where
+    /// that is at most `most`. A full step has the size `h`.
     fn depth_after(
         &mut self,
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
-        i: usize,
+        (i, g): (usize, Dual64),
         (most, h): (f64, f64),
     ) -> Option<f64> {
         // A dip of that depth lasts twice as long.
-        let short = |rate: f64| (2.0 * most / rate.abs()).min(LOCAL * h.abs()).copysign(h);
-        let [rate, curvature] = self.bent(problem, mode, step, i, short);
-        let depth = 0.5 * rate * rate / curvature - self.value(i);
+        let short = (2.0 * most / g.eps.abs()).min(LOCAL * h.abs()).copysign(h);
+        let curvature = self.curvature(problem, mode, step, (i, g.eps), short);
+        let depth = 0.5 * g.eps * g.eps / curvature - g.re;
         // False where the time or a rate is not resolved.
         (curvature > 0.0 && depth <= most).then_some(depth)
     }
 
-    /// The rate of guard `i` at the end of `step`, and its curvature along the flow from there over the time that is `short`
-    /// beside that rate.
-    fn bent(
+    /// Value and rate of guard `i` at the end of `step`.
+    fn at_end_of(
         &mut self,
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
         i: usize,
-        short: impl FnOnce(f64) -> f64,
-    ) -> [f64; 2] {
-        let t = step.t1();
-        let (y, slope) = (step.y1().as_ref(), step.slope1().as_ref());
-        self.rates(problem, mode.clone(), t, step.y1(), step.slope1());
-        let rate = self.rate(i);
-        let ahead = t + short(rate);
-        self.y = Vector::from_fn(y.len(), |j| y[j] + (ahead - t) * slope[j]);
-        let mut slope = self.y.clone();
-        problem.rhs(mode.clone(), ahead, &self.y, &mut slope);
-        along_flow(problem, mode, ahead, &self.y, &slope, &mut self.end);
-        [rate, (self.rate(i) - rate) / (ahead - t)]
+    ) -> Dual64 {
+        self.rates(problem, mode, step.t1(), step.y1(), step.slope1());
+        self.end.as_ref()[i]
+    }
+
+    /// The curvature of guard `i` along the flow from the end of `step`, where it has a `rate`, over a `short` time.
+    fn curvature(
+        &mut self,
+        problem: &P,
+        mode: P::Mode,
+        step: &dyn Step<P::State<f64>>,
+        (i, rate): (usize, f64),
+        short: f64,
+    ) -> f64 {
+        let ahead = step.t1() + short;
+        let short = ahead - step.t1();
+        self.y.clone_from(step.y1());
+        for (y, slope) in self.y.as_mut().iter_mut().zip(step.slope1().as_ref()) {
+            *y += short * slope;
+        }
+        problem.rhs(mode.clone(), ahead, &self.y, &mut self.slope);
+        let Self { y, slope, seeded, end, .. } = self;
+        along_flow(problem, mode, (ahead, y), slope, seeded, end);
+        (self.rate(i) - rate) / short
     }
 
     /// Begins the arcs of guards at the start of a phase.
@@ -346,10 +360,10 @@ impl<P: System> GuardWatch<P> {
         let span = problem.guard_span();
         self.doubts.as_mut().fill(0.0);
         for j in 0..span.min(y.len()) {
-            let seeded = P::State::<Dual64>::from_fn(y.len(), |i| {
-                Dual64::new(y[i], if i % span == j { error(i) } else { 0.0 })
-            });
-            problem.guards(mode.clone(), Dual64::cst(step.t1()), &seeded, &mut g);
+            for (i, (seeded, y)) in self.seeded.as_mut().iter_mut().zip(y).enumerate() {
+                *seeded = Dual64::new(*y, if i % span == j { error(i) } else { 0.0 });
+            }
+            problem.guards(mode.clone(), Dual64::cst(step.t1()), &self.seeded, &mut g);
             for (doubt, g) in self.doubts.as_mut().iter_mut().zip(g.as_ref()) {
                 *doubt += g.eps.abs();
             }

@@ -62,16 +62,24 @@ pub(super) fn cubic_at(theta: f64, values: [f64; 2], slopes: [f64; 2]) -> f64 {
     values[0] + theta * (slopes[0] + theta * (c2 + theta * c3))
 }
 
+/// The slope of that cubic at `theta`.
+pub(super) fn cubic_slope(theta: f64, values: [f64; 2], slopes: [f64; 2]) -> f64 {
+    let [c2, c3] = bent(values, slopes);
+    slopes[0] + theta * (2.0 * c2 + theta * 3.0 * c3)
+}
+
 /// Where the cubic with these values and slopes at 0 and 1 falls between them; `None` where it does not. One that rises from
 /// zero falls beyond that root.
 pub(crate) fn cubic_root(values: [f64; 2], slopes: [f64; 2]) -> Option<f64> {
-    let bracket = Bracket { above: 0.0, below: 1.0 };
     let [at_0, at_1] = values;
     if at_0 == 0.0 && slopes[0] > 0.0 && at_1 < 0.0 {
+        // The root of s₀ + c₂ θ + c₃ θ²: to its own rounding, however small it is, where the other one is far.
         let [c2, c3] = bent(values, slopes);
-        let over_theta = |theta: f64| slopes[0] + theta * (c2 + theta * c3);
-        return Some(find_root(over_theta, bracket, f64::EPSILON));
+        let root = (c2 * c2 - 4.0 * c3 * slopes[0]).max(0.0).sqrt();
+        let theta = if c2 < 0.0 { 2.0 * slopes[0] / (root - c2) } else { -0.5 * (c2 + root) / c3 };
+        return Some(theta.min(1.0));
     }
+    let bracket = Bracket { above: 0.0, below: 1.0 };
     let falls = at_0 > 0.0 && at_1 < 0.0;
     falls.then(|| find_root(|theta| cubic_at(theta, values, slopes), bracket, f64::EPSILON))
 }
@@ -154,6 +162,17 @@ mod tests {
             let root = cubic_root([0.0, -0.75 * size], [0.5 * size, -size]);
             assert!(root.is_some_and(|root| (root - 0.25).abs() < 1e-15), "{root:?}");
         }
+        for theta in [1e-3, 1e-14] {
+            // θ (θ − θ₀)(θ − 2)
+            let root = cubic_root([0.0, theta - 1.0], [2.0 * theta, -1.0]).unwrap();
+            assert!((root / theta - 1.0).abs() < 1e-15, "{root:e}");
+        }
+        // θ (1 + θ − 8 θ²)
+        let root = cubic_root([0.0, -6.0], [1.0, -21.0]).unwrap();
+        assert!((root - (1.0 + 33.0_f64.sqrt()) / 16.0).abs() < 1e-15, "{root}");
+        // Rounding hides that its two roots are one, at the end.
+        let root = cubic_root([0.0, -2.92e-17], [0.973_202_900_384_493_5, -1.377e-17]);
+        assert!(root.is_some_and(|root| (root - 1.0).abs() < 1e-7), "{root:?}");
         assert_eq!(cubic_root([0.0, -1.0], [-1.0, -1.0]), None);
         assert_eq!(cubic_root([1.0, 1.0], [-1.0, 1.0]), None);
     }

@@ -136,7 +136,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         }
         self.method.complete(problem, mode.clone(), stats);
         stats.n_retaken += 1;
-        self.watch.violated(problem, mode, t1, self.method.step().y1())
+        self.watch.violated_beside(problem, mode, (t1, h), self.method.step().y1())
     }
 
     /// Among the guards violated at the end of the last attempt, of size `h` (or `guard` if none is), the one whose event

@@ -200,14 +200,14 @@ fn rows_of_a_study_of_a_ball_between_walls_are_what_they_were() {
 /// Right-hand sides, steps accepted and rejected, Jacobians, linear systems, steps retaken; events, missed, spurious; `e`, `e_max`,
 /// `e_l2`, `e_final`, errors of peak, impulse of a contact, impulse, dissipation; right-hand sides an event.
 const ROWS: &str = r#"
-rk4 located h 2e-4 s: [8107, 2005, 0, 0, 0, 19] [10, 0, 0] 2.99e-6 3.01e-6 4.02e-7 2.73e-7 6.93e-8 1.78e-7 1.84e-7 - 8.70e0
+rk4 located h 2e-4 s: [8095, 2005, 0, 0, 0, 16] [10, 0, 0] 2.99e-6 3.01e-6 4.02e-7 2.73e-7 6.93e-8 1.78e-7 1.84e-7 - 7.50e0
 rk4 blind h 2e-4 s: [8001, 2000, 0, 0, 0, 0] [10, 0, 0] 6.50e-2 6.53e-2 9.49e-3 5.00e-3 1.57e-3 1.58e-3 1.22e-3 - 1.00e-1
-rk45 located rtol 1e-4: [492, 41, 14, 0, 0, 25] [10, 0, 0] 1.35e-2 1.36e-2 1.94e-3 1.16e-3 3.10e-4 3.46e-4 2.70e-4 - 1.62e1
-rk45 located rtol 1e-8: [1158, 153, 19, 0, 0, 19] [10, 0, 0] 4.20e-6 4.25e-6 5.95e-7 3.58e-7 1.00e-7 9.85e-8 7.47e-8 - 1.26e1
+rk45 located rtol 1e-4: [462, 41, 13, 0, 0, 21] [10, 0, 0] 1.18e-2 1.20e-2 1.68e-3 1.04e-3 2.87e-4 3.22e-4 2.35e-4 - 1.38e1
+rk45 located rtol 1e-8: [1146, 155, 18, 0, 0, 16] [10, 0, 0] 4.02e-6 4.06e-6 5.66e-7 3.45e-7 9.78e-8 9.61e-8 7.11e-8 - 1.08e1
 rk45 blind rtol 1e-4: [518, 58, 28, 0, 0, 0] [10, 10, 10] 7.03e-2 7.03e-2 1.11e-2 7.88e-3 - - 2.08e-3 - 2.00e-1
 rk45 blind rtol 1e-8: [2732, 282, 173, 0, 0, 0] [10, 0, 0] 1.58e-4 1.60e-4 2.30e-5 1.33e-5 4.51e-6 4.34e-6 3.12e-6 - 2.00e-1
-radau5 located rtol 1e-4: [608, 47, 28, 47, 463, 35] [10, 0, 0] 4.48e-3 4.51e-3 6.29e-4 3.91e-4 1.22e-4 1.09e-4 7.70e-5 - 2.57e1
-radau5 located rtol 1e-8: [1052, 150, 27, 150, 789, 29] [10, 0, 0] 2.23e-6 2.29e-6 3.16e-7 1.95e-7 6.26e-8 5.40e-8 3.88e-8 - 2.24e1
+radau5 located rtol 1e-4: [591, 47, 28, 47, 451, 32] [10, 0, 0] 4.45e-3 4.48e-3 6.28e-4 3.88e-4 1.20e-4 1.07e-4 7.69e-5 - 2.39e1
+radau5 located rtol 1e-8: [1041, 150, 26, 150, 780, 28] [10, 0, 0] 2.24e-6 2.31e-6 3.19e-7 1.96e-7 6.29e-8 5.43e-8 3.91e-8 - 2.20e1
 radau5 blind rtol 1e-4: [1239, 95, 87, 1037, 661, 0] [10, 0, 0] 3.44e-2 3.44e-2 4.92e-3 7.21e-4 1.39e-3 9.33e-4 6.47e-4 - 2.00e-1
 radau5 blind rtol 1e-8: [2400, 269, 158, 1226, 1583, 0] [10, 0, 0] 8.39e-5 8.48e-5 1.10e-5 1.04e-5 4.20e-6 3.92e-6 8.05e-7 - 2.00e-1
 "#;
@@ -244,37 +244,37 @@ fn a_contest_on_a_ball_between_walls_takes_the_trials_that_it_took() {
 }
 
 const CONTESTS: &str = r#"
-1e-3: 48 trials
-dop853 blind: cut, step 3.56e-3
-dop853 located rtol 5.6e-5: 4.3e-4 of 2.4e-4 to 4.3e-4 (0, 0), work 950, growth 1.00e0 ["timed"]
-radau5 blind: cut, step 6.98e-3
-radau5 located rtol 1e-5: 4.7e-4 of 3.7e-4 to 4.7e-4 (0, 0), work 3075, growth 1.07e0 []
-rk4 blind: cut, step 2.40e-4
-rk4 located h 4.2e-4 s: 9.8e-6 of 5.6e-6 to 9.8e-6 (0, 0), work 3943, growth - []
+1e-3: 45 trials
+dop853 blind: cut, step 5.06e-3
+dop853 located rtol 5.6e-5: 3.9e-4 of 1.8e-4 to 3.9e-4 (0, 0), work 892, growth 1.00e0 ["timed"]
+radau5 blind: cut, step 7.83e-3
+radau5 located rtol 1e-5: 4.6e-4 of 3.7e-4 to 4.6e-4 (0, 0), work 2982, growth 1.07e0 []
+rk4 blind: cut, step 1.30e-4
+rk4 located h 4.2e-4 s: 9.8e-6 of 5.6e-6 to 9.8e-6 (0, 0), work 3931, growth - []
 rk45 blind: cut, step 2.41e-3
-rk45 located rtol 1e-6: 4.3e-4 of 2.5e-4 to 4.3e-4 (0, 0), work 684, growth 1.46e0 ["timed"]
-rodas5p blind: cut, step 1.08e-2
-rodas5p located rtol 3.2e-5: 5.6e-4 of 3.0e-4 to 5.6e-4 (0, 0), work 3931, growth 1.10e0 []
-1e-6: 48 trials
-dop853 blind: cut, step 3.07e-3
-dop853 located rtol 5.6e-7: 6.5e-7 of 4.2e-7 to 6.5e-7 (0, 0), work 868, growth 1.00e0 ["timed"]
+rk45 located rtol 1.8e-6: 5.3e-4 of 3.0e-4 to 5.3e-4 (0, 0), work 618, growth 1.34e0 ["timed"]
+rodas5p blind: cut, step 8.43e-3
+rodas5p located rtol 3.2e-5: 4.8e-4 of 4.3e-4 to 4.8e-4 (0, 0), work 3597, growth 1.10e0 []
+1e-6: 51 trials
+dop853 blind: cut, step 3.02e-3
+dop853 located rtol 1e-7: 6.0e-7 of 2.9e-7 to 6.0e-7 (0, 0), work 881, growth 1.10e0 ["timed"]
 radau5 blind: cut, step 4.52e-3
-radau5 located rtol 1.8e-9: 5.7e-7 of 3.5e-7 to 5.7e-7 (0, 0), work 5872, growth 1.41e0 []
+radau5 located rtol 1.8e-9: 5.8e-7 of 3.5e-7 to 5.8e-7 (0, 0), work 5765, growth 1.44e0 []
 rk4 blind: cut, step 2.40e-4
-rk4 located h 1.3e-4 s: 7.2e-7 of 5.4e-7 to 7.2e-7 (0, 0), work 12415, growth - []
+rk4 located h 1.3e-4 s: 7.2e-7 of 5.4e-7 to 7.2e-7 (0, 0), work 12411, growth - []
 rk45 blind: cut, step 1.55e-3
-rk45 located rtol 1.8e-9: 6.9e-7 of 3.8e-7 to 6.9e-7 (0, 0), work 1518, growth 1.57e0 ["timed"]
+rk45 located rtol 1.8e-9: 6.9e-7 of 3.7e-7 to 6.9e-7 (0, 0), work 1482, growth 1.57e0 ["timed"]
 rodas5p blind: cut, step 3.00e-3
-rodas5p located rtol 3.2e-8: 1.8e-7 of 9.2e-8 to 1.8e-7 (0, 0), work 6281, growth 1.44e0 []
+rodas5p located rtol 5.6e-8: 2.6e-7 of 1.5e-7 to 2.6e-7 (0, 0), work 5757, growth 1.42e0 []
 1e-10: 53 trials
-dop853 blind: cut, step 1.51e-3
-dop853 located rtol 1e-11: 7.8e-11 of 3.6e-11 to 7.9e-11 (0, 0), work 1611, growth 1.22e0 ["timed"]
+dop853 blind: cut, step 1.85e-3
+dop853 located rtol 1e-11: 7.7e-11 of 3.7e-11 to 7.7e-11 (0, 0), work 1599, growth 1.13e0 ["timed"]
 radau5 blind: cut, step 3.31e-3
-radau5 located: cut, step 5.44e-4
+radau5 located: cut, step 5.46e-4
 rk4 blind: cut, step 3.70e-4
 rk4 located: cut, step 1.30e-5
 rk45 blind: cut, step 5.90e-4
-rk45 located rtol 1e-13: 4.6e-11 of 2.5e-11 to 4.6e-11 (0, 0), work 8286, growth 1.58e0 []
+rk45 located rtol 1e-13: 4.5e-11 of 2.5e-11 to 4.6e-11 (0, 0), work 8262, growth 1.59e0 []
 rodas5p blind: cut, step 1.67e-3
 rodas5p located: cut, step 1.43e-3
 "#;
@@ -339,14 +339,14 @@ fn steps_of_a_mass_that_hits_a_stop_are_told_as_they_were_taken() {
 const STEPS: &str = r#"
 rk45, rtol 1e-7: [14, 18, 27, 18, 27, 18, 27], 6 land
 radau5, rtol 1e-7: [15, 18, 26, 18, 26, 18, 26], 6 land
-rk45: 6 events, ["1.00e0", "8.01e-1"] ["5.00e-1", "1.14e0", "1.20e1", "6.00e0", "2.10e1"]
-radau5: 6 events, ["1.00e0", "8.24e-1"] ["1.00e0", "1.14e0", "2.15e1", "4.57e0", "3.10e1"]
+rk45: 6 events, ["1.00e0", "8.04e-1"] ["5.00e-1", "1.14e0", "1.20e1", "6.00e0", "2.10e1"]
+radau5: 6 events, ["1.00e0", "8.24e-1"] ["1.00e0", "1.14e0", "2.10e1", "4.57e0", "3.05e1"]
 rk45 true 1: 3 of ["2.15e-1", "2.15e-1", "2.15e-1"], 3
-rk45 true 2: 3 of ["2.03e-1", "2.03e-1", "2.04e-1"], 0
+rk45 true 2: 3 of ["2.03e-1", "2.03e-1", "2.03e-1"], 0
 rk45 true 3: 3 of ["2.06e-1", "2.06e-1", "2.06e-1"], 0
-rk45 false 1: 3 of ["1.99e-1", "1.99e-1", "1.99e-1"], 0
-rk45 false 2: 3 of ["7.06e-1", "7.06e-1", "7.06e-1"], 0
-rk45 false 3: 3 of ["6.29e-1", "6.29e-1", "6.29e-1"], 0
+rk45 false 1: 3 of ["1.96e-1", "1.96e-1", "1.96e-1"], 0
+rk45 false 2: 3 of ["7.05e-1", "7.05e-1", "7.05e-1"], 0
+rk45 false 3: 3 of ["6.28e-1", "6.28e-1", "6.28e-1"], 0
 radau5 true 1: 3 of ["1.85e-1", "1.85e-1", "1.85e-1"], 6
 radau5 true 2: 3 of ["1.79e-1", "1.79e-1", "1.79e-1"], 0
 radau5 true 3: 3 of ["1.79e-1", "1.79e-1", "1.79e-1"], 0
