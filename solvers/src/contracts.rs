@@ -143,13 +143,39 @@ pub enum Breach {
 /// The first [`Breach`].
 ///
 /// # Panics
-/// In a build with debug assertions, where a [curve](crate::real::Shortcuts::turning) is not ended.
+/// Where `y` has more or fewer states than the system [has](System::dim). In a build with debug assertions, where a [curve](crate::real::Shortcuts::turning) is not ended.
+///
+/// ```
+/// use deltazero_solvers::contracts::{Breach, check};
+/// use deltazero_solvers::{Next, Real, System};
+///
+/// /// `ẋ = v, v̇ = −x`, by a number that has lost its derivative.
+/// struct Spring;
+///
+/// impl System for Spring {
+///     type Mode = ();
+///     type State<S: Real> = [S; 2];
+///     type Guards<S: Real> = [S; 0];
+///     fn initial_mode(&self, _t: f64, _: &[f64; 2]) {}
+///     fn rhs<S: Real>(&self, (): (), _t: S, &[x, v]: &[S; 2], dydt: &mut [S; 2]) {
+///         *dydt = [v, S::cst(-x.value())];
+///     }
+///     fn guards<S: Real>(&self, (): (), _t: S, _: &[S; 2], _: &mut [S; 0]) {}
+///     fn transition<S: Real>(&self, (): (), _: usize, _t: S, _: &mut [S; 2]) -> Next<()> {
+///         Next::Stop
+///     }
+/// }
+///
+/// let found = check(&Spring, &(), 0.0, &[1.0, 0.5]);
+/// assert!(matches!(found, Err(Breach::Value { state: 1, derivative: 0.0, .. })));
+/// ```
 pub fn check<P: System>(
     problem: &P,
     mode: &P::Mode,
     t: f64,
     y: &P::State<f64>,
 ) -> Result<(), Breach> {
+    assert_eq!(y.as_ref().len(), problem.dim(), "number of states");
     if !begins_with_rhs(problem, mode, t, y) {
         return Err(Breach::Together);
     }
@@ -317,7 +343,7 @@ impl<P: System> Place<'_, P> {
         jacobian: &Entries,
         sizes: &P::State<f64>,
     ) -> Result<(), Breach> {
-        let Some(time) = of.shortest_time() else { return Ok(()) };
+        let Some(time) = of.shortest_time(self.y) else { return Ok(()) };
         let terms = sizes_of_product(jacobian, &of.first);
         let quotients = STEPS.map(|part| self.quotients(&of.first, part * time));
         for (state, derivative) in of.second.as_ref().iter().enumerate() {
@@ -357,17 +383,56 @@ impl<P: System> Place<'_, P> {
 }
 
 impl<Y: Vector<f64>> Derivatives<Y> {
-    /// The shortest time in which a slope or its rate changes by its size; `None` where none changes.
-    fn shortest_time(&self) -> Option<f64> {
-        let [first, second, third] = [&self.first, &self.second, &self.third].map(Y::as_ref);
-        let of_slopes = first.iter().zip(second);
-        let times = of_slopes.chain(second.iter().zip(third)).map(|(a, b)| (a / b).abs());
-        let shortest = times.filter(|time| *time > 0.0).fold(f64::INFINITY, f64::min);
-        shortest.is_finite().then_some(shortest)
+    /// The shortest time in which a slope or its rate changes by its size, or, where none changes, a state `y`; `None` where
+    /// nothing does.
+    fn shortest_time(&self, y: &Y) -> Option<f64> {
+        shortest(&[(&self.first, &self.second), (&self.second, &self.third)])
+            .or_else(|| shortest(&[(y, &self.first)]))
     }
 }
 
+/// The shortest time in which an entry of these changes by its size at its rate.
+fn shortest<Y: Vector<f64>>(with_rates: &[(&Y, &Y)]) -> Option<f64> {
+    let each = with_rates.iter().flat_map(|(a, rates)| a.as_ref().iter().zip(rates.as_ref()));
+    let times = each.map(|(a, rate)| (a / rate).abs()).filter(|time| *time > 0.0);
+    Some(times.fold(f64::INFINITY, f64::min)).filter(|time| time.is_finite())
+}
+
 /// A recorder that [checks](check) a model in the first phases of a run, after the first step of each.
+///
+/// ```
+/// use deltazero_solvers::contracts::{Breach, Checked};
+/// use deltazero_solvers::{Control, Integration, Method, Next, Real, System, Tolerance};
+///
+/// /// A mass that flies up to a spring at 0, whose force has lost its derivative.
+/// struct Stop;
+///
+/// impl System for Stop {
+///     type Mode = bool;
+///     type State<S: Real> = [S; 2];
+///     type Guards<S: Real> = [S; 1];
+///     fn initial_mode(&self, _t: f64, y: &[f64; 2]) -> bool {
+///         y[0] >= 0.0
+///     }
+///     fn rhs<S: Real>(&self, touches: bool, _t: S, &[x, v]: &[S; 2], dydt: &mut [S; 2]) {
+///         *dydt = [v, S::cst(if touches { -x.value() } else { 0.0 })];
+///     }
+///     fn guards<S: Real>(&self, touches: bool, _t: S, y: &[S; 2], g: &mut [S; 1]) {
+///         *g = [if touches { y[0] } else { -y[0] }];
+///     }
+///     fn transition<S: Real>(&self, touches: bool, _: usize, _t: S, _: &mut [S; 2]) -> Next<bool> {
+///         Next::Mode(!touches)
+///     }
+/// }
+///
+/// let control = Control::Adaptive(Tolerance { rtol: 1e-6, atol: vec![1e-6; 2] });
+/// let mut solver = Method::named("rk45").ok_or("no such method")?.solver(&Stop, control)?;
+/// let mut checked = Checked::new(&Stop);
+/// Integration::new(&Stop, 0.0, [-1.0, 1.0]).run(2.0, &mut *solver, &mut checked)?;
+/// let (t, touches, breach) = checked.breach().ok_or("every promise is kept")?;
+/// assert!(*t > 1.0 && *touches && matches!(breach, Breach::Value { state: 1, .. }));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Checked<'a, P: System> {
     problem: &'a P,

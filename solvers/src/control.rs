@@ -102,6 +102,20 @@ impl From<Control> for Steps {
 }
 
 /// A step size controller: accepts or rejects a step by its error and proposes the next size.
+///
+/// ```
+/// use deltazero_solvers::control::{StepController, Verdict};
+/// use deltazero_solvers::{Control, Tolerance};
+///
+/// let control = Control::Adaptive(Tolerance { rtol: 1e-6, atol: vec![1e-6] });
+/// let mut controller = StepController::new(control, 4);
+/// // An error of 32 times the tolerance: 0.9 · 32^(−1/5) = 0.45.
+/// let Verdict::Reject(h) = controller.judge(1.0, |_| 32.0 * 32.0) else { panic!("too large") };
+/// assert!((h - 0.45).abs() < 1e-3);
+/// // After a rejection the step does not grow at once.
+/// assert_eq!(controller.judge(h, |_| 1e-6), Verdict::Accept(h));
+/// assert!(matches!(controller.judge(h, |_| 1e-6), Verdict::Accept(next) if next > h));
+/// ```
 #[derive(Clone, Debug)]
 pub struct StepController {
     control: Control,
@@ -115,9 +129,18 @@ pub struct StepController {
 }
 
 /// The controller's decision on an attempted step.
+///
+/// ```
+/// use deltazero_solvers::Control;
+/// use deltazero_solvers::control::{StepController, Verdict};
+///
+/// // A fixed step is accepted whatever its error, and so is one that was cut short.
+/// let mut controller = StepController::new(Control::Fixed(0.1), 4);
+/// assert_eq!(controller.judge(0.07, |_| 1e9), Verdict::Accept(0.1));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
-    /// The error is within the tolerance; the next step should have this size.
+    /// The error is within the tolerance, or steps are of fixed size; the next step should have this size.
     Accept(f64),
     /// The error is too large; the step should be tried again with this size.
     Reject(f64),

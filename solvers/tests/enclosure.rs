@@ -72,6 +72,12 @@ fn at_end<R: OfState<2>, G: OfState<1>>(
 }
 
 #[test]
+fn a_start_that_is_no_number_is_refused() {
+    let refused = at_end(&Smooth { rhs: Oscillation, guard: Never }, [0.0, f64::NAN], 1.0);
+    assert!(matches!(refused, Err(Error::NonFinite { component: 1, .. })), "{refused:?}");
+}
+
+#[test]
 fn a_hundred_periods_of_an_oscillator_stay_narrow() {
     let to = 628.0;
     let y = at_end(&Smooth { rhs: Oscillation, guard: Never }, [1.0, 0.0], to).unwrap();

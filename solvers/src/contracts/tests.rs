@@ -116,6 +116,41 @@ fn a_promise_that_is_not_kept_is_told() {
     assert!(matches!(found, Some(Breach::Value { state: 3, .. })), "{found:?}");
 }
 
+/// `ẏ = −y`, by a number or not, beside a constant slope.
+struct Decay {
+    loses_its_derivative: bool,
+}
+
+impl System for Decay {
+    type Mode = ();
+    type State<S: Real> = [S; 2];
+    type Guards<S: Real> = [S; 0];
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
+
+    fn rhs<S: Real>(&self, (): (), _t: S, y: &[S; 2], dydt: &mut [S; 2]) {
+        let held = if self.loses_its_derivative { S::cst(y[0].value()) } else { y[0] };
+        *dydt = [-held, S::cst(1.0)];
+    }
+
+    fn guards<S: Real>(&self, (): (), _t: S, _y: &[S; 2], _g: &mut [S; 0]) {}
+
+    fn transition<S: Real>(&self, (): (), _: usize, _t: S, _y: &mut [S; 2]) -> Next<()> {
+        Next::Stop
+    }
+}
+
+#[test]
+fn a_derivative_is_missed_where_no_other_one_is_left() {
+    for y in [[1.0, 0.0], [-1e-6, 3.0], [1e9, 1e-9], [0.0, 1.0]] {
+        let kept = Decay { loses_its_derivative: false };
+        assert_eq!(check(&kept, &(), 0.5, &y), Ok(()), "{y:?}");
+        let found = check(&Decay { loses_its_derivative: true }, &(), 0.5, &y);
+        // Where nothing decays nothing is missed.
+        assert_eq!(found.is_ok(), y[0] == 0.0, "{y:?}: {found:?}");
+    }
+}
+
 #[test]
 fn a_run_tells_when_a_promise_was_not_kept() {
     for (broken, is_kept) in [(Broken::Nothing, true), (Broken::Value, false)] {

@@ -78,6 +78,9 @@ use set::Set;
 use step::{ORDER, Step, Tried};
 
 use crate::error::Error;
+use crate::integrate::check_length;
+use crate::phase::check_finite;
+use crate::point::Point;
 use crate::system::{Next, System};
 use crate::tolerance::Tolerance;
 
@@ -90,6 +93,23 @@ const SHORTEST: usize = 40;
 const SAFETY: f64 = 0.9;
 
 /// An event that is proven to be the next one.
+///
+/// ```
+/// use deltazero_solvers::enclosure::Enclosure;
+/// use deltazero_solvers::problems::{BouncingBall, BouncingMode};
+/// use deltazero_solvers::{Error, Tolerance};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let tolerance = Tolerance { rtol: 1e-16, atol: vec![1e-16; 2] };
+/// let mode = BouncingMode::Flight;
+/// let mut enclosure = Enclosure::new(&ball, mode, 0.0, &ball.start(), tolerance)?;
+/// let Some(bounce) = enclosure.advance(0.6)? else { panic!("it bounces by then") };
+/// assert_eq!((bounce.guard, bounce.after), (0, Some(mode)));
+/// assert!(bounce.y_before[0].contains(0.0) && bounce.y_after[0].is_point());
+/// let speed = bounce.y_after[1];
+/// assert!(speed.distance(ball.bounce_speed(0)) < 1e-15 && speed.width() < 1e-14);
+/// # Ok::<(), Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ProvenEvent<M> {
     /// Bounds of its time.
@@ -109,6 +129,22 @@ pub struct ProvenEvent<M> {
 /// The enclosure of one solution of a system, as far as it is computed.
 ///
 /// See the [module](self) for the method, an example, and what the proof rests on.
+///
+/// ```
+/// use deltazero_solvers::enclosure::Enclosure;
+/// use deltazero_solvers::problems::{FrictionMode, FrictionOscillator};
+/// use deltazero_solvers::{Error, Tolerance};
+///
+/// let slider = FrictionOscillator { mass: 1.0, stiffness: 1.0, friction: 0.15, release: 1.0 };
+/// let tolerance = Tolerance { rtol: 1e-16, atol: vec![1e-16; 2] };
+/// let (mode, start) = (FrictionMode::SlipMinus, slider.start());
+/// let mut enclosure = Enclosure::new(&slider, mode, 0.0, &start, tolerance)?;
+/// while enclosure.advance(10.0)?.is_some() {}
+/// assert_eq!((enclosure.t(), enclosure.mode()), (10.0, &FrictionMode::Stick));
+/// let x = enclosure.state()[0];
+/// assert!(x.distance(slider.state(10.0)[0]) < 1e-15 && x.width() < 1e-13);
+/// # Ok::<(), Error>(())
+/// ```
 pub struct Enclosure<'p, P: System> {
     field: Field<'p, P>,
     t: f64,
@@ -131,7 +167,8 @@ impl<'p, P: System> Enclosure<'p, P> {
     /// A guard that is zero at the start must rise from there, by its first derivative that is not zero.
     ///
     /// # Errors
-    /// [`Error::BadTolerance`].
+    /// [`Error::BadTolerance`], [`Error::BadArgument`] for a start with more or fewer states than the system
+    /// [has](System::dim), [`Error::NonFinite`] for one that is not finite.
     pub fn new(
         problem: &'p P,
         mode: P::Mode,
@@ -140,6 +177,8 @@ impl<'p, P: System> Enclosure<'p, P> {
         tolerance: Tolerance,
     ) -> Result<Self, Error> {
         tolerance.check(problem.dim())?;
+        check_length(problem, y)?;
+        check_finite::<P>(&Point { t, y: y.clone(), mode: mode.clone() }, y)?;
         let set = Set::point(y.as_ref(), &tolerance.atol);
         let field = Field { problem, mode };
         let (h, begun) = (f64::INFINITY, Some(0.0));

@@ -23,6 +23,16 @@ static PER_BINOMIAL: [[f64; MAX_ORDER + 1]; MAX_ORDER + 1] = {
 };
 
 /// A polynomial on [0, 1], given by its coefficients of 1, s, s², …
+///
+/// ```
+/// use deltazero_solvers::taylor::polynomial::Polynomial;
+///
+/// // (s − 1/4) (s − 3/4) falls at the first root alone.
+/// let p = Polynomial::new([3.0 / 16.0, -1.0, 1.0].into_iter());
+/// assert_eq!((p.at(0.5), p.derivative().at(0.5)), (-1.0 / 16.0, 0.0));
+/// assert!(p.first_fall(0.0, 1e-12).is_some_and(|s| (s - 0.25).abs() < 1e-12));
+/// assert_eq!(p.first_fall(0.5, 1e-12), None);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Polynomial {
     c: [f64; MAX_ORDER + 1],
@@ -33,7 +43,7 @@ impl Polynomial {
     /// The polynomial with these coefficients.
     ///
     /// # Panics
-    /// For more than [`MAX_ORDER`]` + 1` coefficients, or none.
+    /// Here, or where it is first used, for more than [`MAX_ORDER`]` + 1` coefficients, or none.
     #[inline(always)]
     pub fn new(coefficients: impl ExactSizeIterator<Item = f64>) -> Self {
         let mut polynomial = Self { c: [0.0; MAX_ORDER + 1], degree: coefficients.len() - 1 };
