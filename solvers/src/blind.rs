@@ -106,6 +106,23 @@ impl<P: ModeOfState> System for Blind<'_, P> {
 
 /// Shows a blind run to a recorder of the underlying system. Each step is shown in the mode of its start, and an
 /// event is shown at the end of each step after which the mode is another.
+///
+/// ```
+/// use deltazero_solvers::problems::{HertzBall, StopMode};
+/// use deltazero_solvers::{Blind, Control, Integration, Method, Next, Trajectory, Unblind};
+///
+/// let ball = HertzBall { mass: 1.0, stiffness: 1e4, exponent: 1.5, start: [-0.1, 1.0] };
+/// let (h, blind) = (1e-3, Blind(&ball));
+/// let method = Method::named("rk4").ok_or("no such method")?;
+/// let mut solver = method.solver(&blind, Control::Fixed(h))?;
+/// let mut trajectory = Trajectory::of_events();
+/// let mut record = Unblind::new(&ball, 0.0, &ball.start, &mut trajectory);
+/// Integration::new(&blind, 0.0, ball.start).run(0.15, &mut *solver, &mut record)?;
+/// let [entry] = &trajectory.events[..] else { panic!("it touches once") };
+/// assert_eq!((entry.before, entry.after), (StopMode::Free, Next::Mode(StopMode::Contact)));
+/// assert!((entry.t - ball.entry_time()).abs() < 1.001 * h);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Unblind<'a, P: System, R> {
     problem: &'a P,
     mode: P::Mode,

@@ -10,6 +10,15 @@ use crate::system::Vector;
 /// ```
 ///
 /// E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, (II.6.7).
+///
+/// ```
+/// use deltazero_solvers::dense::hermite;
+///
+/// // y = t³ from t = 0 to 1 is a cubic itself.
+/// let mut y = [0.0];
+/// hermite(0.5, 1.0, (&[0.0], &[0.0]), (&[1.0], &[3.0]), &mut y);
+/// assert_eq!(y, [0.125]);
+/// ```
 pub fn hermite<Y: Vector<f64>>(
     theta: f64,
     h: f64,
@@ -27,6 +36,16 @@ pub fn hermite<Y: Vector<f64>>(
 }
 
 /// `y = y₀ + h Σ_i k_i (p_i0 θ + p_i1 θ² + …)`.
+///
+/// ```
+/// use deltazero_solvers::dense::stages;
+///
+/// // Heun's method on ẏ = t from t = 0 to 2, with the weights θ − θ²/2 and θ²/2.
+/// let (k, p): (_, [&[f64]; 2]) = ([[0.0], [2.0]], [&[1.0, -0.5], &[0.0, 0.5]]);
+/// let mut y = [0.0];
+/// stages(0.5, 2.0, &[0.0], &k, &p, &mut y);
+/// assert_eq!(y, [0.5]);
+/// ```
 pub fn stages<Y: Vector<f64>, const S: usize>(
     theta: f64,
     h: f64,
@@ -74,6 +93,14 @@ pub(crate) fn add<T: Real, Y: Vector<T>>(y: &mut Y, w: T, k: &Y) {
 }
 
 /// `y = y₀ + h Σ_i w_i k_i` over the first `w.len()` stages.
+///
+/// ```
+/// use deltazero_solvers::dense::combine;
+///
+/// let mut y = [0.0];
+/// combine(&[1.0], 0.5, &[0.25, 0.75], &[[4.0], [8.0]], &mut y);
+/// assert_eq!(y, [1.0 + 0.5 * (0.25 * 4.0 + 0.75 * 8.0)]);
+/// ```
 #[inline]
 pub fn combine<T: Real, Y: Vector<T>>(y0: &Y, h: T, w: &[f64], k: &[Y], y: &mut Y) {
     sum(h, w, k, y);

@@ -11,6 +11,16 @@ use twofloat::consts::FRAC_PI_2;
 use crate::real::{Real, Shortcuts};
 
 /// An unevaluated sum of two `f64`, with about 31 digits where values are finite.
+///
+/// ```
+/// use deltazero_solvers::Real;
+/// use deltazero_solvers::double_double::DoubleDouble;
+///
+/// let sum = DoubleDouble::sum(1.0, 1e-20);
+/// assert_eq!((sum.hi(), sum.lo()), (1.0, 1e-20));
+/// let root = DoubleDouble::from(2.0).sqrt();
+/// assert!((root * root - 2.0).hi().abs() < 1e-30);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DoubleDouble(TwoFloat);
 

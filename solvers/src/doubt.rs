@@ -2,6 +2,23 @@
 
 /// Why a solution cannot be enclosed further. It need not mean that the solution is special: a wider set of states
 /// makes each of these more likely.
+///
+/// ```
+/// use deltazero_solvers::enclosure::{Doubt, Enclosure};
+/// use deltazero_solvers::problems::{BouncingBall, TwoBalls};
+/// use deltazero_solvers::{Error, System, Tolerance};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let balls = TwoBalls { balls: [ball, ball] };
+/// let mode = balls.initial_mode(0.0, &balls.start());
+/// let tolerance = Tolerance { rtol: 1e-16, atol: vec![1e-16; 4] };
+/// let mut enclosure = Enclosure::new(&balls, mode, 0.0, &balls.start(), tolerance)?;
+/// // Equal balls land at one instant.
+/// let found = enclosure.advance(1.0).err();
+/// let doubt = Doubt::Order { guards: [0, 1] };
+/// assert!(matches!(found, Some(Error::NotProven { doubt: found, .. }) if found == doubt));
+/// # Ok::<(), Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Doubt {

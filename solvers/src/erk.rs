@@ -29,6 +29,24 @@ impl<P: System, T: Real> Slope<T, P::State<T>> for InMode<'_, P> {
 }
 
 /// An explicit tableau method applied to one system: its tableau and the workspace of one step.
+///
+/// ```
+/// use deltazero_solvers::erk::ExplicitRk;
+/// use deltazero_solvers::methods::DORMAND_PRINCE_5;
+/// use deltazero_solvers::one_step::OneStepSolver;
+/// use deltazero_solvers::problems::FrictionOscillator;
+/// use deltazero_solvers::{Control, Integration, Run, Tolerance};
+///
+/// let slider = FrictionOscillator { mass: 1.0, stiffness: 1.0, friction: 0.15, release: 1.0 };
+/// let tolerance = Tolerance { rtol: 1e-6, atol: vec![1e-6; 2] };
+/// let method = ExplicitRk::new(&DORMAND_PRINCE_5, 2);
+/// let mut solver = OneStepSolver::new(&slider, method, Control::Adaptive(tolerance));
+/// let mut own = Integration::new(&slider, 0.0, slider.start());
+/// own.run(8.0, &mut solver, &mut ())?;
+/// let listed = Run::of(&slider, slider.start()).method("rk45").tolerance(1e-6, 1e-6).to(8.0)?;
+/// assert_eq!((own.point.y, own.stats), (listed.end.y, listed.stats));
+/// # Ok::<(), deltazero_solvers::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct ExplicitRk<Y, const S: usize, T = f64> {
     tableau: &'static Tableau<S>,

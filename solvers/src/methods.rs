@@ -26,6 +26,18 @@ use crate::tolerance::Tolerance;
 const LEAST_RTOL: f64 = 1e-15;
 
 /// A method: its name, and what it is made of.
+///
+/// ```
+/// use deltazero_solvers::Method;
+///
+/// let rk4 = Method::named("rk4").ok_or("no such method")?;
+/// assert_eq!((rk4.order, rk4.is_fixed_step(), rk4.is_implicit()), (4, true, false));
+/// // Four row sums, and eight conditions of order four.
+/// assert_eq!(rk4.residuals().len(), 12);
+/// let taylor = Method::named("taylor").ok_or("no such method")?;
+/// assert_eq!((taylor.series_order(None), taylor.series_order(Some(1e-9))), (Some(8), Some(15)));
+/// # Ok::<(), &str>(())
+/// ```
 #[derive(Debug)]
 pub struct Method {
     /// Short name, as in configurations.
@@ -83,6 +95,14 @@ const fn explicit(name: &'static str, about: &'static str, tableau: Explicit) ->
 }
 
 /// All methods; those of `diffsol` where the feature of that name is on.
+///
+/// ```
+/// use deltazero_solvers::METHODS;
+///
+/// let implicit = METHODS.iter().filter(|method| method.is_implicit());
+/// let names: Vec<_> = implicit.map(|method| method.name).collect();
+/// assert!(names.starts_with(&["rodas5p", "radau5"]));
+/// ```
 pub static METHODS: &[Method] = &[
     explicit(
         "rk4",

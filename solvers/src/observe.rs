@@ -60,6 +60,23 @@ const MOST_ZEROS: usize = 10_000;
 const FIRST_LOOKS: [f64; 5] = [1e-6, 1e-4, 1e-2, 0.2, 1.0];
 
 /// A zero of an observed function.
+///
+/// ```
+/// use deltazero_solvers::observe::{Observations, Zero};
+/// use deltazero_solvers::problems::{BouncingBall, BouncingMode};
+/// use deltazero_solvers::{Control, Integration, Method, Tolerance};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let control = Control::Adaptive(Tolerance { rtol: 1e-9, atol: vec![1e-9; 2] });
+/// let mut solver = Method::named("dop853").ok_or("no such method")?.solver(&ball, control)?;
+/// let mut seen = Observations::default().of(1e-14, |_: &BouncingMode, _t, y: &[f64; 2]| y[1]);
+/// Integration::new(&ball, 0.0, ball.start()).run(1.0, &mut *solver, &mut seen)?;
+/// let [Zero { t, rises: false, y, .. }] = seen.zeros[..] else { panic!("it turns once") };
+/// // At the height e² of the drop, in the middle between two bounces.
+/// assert!((y[0] - 0.25).abs() < 1e-9);
+/// assert!((t - 0.5 * (ball.bounce_time(0) + ball.bounce_time(1))).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Zero<Y, M> {
@@ -76,6 +93,23 @@ pub struct Zero<Y, M> {
 }
 
 /// A step on which a function is not finite, or moves too fast to be followed.
+///
+/// ```
+/// use deltazero_solvers::observe::Observations;
+/// use deltazero_solvers::problems::{BouncingBall, BouncingMode};
+/// use deltazero_solvers::{Control, Integration, Method};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let method = Method::named("rk4").ok_or("no such method")?;
+/// let mut solver = method.solver(&ball, Control::Fixed(0.1))?;
+/// // The root of a height above 0.5 m, which the ball passes in the fourth step.
+/// let root = |_: &BouncingMode, _t: f64, y: &[f64; 2]| (y[0] - 0.5).sqrt();
+/// let mut seen = Observations::default().of(1e-15, root);
+/// Integration::new(&ball, 0.0, ball.start()).run(0.4, &mut *solver, &mut seen)?;
+/// let [step] = seen.unfollowed[..] else { panic!("one step passes it") };
+/// assert!(step.t0 < (1.0_f64 / 9.8).sqrt() && step.t1 == 0.4 && seen.zeros.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unfollowed {
     /// The function.
@@ -91,6 +125,23 @@ type Function<'f, P> =
     Box<dyn Fn(&<P as System>::Mode, f64, &<P as System>::State<f64>) -> f64 + 'f>;
 
 /// A recorder of the zeros of functions along a run.
+///
+/// ```
+/// use deltazero_solvers::observe::Observations;
+/// use deltazero_solvers::problems::FrictionOscillator;
+/// use deltazero_solvers::{Control, Integration, Method, Tolerance};
+///
+/// let slider = FrictionOscillator { mass: 1.0, stiffness: 1.0, friction: 0.15, release: 1.0 };
+/// let control = Control::Adaptive(Tolerance { rtol: 1e-9, atol: vec![1e-9; 2] });
+/// let mut solver = Method::named("dop853").ok_or("no such method")?.solver(&slider, control)?;
+/// let mut seen = Observations::<FrictionOscillator>::default().of(1e-15, |_mode, _t, y| y[0]);
+/// Integration::new(&slider, 0.0, slider.start()).run(10.0, &mut *solver, &mut seen)?;
+/// let [first, second, third] = &seen.zeros[..] else { panic!("it passes the middle three times") };
+/// assert!(!first.rises && second.rises && !third.rises);
+/// // It swings about 0.15 m at first: 0.15 + 0.85 cos t = 0.
+/// assert!((first.t - (-0.15_f64 / 0.85).acos()).abs() < 1e-8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Observations<'f, P: System> {
     /// The zeros, in the order of the run.
     pub zeros: Vec<Zero<P::State<f64>, P::Mode>>,

@@ -122,6 +122,25 @@ pub trait OneStep<P: System> {
 }
 
 /// A one-step method with a step controller.
+///
+/// ```
+/// use deltazero_solvers::one_step::OneStepSolver;
+/// use deltazero_solvers::problems::FrictionOscillator;
+/// use deltazero_solvers::taylor::TaylorMethod;
+/// use deltazero_solvers::{Control, Error, Integration};
+///
+/// // A series of an order of one's own, with fixed steps.
+/// let error = |order| -> Result<f64, Error> {
+///     let slider = FrictionOscillator { mass: 1.0, stiffness: 1.0, friction: 0.15, release: 1.0 };
+///     let method = TaylorMethod::new(2, 2, order);
+///     let mut solver = OneStepSolver::new(&slider, method, Control::Fixed(0.5));
+///     let mut run = Integration::new(&slider, 0.0, slider.start());
+///     run.run(9.0, &mut solver, &mut ())?;
+///     Ok((run.point.y[0] - slider.state(9.0)[0]).abs())
+/// };
+/// assert!(error(4)? > 1e-5 && error(12)? < 1e-12);
+/// # Ok::<(), Error>(())
+/// ```
 pub struct OneStepSolver<P: System, M> {
     pub(crate) method: M,
     pub(crate) controller: StepController,

@@ -24,6 +24,17 @@ pub struct Tree {
 ///
 /// E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.2;
 /// E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, IV.7.
+///
+/// ```
+/// use deltazero_solvers::methods::CLASSICAL_4;
+/// use deltazero_solvers::order_conditions::trees;
+///
+/// let all = trees(&CLASSICAL_4.a, &CLASSICAL_4.a, 5);
+/// let of_order = |order| all.iter().filter(|tree| tree.order == order).count();
+/// assert_eq!([1, 2, 3, 4, 5].map(of_order), [1, 1, 2, 4, 9]);
+/// // Of two nodes, one on the other: γ = 2, and Φ_i = c_i.
+/// assert_eq!((all[1].density, &all[1].weights[..]), (2.0, &CLASSICAL_4.c[..]));
+/// ```
 pub fn trees(many: &[&[f64]], single: &[&[f64]], order: usize) -> Vec<Tree> {
     let mut trees: Vec<Tree> = Vec::new();
     for n in 1..=order {
@@ -63,6 +74,18 @@ fn forests(trees: &[Tree], n: usize, first: usize) -> Vec<Vec<usize>> {
 
 /// Residuals `Σ b_i Φ_i(t) − 1/γ(t)` of the weights `b` over `trees`. They are zero for all trees up to the order of
 /// the method.
+///
+/// ```
+/// use deltazero_solvers::methods::CLASSICAL_4;
+/// use deltazero_solvers::order_conditions::{residuals, trees};
+///
+/// let trees = trees(&CLASSICAL_4.a, &CLASSICAL_4.a, 5);
+/// let residuals = residuals(&CLASSICAL_4.b, &trees);
+/// for (tree, residual) in trees.iter().zip(&residuals) {
+///     assert!(tree.order > 4 || residual.abs() < 1e-15);
+/// }
+/// assert!(residuals.iter().any(|residual| residual.abs() > 1e-3));
+/// ```
 pub fn residuals(b: &[f64], trees: &[Tree]) -> Vec<f64> {
     trees.iter().map(|tree| dot(b, &tree.weights) - 1.0 / tree.density).collect()
 }

@@ -24,6 +24,20 @@ pub(crate) use shortcuts::{length_of_values, less_turning_of_values, turning_of_
 /// mode with [parameters](crate::Alike::parameters), of which several runs are computed at once, must not use them.
 ///
 /// What a model may use to be faster is in [`Shortcuts`]; it needs none of it.
+///
+/// ```
+/// use deltazero_solvers::Real;
+/// use num_dual::Dual64;
+///
+/// /// The force of a Hertzian contact.
+/// fn force<S: Real>(delta: S) -> S {
+///     delta.powf(1.5) * 4.0
+/// }
+///
+/// assert_eq!(force(9.0), 108.0);
+/// // A number that carries a derivative gives the stiffness too, 6 √δ.
+/// assert_eq!(force(Dual64::new(9.0, 1.0)).eps, 18.0);
+/// ```
 pub trait Real:
     Shortcuts
     + Copy
@@ -179,6 +193,20 @@ pub trait Real:
 
 /// A number to which constants of type `C` can be added and by which it can be multiplied. `C` is `f64` for any
 /// number; a number of several runs at once also takes a constant per run.
+///
+/// ```
+/// use deltazero_solvers::lanes::Lanes;
+/// use deltazero_solvers::{Over, Real};
+/// use wide::f64x2;
+///
+/// fn force<S: Over<C>, C>(mass: S, gravity: C) -> S {
+///     mass * gravity
+/// }
+///
+/// assert_eq!(force(2.0, 9.8), 19.6);
+/// let gravities = Lanes::<f64x2>::from_fn(|run| [9.8, 1.6][run]);
+/// assert_eq!(force(Lanes::cst(2.0), gravities).lane(1), 3.2);
+/// ```
 pub trait Over<C>:
     Real + Add<C, Output = Self> + Sub<C, Output = Self> + Mul<C, Output = Self>
 {

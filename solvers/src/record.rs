@@ -9,6 +9,36 @@ use crate::system::{Next, System};
 use crate::work::Stats;
 
 /// An accepted step, as a recorder sees it.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use deltazero_solvers::problems::{HertzBall, StopMode};
+/// use deltazero_solvers::{Accepted, Control, Event, Integration, Method, Record, Tolerance};
+///
+/// /// How long a ball touches its wall.
+/// struct Touching(f64);
+///
+/// impl Record<HertzBall> for Touching {
+///     fn step(&mut self, accepted: &Accepted<'_, HertzBall>) -> ControlFlow<()> {
+///         if accepted.mode == StopMode::Contact {
+///             self.0 += accepted.step.t1() - accepted.step.t0();
+///         }
+///         ControlFlow::Continue(())
+///     }
+///     fn event(&mut self, _: &Event<'_, HertzBall>) -> ControlFlow<()> {
+///         ControlFlow::Continue(())
+///     }
+/// }
+///
+/// let ball = HertzBall { mass: 1.0, stiffness: 1e4, exponent: 1.5, start: [-0.1, 1.0] };
+/// let control = Control::Adaptive(Tolerance { rtol: 1e-9, atol: vec![1e-9; 2] });
+/// let mut solver = Method::named("dop853").ok_or("no such method")?.solver(&ball, control)?;
+/// let mut touching = Touching(0.0);
+/// Integration::new(&ball, 0.0, ball.start).run(1.0, &mut *solver, &mut touching)?;
+/// assert!((touching.0 - ball.contact_time()).abs() < 1e-7);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Accepted<'a, P: System> {
     /// The mode it was taken in.
     pub mode: P::Mode,
@@ -24,6 +54,39 @@ pub struct Accepted<'a, P: System> {
 }
 
 /// A located event, after its transition.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use deltazero_solvers::problems::BouncingBall;
+/// use deltazero_solvers::{Accepted, Control, Event, Integration, Method, Needs, Record, Tolerance};
+///
+/// /// The energy that a ball loses at its bounces [J/kg].
+/// struct Lost(f64);
+///
+/// impl Record<BouncingBall> for Lost {
+///     fn step(&mut self, _: &Accepted<'_, BouncingBall>) -> ControlFlow<()> {
+///         ControlFlow::Continue(())
+///     }
+///     fn event(&mut self, event: &Event<'_, BouncingBall>) -> ControlFlow<()> {
+///         let [before, after] = [event.y_before[1], event.y[1]];
+///         self.0 += 0.5 * (before * before - after * after);
+///         ControlFlow::Continue(())
+///     }
+///     fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+///         Needs::Nothing
+///     }
+/// }
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let control = Control::Adaptive(Tolerance { rtol: 1e-9, atol: vec![1e-9; 2] });
+/// let mut solver = Method::named("dop853").ok_or("no such method")?.solver(&ball, control)?;
+/// let mut lost = Lost(0.0);
+/// Integration::new(&ball, 0.0, ball.start()).run(1.0, &mut *solver, &mut lost)?;
+/// // Two bounces by then: m g h (1 − e⁴).
+/// assert!((lost.0 - 9.8 * (1.0 - 1.0 / 16.0)).abs() < 1e-7);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Event<'a, P: System> {
     /// Time.
     pub t: f64,
@@ -89,6 +152,17 @@ pub struct Grazing<M> {
 }
 
 /// What a recorder needs of a step.
+///
+/// ```
+/// use deltazero_solvers::Needs;
+///
+/// /// What a step from 1 to 2 is needed for to sample it at `t`.
+/// fn to_sample(t: f64) -> Needs {
+///     Needs::to_sample(t, 1.0, 2.0)
+/// }
+/// assert_eq!([1.5, 2.0, 2.5].map(to_sample), [Needs::DenseOutput, Needs::Ends, Needs::Nothing]);
+/// assert!(Needs::Nothing < Needs::Ends && Needs::Ends < Needs::DenseOutput);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Needs {
     /// Nothing: the step need not be shown. If it is shown nevertheless, its dense output may be invalid.

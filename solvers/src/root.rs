@@ -1,6 +1,19 @@
 //! Bracketing root finders and a minimiser for scalar functions. They are independent of differential equations.
 
 /// An interval over which a function falls from above zero to zero or below.
+///
+/// ```
+/// use deltazero_solvers::root::Bracket;
+///
+/// // Bisection of 2 − x².
+/// let mut bracket = Bracket { above: 0.0, below: 2.0 };
+/// while !bracket.is_closed() {
+///     let x = bracket.middle();
+///     bracket.narrow(x, 2.0 - x * x);
+/// }
+/// assert!((bracket.below - 2.0_f64.sqrt()).abs() <= f64::EPSILON);
+/// assert_eq!(Bracket { above: 0.0, below: 2.0 }.inside(3.0), 1.0);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Bracket {
     /// Where the function is above zero.
@@ -46,6 +59,14 @@ impl Bracket {
 ///
 /// T. R. Chandrupatla, "A new hybrid quadratic/bisection algorithm for finding the zero of a
 /// nonlinear function without using derivatives", Adv. Eng. Softw. 28(3), 145–149 (1997).
+///
+/// ```
+/// use deltazero_solvers::root::{Bracket, find_root};
+///
+/// let f = |x| 2.0 - x * x;
+/// let root = find_root(f, Bracket { above: 0.0, below: 2.0 }, 1e-12);
+/// assert!((root - 2.0_f64.sqrt()).abs() <= 1e-12 && f(root) <= 0.0);
+/// ```
 pub fn find_root(mut f: impl FnMut(f64) -> f64, bracket: Bracket, tolerance: f64) -> f64 {
     let values = [f(bracket.above), f(bracket.below)];
     close(f, bracket, values, tolerance)
@@ -146,6 +167,14 @@ const GOLDEN: f64 = 0.381_966_011_250_105_2;
 /// where no number lies between the points.
 ///
 /// J. Kiefer, "Sequential minimax search for a maximum", Proc. Amer. Math. Soc. 4(3), 502–506 (1953).
+///
+/// ```
+/// use deltazero_solvers::root::minimum;
+///
+/// // x − ln x is least at 1, and 1 there.
+/// let (x, least) = minimum(|x: f64| x - x.ln(), [0.5, 0.8, 2.0]);
+/// assert!((x - 1.0).abs() < 1e-3 && (least - 1.0).abs() < 1e-9);
+/// ```
 pub fn minimum(mut f: impl FnMut(f64) -> f64, points: [f64; 3]) -> (f64, f64) {
     let width = points[2] - points[0];
     let [mut a, mut m, mut b] = points.map(|x| (x, f(x)));

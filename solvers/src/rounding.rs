@@ -28,6 +28,21 @@ const OF_STATE: f64 = 2.0 * f64::EPSILON;
 /// It is what [`System::guard_bounds`] writes by default, with sizes of zero. It evaluates the right-hand side once, which is not
 /// counted, and the guards twice, with numbers that carry a bound and with dual numbers. A guard whose bound is not a number,
 /// as at the angle of the origin, has that of its rate alone.
+///
+/// ```
+/// use deltazero_solvers::problems::{BouncingBall, BouncingMode};
+/// use deltazero_solvers::rounding::guard_bounds;
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let bound = |t, v, least| {
+///     let mut bounds = [0.0];
+///     guard_bounds(&ball, BouncingMode::Flight, t, &[1.0, v], |_| least, &mut bounds);
+///     bounds[0] / f64::EPSILON
+/// };
+/// // At the start; where the height is a difference of numbers of 100 m; and late in a fall at 4 m/s.
+/// assert_eq!([bound(0.0, 0.0, 0.0), bound(0.0, 0.0, 100.0)], [2.0, 202.0]);
+/// assert_eq!(bound(1000.0, -4.0, 0.0), 2.0 + 0.5 * 4.0 * 1000.0);
+/// ```
 pub fn guard_bounds<P: System>(
     system: &P,
     mode: P::Mode,

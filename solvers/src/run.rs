@@ -60,6 +60,19 @@ pub struct Run<'a, P: System> {
 }
 
 /// What a [`Run`] came to.
+///
+/// ```
+/// use deltazero_solvers::problems::{BouncingBall, BouncingMode};
+/// use deltazero_solvers::{Outcome, Run};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let t_end = ball.accumulation_time() + 1.0;
+/// let run = Run::of(&ball, ball.start()).method("dop853").tolerance(1e-9, 1e-9).to(t_end)?;
+/// assert_eq!((run.outcome, run.end.t), (Outcome::Finished, t_end));
+/// assert_eq!((run.end.mode, run.end.y), (BouncingMode::Rest, [0.0, 0.0]));
+/// assert_eq!(run.stats.n_events, run.trajectory.events.len() as u64);
+/// # Ok::<(), deltazero_solvers::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Solution<P: System> {
     /// How it ended; [`Interrupted`](Outcome::Interrupted) where a limit or the function of progress ended it.

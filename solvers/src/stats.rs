@@ -12,6 +12,24 @@ use crate::system::System;
 /// Work is assigned when a step is accepted, to the kind of its mode; the work after the last accepted step of a run
 /// that fails is assigned to no kind. Counts that fall are taken as the start of another integration and counted from
 /// zero.
+///
+/// ```
+/// use deltazero_solvers::problems::{HertzBall, StopMode};
+/// use deltazero_solvers::{Control, Integration, Method, Tolerance, WorkByKind};
+///
+/// let ball = HertzBall { mass: 1.0, stiffness: 1e4, exponent: 1.5, start: [-0.1, 1.0] };
+/// let control = Control::Adaptive(Tolerance { rtol: 1e-9, atol: vec![1e-9; 2] });
+/// let mut solver = Method::named("rk45").ok_or("no such method")?.solver(&ball, control)?;
+/// let mut by_kind = WorkByKind::new(|mode: StopMode| mode);
+/// let mut run = Integration::new(&ball, 0.0, ball.start);
+/// run.run(1.0, &mut *solver, &mut by_kind)?;
+/// let [(StopMode::Free, flight), (StopMode::Contact, contact)] = by_kind.kinds[..] else {
+///     panic!("it flies, and touches")
+/// };
+/// assert!(contact.n_accepted > flight.n_accepted);
+/// assert_eq!(contact.work.n_rhs + flight.work.n_rhs, run.stats.work.n_rhs);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct WorkByKind<K, F> {
     kind: F,

@@ -8,6 +8,37 @@ use crate::system::Vector;
 use crate::tableau::Dense;
 
 /// A step of one smooth phase.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use deltazero_solvers::problems::FrictionOscillator;
+/// use deltazero_solvers::{Accepted, Control, Event, Integration, Method, Record, Tolerance};
+///
+/// /// How far the middles of the steps are from the exact solution.
+/// struct Off<'a>(&'a FrictionOscillator, f64);
+///
+/// impl Record<FrictionOscillator> for Off<'_> {
+///     fn step(&mut self, accepted: &Accepted<'_, FrictionOscillator>) -> ControlFlow<()> {
+///         let step = accepted.step;
+///         let (middle, mut y) = (0.5 * (step.t0() + step.t1()), [0.0; 2]);
+///         step.interpolate(middle, &mut y);
+///         self.1 = self.1.max((y[0] - self.0.state(middle)[0]).abs());
+///         ControlFlow::Continue(())
+///     }
+///     fn event(&mut self, _: &Event<'_, FrictionOscillator>) -> ControlFlow<()> {
+///         ControlFlow::Continue(())
+///     }
+/// }
+///
+/// let slider = FrictionOscillator { mass: 1.0, stiffness: 1.0, friction: 0.15, release: 1.0 };
+/// let control = Control::Adaptive(Tolerance { rtol: 1e-9, atol: vec![1e-9; 2] });
+/// let mut solver = Method::named("dop853").ok_or("no such method")?.solver(&slider, control)?;
+/// let mut off = Off(&slider, 0.0);
+/// Integration::new(&slider, 0.0, slider.start()).run(10.0, &mut *solver, &mut off)?;
+/// assert!(off.1 > 0.0 && off.1 < 1e-8);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Step<Y> {
     /// Time at the start.
     fn t0(&self) -> f64;

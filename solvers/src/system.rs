@@ -324,7 +324,19 @@ pub(crate) fn differentiated_by_time<P: System>(
 /// The operations are generic over the type `C` of the parameters: `f64` for one system, a vector type for several.
 /// The parameters enter as in `y * c`, `y + c` and `y - c`, or by `<S as Over<C>>::of(c)`. They are not combined with
 /// each other: a product of two constants is a parameter of its own, computed in the order in which `rhs` computes it.
-/// For an example see [`BouncingBall`](crate::problems::BouncingBall), whose only parameter is gravity.
+///
+/// ```
+/// use deltazero_solvers::problems::{BouncingBall, BouncingMode};
+/// use deltazero_solvers::{Alike, System};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// assert_eq!(ball.parameters(&BouncingMode::Flight), Some([-9.8]));
+/// assert_eq!(ball.parameters(&BouncingMode::Rest), None);
+/// let (y, mut own, mut of_kind) = ([1.0, 2.0], [0.0; 2], [0.0; 2]);
+/// ball.rhs(BouncingMode::Flight, 0.0, &y, &mut own);
+/// BouncingBall::rhs_of(&[-9.8], 0.0, &y, &mut of_kind);
+/// assert_eq!((own, of_kind), ([2.0, -9.8], [2.0, -9.8]));
+/// ```
 pub trait Alike: System {
     /// The numerical parameters of one system in one mode.
     type Parameters<C: Copy + Debug>: Vector<C>;
@@ -364,6 +376,18 @@ pub trait Alike: System {
 }
 
 /// A [`System`] whose mode can be read off its state, which an event-blind integration needs.
+///
+/// ```
+/// use deltazero_solvers::ModeOfState;
+/// use deltazero_solvers::problems::{HertzBall, StopMode};
+///
+/// let ball = HertzBall { mass: 1.0, stiffness: 1e4, exponent: 1.5, start: [-0.1, 1.0] };
+/// assert_eq!(ball.mode_of_state(0.0, &[-1e-3, 1.0]), StopMode::Free);
+/// assert_eq!(ball.mode_of_state(0.0, &[1e-3, 1.0]), StopMode::Contact);
+/// // On the surface the velocity decides.
+/// assert_eq!(ball.mode_of_state(0.0, &[0.0, 1.0]), StopMode::Contact);
+/// assert_eq!(ball.mode_of_state(0.0, &[0.0, -1.0]), StopMode::Free);
+/// ```
 pub trait ModeOfState: System {
     /// The mode at `(t, y)`, from the signs of the quantities that the guards are made of.
     fn mode_of_state<S: Real>(&self, t: S, y: &Self::State<S>) -> Self::Mode;

@@ -49,6 +49,14 @@ use crate::order_conditions;
 /// ```text
 /// k_i = f(t + c_i h, y + h Σ_j a_ij k_j),   y₁ = y + h Σ b_i k_i,   error = h Σ (b_i − b̂_i) k_i
 /// ```
+///
+/// ```
+/// use deltazero_solvers::methods::DORMAND_PRINCE_5;
+///
+/// assert_eq!((DORMAND_PRINCE_5.order, DORMAND_PRINCE_5.error_order()), (5, 5));
+/// assert!(DORMAND_PRINCE_5.first_same_as_last());
+/// assert!(DORMAND_PRINCE_5.residuals().iter().all(|residual| residual.abs() < 1e-14));
+/// ```
 #[derive(Debug)]
 pub struct Tableau<const S: usize> {
     /// Order of the propagated solution.

@@ -42,6 +42,21 @@ impl Grid {
 }
 
 /// A state that was kept.
+///
+/// ```
+/// use deltazero_solvers::problems::{FrictionMode, FrictionOscillator};
+/// use deltazero_solvers::{Grid, Run, Sample, Trajectory};
+///
+/// let slider = FrictionOscillator { mass: 1.0, stiffness: 1.0, friction: 0.15, release: 1.0 };
+/// let run = Run::of(&slider, slider.start()).method("dop853").tolerance(1e-9, 1e-9);
+/// let samples = run.keep(Trajectory::on(Grid::Times(vec![1.0, 10.0]))).to(10.0)?.trajectory.samples;
+/// let [Sample { t: 1.0, mode: FrictionMode::SlipMinus, y: slips }, at_rest] = &samples[..] else {
+///     panic!("the mass slips at first: {samples:?}")
+/// };
+/// assert!((slips[0] - (0.15 + 0.85 * 1.0_f64.cos())).abs() < 1e-8);
+/// assert_eq!((at_rest.mode, at_rest.y[1]), (FrictionMode::Stick, 0.0));
+/// # Ok::<(), deltazero_solvers::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sample<Y, M> {
@@ -54,6 +69,21 @@ pub struct Sample<Y, M> {
 }
 
 /// An event that was kept.
+///
+/// ```
+/// use std::f64::consts::PI;
+///
+/// use deltazero_solvers::problems::{FrictionMode, FrictionOscillator};
+/// use deltazero_solvers::{Next, Run};
+///
+/// let slider = FrictionOscillator { mass: 1.0, stiffness: 1.0, friction: 0.15, release: 1.0 };
+/// let run = Run::of(&slider, slider.start()).method("dop853").tolerance(1e-9, 1e-9).to(10.0)?;
+/// let [_, _, last] = &run.trajectory.events[..] else { panic!("it turns twice, and sticks") };
+/// assert!((last.t - 3.0 * PI).abs() < 1e-7);
+/// assert_eq!((last.before, last.guard), (FrictionMode::SlipMinus, 0));
+/// assert_eq!(last.after, Next::Mode(FrictionMode::Stick));
+/// # Ok::<(), deltazero_solvers::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Switch<M> {

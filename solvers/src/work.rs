@@ -3,6 +3,17 @@
 use std::ops::{Add, AddAssign, Sub};
 
 /// Counts of evaluations and of linear algebra.
+///
+/// ```
+/// # use deltazero_solvers::problems::BouncingBall;
+/// use deltazero_solvers::{Run, Work};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let run = Run::of(&ball, ball.start()).method("rk4").step(0.01).to(0.1)?;
+/// // Ten steps of four evaluations, after the slope at the start.
+/// assert_eq!(run.stats.work, Work { n_rhs: 41, ..Work::default() });
+/// # Ok::<(), deltazero_solvers::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Work {

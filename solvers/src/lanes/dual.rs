@@ -8,6 +8,17 @@ use super::{LANES, Lanes, Simd};
 use crate::real::{Over, Real, Shortcuts};
 
 /// Values and their derivatives along one direction each.
+///
+/// ```
+/// use deltazero_solvers::Real;
+/// use deltazero_solvers::lanes::Lanes;
+/// use deltazero_solvers::lanes::dual::DualLanes;
+/// use wide::f64x2;
+///
+/// let x = Lanes::<f64x2>::from_fn(|i| [1.0, 2.0][i]);
+/// let cube = DualLanes::new(x, Lanes::cst(1.0)).powi(3);
+/// assert_eq!((cube.re.lane(1), cube.eps.lane(1)), (8.0, 12.0));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct DualLanes<V> {
     /// Values.

@@ -136,6 +136,20 @@ simd!(f64x2, 2);
 simd!(f64x8, 8);
 
 /// A number in each lane.
+///
+/// ```
+/// use deltazero_solvers::Real;
+/// use deltazero_solvers::lanes::Lanes;
+/// use wide::f64x2;
+///
+/// fn f<S: Real>(x: S) -> S {
+///     (x * 2.0).sin() + 1.0
+/// }
+///
+/// let x = Lanes::<f64x2>::from_fn(|i| [0.3, 0.7][i]);
+/// let y = f(x);
+/// assert_eq!([y.lane(0), y.lane(1)], [f(0.3), f(0.7)]);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Lanes<V>(V);
 

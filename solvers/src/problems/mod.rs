@@ -33,6 +33,27 @@ pub enum StopMode {
 }
 
 /// A smooth piece of a closed form, from one event to the next.
+///
+/// ```
+/// use deltazero_solvers::Run;
+/// use deltazero_solvers::problems::{Heater, Thermostat};
+///
+/// let room = Thermostat {
+///     heat_capacity: 2e6,
+///     conductance: 200.0,
+///     power: 6e3,
+///     outside: 275.0,
+///     low: 292.0,
+///     high: 294.0,
+///     start: 292.0,
+///     heater: Heater::On,
+/// };
+/// let [_, off, on] = room.pieces(4e3)[..] else { panic!("a cycle and a half") };
+/// assert_eq!((off.mode, off.y, on.mode, on.y), (Heater::Off, [294.0], Heater::On, [292.0]));
+/// let run = Run::of(&room, [room.start]).method("dop853").tolerance(1e-12, 1e-9).to(4e3)?;
+/// assert!((run.trajectory.events[1].t - on.t).abs() < 1e-5);
+/// # Ok::<(), deltazero_solvers::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece<M, Y> {
     /// When it begins [s].

@@ -9,6 +9,17 @@ use super::Real;
 ///
 /// No model needs them. One that uses them promises what each asks for, and
 /// [`check`](crate::contracts::check) finds a promise that it does not keep.
+///
+/// ```
+/// use deltazero_solvers::real::Shortcuts;
+///
+/// let length = f64::length([3.0, 4.0], [5.0, 0.0]);
+/// assert_eq!((length.rho.value, length.rate), (5.0, 3.0));
+/// assert_eq!(10.0_f64.over(&length.rho), 2.0);
+/// // On a circle of radius 2 m, at 3 rad/s: r = (0, 2), r̈ = (0, −18).
+/// let turning = f64::turning([2.0, 2.0], [0.0, 3.0]);
+/// assert_eq!(f64::less_turning([0.0, 0.0], turning, 0.0), [0.0, 18.0]);
+/// ```
 pub trait Shortcuts: Copy + Debug {
     /// This number prepared as a [divisor](Self::over), with its reciprocal.
     #[inline(always)]

@@ -58,6 +58,25 @@ use crate::tolerance::Tolerance;
 pub(crate) use tangent::Tangent;
 
 /// Why a solution has no derivatives from an event on.
+///
+/// ```
+/// use deltazero_solvers::problems::{BouncingBall, TwoBalls};
+/// use deltazero_solvers::sensitivity::Lost;
+/// use deltazero_solvers::{Control, Error, Integration, Method, Sensitive, Tolerance};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let balls = TwoBalls { balls: [ball, ball] };
+/// let tolerance = Tolerance { rtol: 1e-9, atol: vec![1e-9; 4] };
+/// let system = Sensitive::new(&balls, vec![[1.0, 0.0, 0.0, 0.0]], tolerance)?;
+/// let method = Method::named("dop853").ok_or("no such method")?;
+/// let mut solver = method.solver(&system, Control::Adaptive(system.tolerance()))?;
+/// let mut run = Integration::new(&system, 0.0, system.start(0.0, &balls.start())?);
+/// let ended = run.run(1.0, &mut *solver, &mut ());
+/// assert!(matches!(ended, Err(Error::NonFinite { .. })));
+/// // Equal balls land together, and the higher one would land later.
+/// assert_eq!(run.point.mode.lost, Some(Lost::Together { guard: 1 }));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Lost {
@@ -96,6 +115,20 @@ pub enum Lost {
 }
 
 /// A mode of a model with what its sensitivities need.
+///
+/// ```
+/// use deltazero_solvers::problems::{BouncingBall, BouncingMode};
+/// use deltazero_solvers::{Run, Sensitive, Tolerance};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let tolerance = Tolerance { rtol: 1e-9, atol: vec![1e-9; 2] };
+/// let system = Sensitive::new(&ball, vec![[1.0, 0.0]], tolerance)?;
+/// let run = Run::of(&system, system.start(0.0, &ball.start())?).method("dop853");
+/// let mode = run.tolerances(system.tolerance()).to(1.0)?.end.mode;
+/// assert_eq!((mode.mode, mode.lost), (BouncingMode::Flight, None));
+/// assert!((mode.since - ball.bounce_time(1)).abs() < 1e-9);
+/// # Ok::<(), deltazero_solvers::Error>(())
+/// ```
 #[derive(Clone, PartialEq)]
 pub struct Traced<M> {
     /// The mode of the model.
@@ -130,6 +163,23 @@ impl<M: fmt::Debug> fmt::Debug for Traced<M> {
 ///
 /// The guards, their rounding bounds and the events are those of the model, and its states follow the same slopes as
 /// without derivatives. Steps differ, because they are chosen for the derivatives too.
+///
+/// ```
+/// use deltazero_solvers::problems::BouncingBall;
+/// use deltazero_solvers::{Run, Sensitive, Tolerance};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let tolerance = Tolerance { rtol: 1e-9, atol: vec![1e-9; 2] };
+/// let by_height = Sensitive::new(&ball, vec![[1.0, 0.0]], tolerance)?;
+/// let run = Run::of(&by_height, by_height.start(0.0, &ball.start())?).method("dop853");
+/// let end = run.tolerances(by_height.tolerance()).to(1.0)?.end;
+/// // Every bounce is at a multiple of √y₀: dt_n/dy₀ = t_n/(2 y₀).
+/// assert!((by_height.event_time(0, &end.y) - 0.5 * ball.bounce_time(1)).abs() < 1e-8);
+/// // On an arc at the speed v, from the bounce at t_n on: dv/dy₀ = dv_n/dy₀ + g dt_n/dy₀.
+/// let by_speed = 0.5 * (ball.bounce_speed(1) + 9.8 * ball.bounce_time(1));
+/// assert!((by_height.derivative(0, &end.y)[1] - by_speed).abs() < 1e-7);
+/// # Ok::<(), deltazero_solvers::Error>(())
+/// ```
 #[derive(Debug)]
 pub struct Sensitive<'a, P: System> {
     problem: &'a P,

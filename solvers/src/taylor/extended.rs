@@ -48,6 +48,25 @@ impl Coefficient for DoubleDouble {
 }
 
 /// An integration with double-double numbers: its present point and the work done so far.
+///
+/// ```
+/// use deltazero_solvers::double_double::DoubleDouble;
+/// use deltazero_solvers::problems::BouncingBall;
+/// use deltazero_solvers::taylor::ExtendedIntegration;
+/// use deltazero_solvers::{Error, Real, Tolerance};
+///
+/// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+/// let tolerance = Tolerance { rtol: 1e-28, atol: vec![1e-28; 2] };
+/// let mut run = ExtendedIntegration::new(&ball, 0.0, &ball.start(), tolerance);
+/// run.run(0.8, &mut ())?;
+/// // After the first bounce: y = ½ g s (t₀ − s), s = t − t₀.
+/// let g = DoubleDouble::from(9.8);
+/// let fall_time = (DoubleDouble::from(2.0) / g).sqrt();
+/// let s = DoubleDouble::from(0.8) - fall_time;
+/// let height = g * s * (fall_time - s) * 0.5;
+/// assert!((run.state()[0] - height).hi().abs() < 1e-29);
+/// # Ok::<(), Error>(())
+/// ```
 pub struct ExtendedIntegration<'a, P: System> {
     problem: &'a P,
     /// Mode.

@@ -25,6 +25,13 @@ const FARTHER: f64 = 1.648_721_270_700_128;
 ///
 /// À. Jorba, M. Zou, "A software package for the numerical integration of ODEs by means of high-order
 /// Taylor methods", Exp. Math. 14(1), 99–117 (2005), §3.1.
+///
+/// ```
+/// use deltazero_solvers::taylor::{MAX_ORDER, order_for};
+///
+/// assert_eq!([1e-3, 1e-9, 1e-12].map(order_for), [8, 15, 20]);
+/// assert_eq!(order_for(1e-28), MAX_ORDER);
+/// ```
 pub fn order_for(rtol: f64) -> usize {
     let order = (-0.7 * libm::log(rtol)).ceil();
     (order.max(0.0) as usize).clamp(LEAST_ORDER, MAX_ORDER)
