@@ -191,14 +191,15 @@ class Joint(Model):
         return [v_X, v_Y, omega, a_X, a_Y, turn]
 
     def guards(self, mode, t, y, data, f):
-        X, Y, _, v_X, v_Y, omega = y
+        X, Y, theta, v_X, v_Y, omega = y
+        end = math.pi / 2.0 - theta
         if mode == "free":
-            return [(self.c**2 - X * X - Y * Y) / self.c]
+            return [(self.c**2 - X * X - Y * Y) / self.c, end]
         rho = f.sqrt(X * X + Y * Y)
         if mode == "stick":
             v_T_dot, per_F_T, most = self.speeding(y, f)
-            return [rho - self.c, per_F_T * most - v_T_dot, v_T_dot + per_F_T * most]
-        return [rho - self.c, self.signs[mode] / self.c * (Y * v_X - X * v_Y + rho * self.r * omega)]
+            return [rho - self.c, per_F_T * most - v_T_dot, v_T_dot + per_F_T * most, end]
+        return [rho - self.c, self.signs[mode] / self.c * (Y * v_X - X * v_Y + rho * self.r * omega), end]
 
     def in_lanes(self, y, par, f):
         """Rates and guards with parameters, and their values for a part in a mode; no stick lasts here."""
@@ -206,9 +207,9 @@ class Joint(Model):
         contact, sign = par[0], par[1]
         own.M_X, own.M_Y, own.p, own.q, own.j_0, own.j_c, own.M = [par[2 + i] for i in range(7)]
         own.K, own.D, own.signs = contact * self.K, contact * self.D, {"slip": sign}
-        surface, slip = own.guards("slip", None, y, None, f)
+        surface, slip, end = own.guards("slip", None, y, None, f)
         # In flight the surface is passed the other way, and there is no slip.
-        guards = [(2.0 * contact - 1.0) * surface, slip + 1e-9 * (1.0 - contact)]
+        guards = [(2.0 * contact - 1.0) * surface, slip + 1e-9 * (1.0 - contact), end]
 
         def constants(part, mode):
             held = {"free": [0.0, 0.0], "slip+": [1.0, 1.0], "slip-": [1.0, -1.0]}[mode]
@@ -219,14 +220,16 @@ class Joint(Model):
     def at_once(self, mode, y):
         if mode not in ("touch", "stick"):
             return None
-        v_T_dot, per_F_T, most = self.speeding(y, math)
         if mode == "touch":
-            return 1 if (self.slip(y) or v_T_dot) > 0.0 else 2
+            return 1 if (self.slip(y) or self.speeding(y, math)[0]) > 0.0 else 2
+        v_T_dot, per_F_T, most = self.speeding(y, math)
         if v_T_dot - per_F_T * most > 0.0:
             return 1
         return 2 if v_T_dot + per_F_T * most < 0.0 else None
 
     def jump(self, mode, guard, t, y, data):
+        if y[2] > math.pi / 2.0 - 1e-9:
+            raise RuntimeError("it is deployed")
         if mode == "free":
             return "touch", y, data
         if guard == 0:

@@ -135,28 +135,41 @@ class ImpactOscillator(Model):
 
 
 class RockingBlock(Model):
-    name, t_end, start, mode, modes = "rocking_block", 10.0, [0.15, 0.0], "right", ["right", "left", "rest"]
-    stiff, shift = False, 1e-20
+    name, t_end, start, mode, modes = "rocking_block", 10.0, [0.15, 0.0], "rocking", ["rocking", "rest"]
+    stiff, shift, keeps = False, 1e-20, True
     alpha = math.atan2(0.2, 0.8)
-    p2 = 3.0 * 9.81 / (4.0 * math.hypot(0.2, 0.8))
+    r_g = math.hypot(0.2, 0.8) / 9.81
+    p2 = 0.75 / r_g
     r = 1.0 - 1.5 * math.sin(alpha) ** 2
     scale = [alpha, math.sqrt(p2) * alpha]
+
+    def sigma(self, data):
+        """1 on the right corner, where it begins, -1 on the left."""
+        return 1.0 if data is None else data
 
     def rates(self, mode, t, y, data, f):
         if mode == "rest":
             return [0.0 * y[0], 0.0 * y[0]]
-        sigma = 1.0 if mode == "right" else -1.0
+        sigma = self.sigma(data)
         return [y[1], -sigma * self.p2 * f.sin(self.alpha - sigma * y[0])]
 
     def guards(self, mode, t, y, data, f):
-        return [] if mode == "rest" else [y[0] if mode == "right" else -y[0]]
+        """The tilt, what it lacks to overturn, what the corner carries."""
+        if mode == "rest":
+            return []
+        tilt = self.sigma(data) * y[0]
+        beta = self.alpha - tilt
+        press = 1.0 - 0.75 * f.sin(beta) * f.sin(beta) - self.r_g * f.cos(beta) * y[1] * y[1]
+        return [tilt, self.alpha + math.pi / 4.0 - tilt, press]
 
     def jump(self, mode, guard, t, y, data):
+        if guard > 0:
+            raise RuntimeError("it overturns or lifts off")
         omega = self.r * y[1]
         # The impacts accumulate: below this speed the block is at rest.
         if abs(omega) < 1e-8 * self.scale[1]:
             return "rest", [0.0, 0.0], data
-        return ("left" if mode == "right" else "right"), [0.0, omega], data
+        return "rocking", [0.0, omega], -self.sigma(data)
 
 
 class Carts(Model):

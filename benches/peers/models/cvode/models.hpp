@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 constexpr double FOREVER = std::numeric_limits<double>::infinity();
 
@@ -115,10 +116,10 @@ struct BuckConverter : Model {
 
 struct RockingBlock : Model {
     static constexpr const char* NAME = "rocking_block";
-    static constexpr int N = 2, N_GUARDS = 1;
+    static constexpr int N = 2, N_GUARDS = 3;
     static constexpr bool SHRINKS = true;
     static constexpr double T_END = 10.0, LEAST = 1e-10;
-    double alpha = std::atan2(0.2, 0.8), p2 = 3.0 * 9.81 / (4.0 * std::hypot(0.2, 0.8));
+    double alpha = std::atan2(0.2, 0.8), r_g = std::hypot(0.2, 0.8) / 9.81, p2 = 0.75 / r_g;
     double r = 1.0 - 1.5 * std::sin(alpha) * std::sin(alpha);
     std::array<double, N> start{0.15, 0.0}, scale{alpha, std::sqrt(p2) * alpha};
     // The corner, 1 to the right and -1 to the left; 0 at rest.
@@ -136,9 +137,18 @@ struct RockingBlock : Model {
         set(1, 0, p2 * std::cos(alpha - corner * y[0]));
     }
 
-    void guards(const double* y, double* g) const { g[0] = corner ? corner * y[0] : 1.0; }
+    // The angle, what it lacks to overturn, what the corner carries.
+    void guards(const double* y, double* g) const {
+        std::fill(g, g + N_GUARDS, 1.0);
+        if (corner == 0) return;
+        const double angle = corner * y[0], sine = std::sin(alpha - angle), cosine = std::cos(alpha - angle);
+        g[0] = angle;
+        g[1] = alpha + std::atan(1.0) - angle;
+        g[2] = 1.0 - 0.75 * sine * sine - r_g * cosine * y[1] * y[1];
+    }
 
-    void jump(const int*, double, double* y) {
+    void jump(const int* found, double, double* y) {
+        if (found[1] || found[2]) throw std::runtime_error("it overturns or lifts off");
         const double omega = r * y[1];
         y[0] = y[1] = 0.0;
         corner = -corner;
