@@ -1,4 +1,5 @@
-"""Five text models by deltazero, and by CVODE of SUNDIALS and the crate diffsol used directly: error against time, as in run.py.
+"""Five text models by deltazero, and the same in Rust by its solvers and by the crate diffsol, in C++ by CVODE of SUNDIALS: error
+against time, as in run.py.
 
     DELTAZERO=target/release/deltazero SUNDIALS=PREFIX python3 benches/peers/models/run_compiled.py [MODEL…]
 
@@ -37,21 +38,21 @@ def cvode(folder):
     return program
 
 
-def diffsol():
-    """The path of the program in diffsol/, built for this machine."""
+def rust():
+    """The path of the program in rust/, built for this machine."""
     peers = os.path.join(HERE, "..")
-    build = ["cargo", "build", "--release", "--locked", "--bin", "models-diffsol", "--target-dir", "target/native"]
+    build = ["cargo", "build", "--release", "--locked", "--bin", "models-rust", "--target-dir", "target/native"]
     subprocess.run(build, cwd=peers, check=True, env=os.environ | {"RUSTFLAGS": "-C target-cpu=native"})
-    return os.path.join(peers, "target", "native", "release", "models-diffsol")
+    return os.path.join(peers, "target", "native", "release", "models-rust")
 
 
-def by(tool, program, model, reference, folder):
+def by(program, model, reference, folder):
     """The rows of a program that is given a model and a file of times, and prints its runs."""
     grid = os.path.join(folder, "times")
     with open(grid, "w") as file:
         file.writelines(f"{t!r}\n" for t in reference.times.tolist())
     lines = subprocess.run([program, model.name, grid, folder], capture_output=True, check=True, text=True).stdout.splitlines()
-    for method, tolerance, n_events, seconds, path in (line.split(",") for line in lines):
+    for tool, method, tolerance, n_events, seconds, path in (line.split(",") for line in lines):
         e = f"{reference.error(np.loadtxt(path, ndmin=2)):.3e}" if path else ""
         yield tool, method, tolerance, e, int(n_events), seconds
 
@@ -60,14 +61,14 @@ def main():
     chosen = [model for model in MODELS if model.name in (sys.argv[1:] or NAMES)]
     rows = []
     with tempfile.TemporaryDirectory() as folder:
-        programs = {"cvode": cvode(folder), "diffsol": diffsol()}
+        programs = [cvode(folder), rust()]
         for model in chosen:
             own, theirs = [], []
             for _ in range(ROUNDS):
                 new, [reference] = ours(model, folder, 3)
                 own += new
-                for tool, program in programs.items():
-                    theirs += by(tool, program, model, reference, folder)
+                for program in programs:
+                    theirs += by(program, model, reference, folder)
             rows += [(model.name,) + row for row in least(own) + least(theirs)]
             print(model.name, flush=True)
     write("models_compiled", rows)

@@ -1,6 +1,6 @@
 // CVODE on five text models: BDF with an analytic Jacobian, dense or banded, and Adams with fixed-point iteration (Newton's on what is
 // stiff); its root finding with modes frozen, its dense output at the samples. `main MODEL TIMES FOLDER` prints a line a run:
-// method, tolerance, events, seconds on the processor (or what went wrong), file of the samples.
+// tool, method, tolerance, events, seconds on the processor (or what went wrong), file of the samples.
 //
 // Traps worked around: a mode starts by CVodeReInit, as history and step are of the mode before; an instant known beforehand is its
 // stop time and no root; only falling guards count, else a guard that rounding left below zero ends its mode as it rises; all guards found
@@ -166,9 +166,9 @@ static void ladder(const char* name, int method, const std::vector<double>& time
             file.precision(17);
             for (std::size_t n = 0; n < times.size(); ++n)
                 for (int i = 0; i < M::N; ++i) file << samples[n * M::N + M::place(i)] << (i + 1 < M::N ? ' ' : '\n');
-            std::printf("%s,%s,%d,%.4e,%s\n", name, tolerance.c_str(), n_events, least, path.c_str());
+            std::printf("cvode,%s,%s,%d,%.4e,%s\n", name, tolerance.c_str(), n_events, least, path.c_str());
         } catch (const std::exception& error) {
-            std::printf("%s,%s,0,%s,\n", name, tolerance.c_str(), error.what());
+            std::printf("cvode,%s,%s,0,%s,\n", name, tolerance.c_str(), error.what());
         }
         if (least < FOREVER && least > LONGEST) break;
     }

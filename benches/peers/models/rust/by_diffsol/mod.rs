@@ -1,12 +1,11 @@
-//! The crate `diffsol` on five text models: tsit45, BDF, TR-BDF2, ESDIRK34, their root finding with modes frozen, their dense output at
-//! the samples. `models-diffsol MODEL TIMES FOLDER` prints a line a run: method, tolerance, events, seconds on the processor (or
-//! what went wrong), file of the samples.
+//! The models by the crate `diffsol`: tsit45, BDF, TR-BDF2, ESDIRK34, their root finding with modes frozen, their dense output at
+//! the samples.
 //!
 //! Vectors and dense matrices are those of nalgebra; matrices of the carts are sparse, of faer: 0.2 to 0.7 of the time.
 //!
 //! Traps worked around: every mode gets a solver of its own, as slope, step and Jacobian are of the mode before; an instant that is
 //! known is its stop time; guards have no direction and are blind at zero, so on the surface they are inside; several may fall in one
-//! step, so all are looked at after moving back; the absolute tolerance of the rocking block shrinks with its flights, as in `../cvode`.
+//! step, so all are looked at after moving back; the absolute tolerance of the rocking block shrinks with its flights, as in `../../cvode`.
 
 mod models;
 
@@ -22,16 +21,13 @@ use diffsol::{
     OdeSolverProblem, OdeSolverState, OdeSolverStopReason, RkState, StateRefMut, Vector, VectorRef,
 };
 use models::{BuckConverter, Carts, IntegrateAndFire, Model, RockingBlock, VanDerPol};
-use rustix::time::{ClockId, clock_gettime};
+
+use crate::{Delivered, tell, tolerances};
 
 /// A run with more events than this chatters.
-const MOST_EVENTS: usize = 5000;
+const MOST_EVENTS: u64 = 5000;
 /// Guards that fall at one instant.
 const MOST_AT_ONCE: usize = 200;
-/// A ladder ends at its first run beyond this [s], as in `../run.py`.
-const LONGEST: f64 = 20.0 / 3.0;
-/// Repeats of each run.
-const REPEATS: usize = 3;
 
 #[derive(Clone, Copy)]
 enum Method {
@@ -119,9 +115,6 @@ fn started<E: OdeEquations<T = f64>, S: OdeSolverState<E::V>>(
     start
 }
 
-/// What a run gives: the samples, and the number of events.
-type Delivered = (Vec<f64>, usize);
-
 /// One run.
 fn run<M: Model, E, LS>(
     problem: &mut OdeSolverProblem<E>,
@@ -181,7 +174,7 @@ where
             return Ok((std::mem::take(&mut samples.states), n_events));
         }
         for _ in 0..MOST_AT_ONCE {
-            model.borrow_mut().jump(fallen, common.t, &mut y);
+            model.borrow_mut().jump(fallen, common.t, &mut y)?;
             n_events += 1;
             model.borrow().guards(&y, &mut g);
             fallen = g.iter().position(|g| *g < 0.0);
@@ -212,8 +205,7 @@ where
     LS: LinearSolver<Ma>,
 {
     for &(method, name, order) in methods {
-        for k in 3..=13 {
-            let tolerance = format!("1e-{k}");
+        for tolerance in tolerances() {
             let model = RefCell::new(M::default());
             let start = M::default().start();
             let n = start.len();
@@ -236,70 +228,24 @@ where
             problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
             problem.ode_options.min_timestep = 1e-16;
             let run = || run::<M, _, LS>(&mut problem, &model, (method, order), times);
-            match measured(run) {
-                Ok((least, (samples, n_events))) => {
-                    let path = folder.join(format!("{name}-{tolerance}"));
-                    write(&path, &samples, n)?;
-                    println!("{name},{tolerance},{n_events},{least:.4e},{}", path.display());
-                    if least > LONGEST {
-                        break;
-                    }
-                }
-                Err(error) => {
-                    let reason = error.to_string().replace([',', '\n'], ";");
-                    println!("{name},{tolerance},0,{reason},");
-                }
+            if !tell(["diffsol", name, &tolerance], n, folder, run)? {
+                break;
             }
         }
     }
     Ok(())
 }
 
-/// The least time of the repeats of a run [s], and what the last gave.
-fn measured(
-    mut run: impl FnMut() -> Result<Delivered, Box<dyn Error>>,
-) -> Result<(f64, Delivered), Box<dyn Error>> {
-    let (mut least, mut n) = (f64::INFINITY, 0);
-    loop {
-        let begin = processor_time();
-        let delivered = run()?;
-        least = least.min(processor_time() - begin);
-        n += 1;
-        if n == REPEATS || least > LONGEST {
-            return Ok((least, delivered));
-        }
-    }
-}
-
-/// Writes samples of `n` states, a line each.
-fn write(path: &Path, samples: &[f64], n: usize) -> std::io::Result<()> {
-    let line = |y: &[f64]| y.iter().map(f64::to_string).collect::<Vec<_>>().join(" ") + "\n";
-    std::fs::write(path, samples.chunks(n).map(line).collect::<String>())
-}
-
-/// Time of this process on the processor [s].
-fn processor_time() -> f64 {
-    let time = clock_gettime(ClockId::ProcessCPUTime);
-    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
-}
-
-fn main() -> Result<(), Box<dyn Error>> {
-    let [name, times, folder] = std::env::args()
-        .skip(1)
-        .collect::<Vec<_>>()
-        .try_into()
-        .map_err(|_| "MODEL TIMES FOLDER")?;
-    let times: Vec<f64> =
-        std::fs::read_to_string(times)?.lines().map(str::parse).collect::<Result<_, _>>()?;
-    let folder = Path::new(&folder);
-    match name.as_str() {
-        VanDerPol::NAME => by_nalgebra::<VanDerPol>(&IMPLICIT, &times, folder),
-        IntegrateAndFire::NAME => by_nalgebra::<IntegrateAndFire>(&ALL, &times, folder),
-        BuckConverter::NAME => by_nalgebra::<BuckConverter>(&ALL, &times, folder),
-        RockingBlock::NAME => by_nalgebra::<RockingBlock>(&ALL, &times, folder),
+/// All runs of the model of this name.
+pub(crate) fn model(name: &str, times: &[f64], folder: &Path) -> Result<(), Box<dyn Error>> {
+    match name {
+        VanDerPol::NAME => by_nalgebra::<VanDerPol>(&IMPLICIT, times, folder),
+        IntegrateAndFire::NAME => by_nalgebra::<IntegrateAndFire>(&ALL, times, folder),
+        BuckConverter::NAME => by_nalgebra::<BuckConverter>(&ALL, times, folder),
+        RockingBlock::NAME => by_nalgebra::<RockingBlock>(&ALL, times, folder),
         Carts::NAME => {
-            by_nalgebra::<Carts>(&EXPLICIT, &times, folder)?;
-            ladders::<Carts, FaerSparseMat<f64>, FaerSparseLU<f64>>(&IMPLICIT, &times, folder)
+            by_nalgebra::<Carts>(&EXPLICIT, times, folder)?;
+            ladders::<Carts, FaerSparseMat<f64>, FaerSparseLU<f64>>(&IMPLICIT, times, folder)
         }
         _ => Err(format!("unknown: {name}").into()),
     }

@@ -1,8 +1,10 @@
-//! Five text models as a user of diffsol would state them: parameters are those of `text/models`, modes those of `../models.py`; the
+//! Five text models as a user of diffsol would state them: parameters are those of `text/models`, modes those of `../../models.py`; the
 //! block rests below 1e-10 of the largest speed.
 //!
 //! Guards are positive inside a mode, and never zero: there diffsol is blind for a step. An instant that is known beforehand is the
 //! end of a mode, [`Model::until`].
+
+use std::f64::consts::FRAC_PI_4;
 
 /// A system of modes. What a mode remembers is in the implementor.
 pub(crate) trait Model: Clone + Default {
@@ -22,8 +24,10 @@ pub(crate) trait Model: Clone + Default {
     fn until(&self) -> f64 {
         f64::INFINITY
     }
-    /// After a guard fell, or at the end of a mode.
-    fn jump(&mut self, _fallen: Option<usize>, _t: f64, _y: &mut [f64]) {}
+    /// After a guard fell, or at the end of a mode; an error where the model does not go on.
+    fn jump(&mut self, _: Option<usize>, _t: f64, _y: &mut [f64]) -> Result<(), &'static str> {
+        Ok(())
+    }
 }
 
 #[derive(Clone, Default)]
@@ -102,11 +106,12 @@ impl Model for IntegrateAndFire {
         self.spike.map_or(f64::INFINITY, |spike| spike + Self::T_REF)
     }
 
-    fn jump(&mut self, fallen: Option<usize>, t: f64, y: &mut [f64]) {
+    fn jump(&mut self, fallen: Option<usize>, t: f64, y: &mut [f64]) -> Result<(), &'static str> {
         self.spike = fallen.map(|_| t);
         if fallen.is_some() {
             y[0] = Self::V_R;
         }
+        Ok(())
     }
 }
 
@@ -169,7 +174,7 @@ impl Model for BuckConverter {
         (self.k + if on { Self::DUTY } else { 1.0 }) * Self::T
     }
 
-    fn jump(&mut self, fallen: Option<usize>, _t: f64, y: &mut [f64]) {
+    fn jump(&mut self, fallen: Option<usize>, _t: f64, y: &mut [f64]) -> Result<(), &'static str> {
         self.conduction = match (self.conduction, fallen) {
             (Conduction::On, _) => Conduction::Diode,
             (_, Some(_)) => {
@@ -181,6 +186,7 @@ impl Model for BuckConverter {
                 Conduction::On
             }
         };
+        Ok(())
     }
 }
 
@@ -214,6 +220,7 @@ impl Default for RockingBlock {
 impl Model for RockingBlock {
     const NAME: &'static str = "rocking_block";
     const T_END: f64 = 10.0;
+    const N_GUARDS: usize = 3;
 
     fn start(&self) -> Vec<f64> {
         vec![0.15, 0.0]
@@ -241,24 +248,36 @@ impl Model for RockingBlock {
         jv[1] = self.p2 * (self.alpha - self.corner * y[0]).cos() * v[0];
     }
 
+    // The angle, what it lacks to overturn, what the corner carries.
     fn guards(&self, y: &[f64], g: &mut [f64]) {
+        g.fill(1.0);
+        if self.corner == 0.0 {
+            return;
+        }
         let angle = self.corner * y[0];
-        g[0] = if self.corner == 0.0 || angle == 0.0 { Self::INSIDE } else { angle };
+        let (sin, cos) = (self.alpha - angle).sin_cos();
+        g[0] = if angle == 0.0 { Self::INSIDE } else { angle };
+        g[1] = self.alpha + FRAC_PI_4 - angle;
+        g[2] = 1.0 - 0.75 * (sin * sin + cos * y[1] * y[1] / self.p2);
     }
 
-    fn jump(&mut self, _fallen: Option<usize>, _t: f64, y: &mut [f64]) {
+    fn jump(&mut self, fallen: Option<usize>, _t: f64, y: &mut [f64]) -> Result<(), &'static str> {
+        if fallen != Some(0) {
+            return Err("it overturns or lifts off");
+        }
         let Self { alpha, p2, largest, .. } = *self;
         let omega = (1.0 - 1.5 * alpha.sin().powi(2)) * y[1];
         y.fill(0.0);
         if omega.abs() < Self::LEAST * largest[1] {
             self.corner = 0.0;
-            return;
+            return Ok(());
         }
         self.corner = -self.corner;
         y[1] = omega;
         // Small flights are lost in an error that is allowed of the first.
         let height = omega * omega / (2.0 * p2 * alpha.sin());
         self.scale = [largest[0].min(height), largest[1].min(omega.abs())];
+        Ok(())
     }
 }
 
@@ -307,9 +326,9 @@ impl Model for Carts {
         }
     }
 
-    fn jump(&mut self, fallen: Option<usize>, _t: f64, y: &mut [f64]) {
+    fn jump(&mut self, fallen: Option<usize>, _t: f64, y: &mut [f64]) -> Result<(), &'static str> {
         let Some(i) = fallen else {
-            return;
+            return Ok(());
         };
         let (x, v) = y.split_at_mut(Self::N);
         let (middle, [a, b]) = ((x[i] + x[i + 1]) / 2.0, [v[i], v[i + 1]]);
@@ -317,5 +336,6 @@ impl Model for Carts {
         x[i + 1] = middle - Self::GAP / 2.0;
         v[i] = ((1.0 - Self::E) * a + (1.0 + Self::E) * b) / 2.0;
         v[i + 1] = ((1.0 + Self::E) * a + (1.0 - Self::E) * b) / 2.0;
+        Ok(())
     }
 }
