@@ -3,6 +3,7 @@
 
 mod by_diffsol;
 mod by_ours;
+mod parameters;
 
 use std::error::Error;
 use std::path::Path;

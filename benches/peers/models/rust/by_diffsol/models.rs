@@ -6,6 +6,8 @@
 
 use std::f64::consts::FRAC_PI_4;
 
+use crate::parameters::{block, carts, converter, neuron, van_der_pol};
+
 /// A system of modes. What a mode remembers is in the implementor.
 pub(crate) trait Model: Clone + Default {
     const NAME: &'static str;
@@ -33,13 +35,9 @@ pub(crate) trait Model: Clone + Default {
 #[derive(Clone, Default)]
 pub(crate) struct VanDerPol;
 
-impl VanDerPol {
-    const MU: f64 = 1000.0;
-}
-
 impl Model for VanDerPol {
     const NAME: &'static str = "van_der_pol";
-    const T_END: f64 = 2000.0;
+    const T_END: f64 = van_der_pol::T_END;
     const N_GUARDS: usize = 0;
 
     fn start(&self) -> Vec<f64> {
@@ -52,13 +50,13 @@ impl Model for VanDerPol {
 
     fn rates(&self, y: &[f64], dydt: &mut [f64]) {
         dydt[0] = y[1];
-        dydt[1] = Self::MU * (1.0 - y[0] * y[0]) * y[1] - y[0];
+        dydt[1] = van_der_pol::MU * (1.0 - y[0] * y[0]) * y[1] - y[0];
     }
 
     fn jacobian_times(&self, y: &[f64], v: &[f64], jv: &mut [f64]) {
         jv[0] = v[1];
-        jv[1] =
-            (-2.0 * Self::MU * y[0] * y[1] - 1.0) * v[0] + Self::MU * (1.0 - y[0] * y[0]) * v[1];
+        jv[1] = (-2.0 * van_der_pol::MU * y[0] * y[1] - 1.0) * v[0]
+            + van_der_pol::MU * (1.0 - y[0] * y[0]) * v[1];
     }
 }
 
@@ -68,48 +66,42 @@ pub(crate) struct IntegrateAndFire {
     spike: Option<f64>,
 }
 
-impl IntegrateAndFire {
-    const TAU: f64 = 0.01;
-    const E_L: f64 = -0.070;
-    const RI: f64 = 1e8 * 2e-10;
-    const V_TH: f64 = -0.054;
-    const V_R: f64 = -0.080;
-    const T_REF: f64 = 0.002;
-}
-
 impl Model for IntegrateAndFire {
     const NAME: &'static str = "integrate_and_fire";
-    const T_END: f64 = 0.5;
+    const T_END: f64 = neuron::T_END;
 
     fn start(&self) -> Vec<f64> {
-        vec![Self::E_L]
+        vec![neuron::E_L]
     }
 
     fn scale(&self) -> Vec<f64> {
-        vec![Self::V_TH - Self::V_R]
+        vec![neuron::V_TH - neuron::V_R]
     }
 
     fn rates(&self, y: &[f64], dydt: &mut [f64]) {
-        dydt[0] =
-            if self.spike.is_none() { (Self::E_L - y[0] + Self::RI) / Self::TAU } else { 0.0 };
+        dydt[0] = if self.spike.is_none() {
+            (neuron::E_L - y[0] + neuron::RI) / neuron::TAU
+        } else {
+            0.0
+        };
     }
 
     fn jacobian_times(&self, _y: &[f64], v: &[f64], jv: &mut [f64]) {
-        jv[0] = if self.spike.is_none() { -v[0] / Self::TAU } else { 0.0 };
+        jv[0] = if self.spike.is_none() { -v[0] / neuron::TAU } else { 0.0 };
     }
 
     fn guards(&self, y: &[f64], g: &mut [f64]) {
-        g[0] = if self.spike.is_none() { Self::V_TH - y[0] } else { 1.0 };
+        g[0] = if self.spike.is_none() { neuron::V_TH - y[0] } else { 1.0 };
     }
 
     fn until(&self) -> f64 {
-        self.spike.map_or(f64::INFINITY, |spike| spike + Self::T_REF)
+        self.spike.map_or(f64::INFINITY, |spike| spike + neuron::T_REF)
     }
 
     fn jump(&mut self, fallen: Option<usize>, t: f64, y: &mut [f64]) -> Result<(), &'static str> {
         self.spike = fallen.map(|_| t);
         if fallen.is_some() {
-            y[0] = Self::V_R;
+            y[0] = neuron::V_R;
         }
         Ok(())
     }
@@ -130,39 +122,30 @@ pub(crate) struct BuckConverter {
     k: f64,
 }
 
-impl BuckConverter {
-    const V_IN: f64 = 24.0;
-    const L: f64 = 2e-5;
-    const C: f64 = 1e-4;
-    const R: f64 = 20.0;
-    const T: f64 = 1e-5;
-    const DUTY: f64 = 0.4;
-}
-
 impl Model for BuckConverter {
     const NAME: &'static str = "buck_converter";
-    const T_END: f64 = 4e-3;
+    const T_END: f64 = converter::T_END;
 
     fn start(&self) -> Vec<f64> {
         vec![0.0, 0.0]
     }
 
     fn scale(&self) -> Vec<f64> {
-        vec![Self::V_IN * Self::T / Self::L, Self::V_IN]
+        vec![converter::V_IN * converter::T / converter::L, converter::V_IN]
     }
 
     fn rates(&self, y: &[f64], dydt: &mut [f64]) {
         dydt[0] = match self.conduction {
-            Conduction::On => (Self::V_IN - y[1]) / Self::L,
-            Conduction::Diode => -y[1] / Self::L,
+            Conduction::On => (converter::V_IN - y[1]) / converter::L,
+            Conduction::Diode => -y[1] / converter::L,
             Conduction::Idle => 0.0,
         };
-        dydt[1] = (y[0] - y[1] / Self::R) / Self::C;
+        dydt[1] = (y[0] - y[1] / converter::R) / converter::C;
     }
 
     fn jacobian_times(&self, _y: &[f64], v: &[f64], jv: &mut [f64]) {
-        jv[0] = if self.conduction == Conduction::Idle { 0.0 } else { -v[1] / Self::L };
-        jv[1] = (v[0] - v[1] / Self::R) / Self::C;
+        jv[0] = if self.conduction == Conduction::Idle { 0.0 } else { -v[1] / converter::L };
+        jv[1] = (v[0] - v[1] / converter::R) / converter::C;
     }
 
     fn guards(&self, y: &[f64], g: &mut [f64]) {
@@ -171,7 +154,7 @@ impl Model for BuckConverter {
 
     fn until(&self) -> f64 {
         let on = self.conduction == Conduction::On;
-        (self.k + if on { Self::DUTY } else { 1.0 }) * Self::T
+        (self.k + if on { converter::DUTY } else { 1.0 }) * converter::T
     }
 
     fn jump(&mut self, fallen: Option<usize>, _t: f64, y: &mut [f64]) -> Result<(), &'static str> {
@@ -203,8 +186,6 @@ pub(crate) struct RockingBlock {
 }
 
 impl RockingBlock {
-    /// The share of the largest speed below which it is at rest.
-    const LEAST: f64 = 1e-10;
     /// An impact leaves the angle at zero: there the guard is inside.
     const INSIDE: f64 = 1e-100;
 }
@@ -219,7 +200,7 @@ impl Default for RockingBlock {
 
 impl Model for RockingBlock {
     const NAME: &'static str = "rocking_block";
-    const T_END: f64 = 10.0;
+    const T_END: f64 = block::T_END;
     const N_GUARDS: usize = 3;
 
     fn start(&self) -> Vec<f64> {
@@ -268,7 +249,7 @@ impl Model for RockingBlock {
         let Self { alpha, p2, largest, .. } = *self;
         let omega = (1.0 - 1.5 * alpha.sin().powi(2)) * y[1];
         y.fill(0.0);
-        if omega.abs() < Self::LEAST * largest[1] {
+        if omega.abs() < block::LEAST * largest[1] {
             self.corner = 0.0;
             return Ok(());
         }
@@ -285,34 +266,33 @@ impl Model for RockingBlock {
 pub(crate) struct Carts;
 
 impl Carts {
-    const N: usize = 50;
-    const K: f64 = 40.0;
-    const GAP: f64 = 0.1;
-    const E: f64 = 0.9;
     /// An impact leaves a gap at zero to rounding, where its guard is to be inside.
     const SHIFT: f64 = 1e-16;
 }
 
 impl Model for Carts {
     const NAME: &'static str = "carts";
-    const T_END: f64 = 1.5;
-    const N_GUARDS: usize = Self::N - 1;
+    const T_END: f64 = carts::T_END;
+    const N_GUARDS: usize = carts::N - 1;
 
     fn start(&self) -> Vec<f64> {
-        let speeds = (1..=Self::N).map(|i| ((i * i) as f64).sin());
-        std::iter::repeat_n(0.0, Self::N).chain(speeds).collect()
+        let speeds = (1..=carts::N).map(|i| ((i * i) as f64).sin());
+        std::iter::repeat_n(0.0, carts::N).chain(speeds).collect()
     }
 
     fn scale(&self) -> Vec<f64> {
-        [Self::GAP, 1.0].into_iter().flat_map(|scale| std::iter::repeat_n(scale, Self::N)).collect()
+        [carts::GAP, 1.0]
+            .into_iter()
+            .flat_map(|scale| std::iter::repeat_n(scale, carts::N))
+            .collect()
     }
 
     fn rates(&self, y: &[f64], dydt: &mut [f64]) {
-        let (x, v) = y.split_at(Self::N);
-        let (dx, dv) = dydt.split_at_mut(Self::N);
+        let (x, v) = y.split_at(carts::N);
+        let (dx, dv) = dydt.split_at_mut(carts::N);
         dx.copy_from_slice(v);
         for (dv, x) in dv.iter_mut().zip(x) {
-            *dv = -Self::K * x;
+            *dv = -carts::K * x;
         }
     }
 
@@ -321,8 +301,8 @@ impl Model for Carts {
     }
 
     fn guards(&self, y: &[f64], g: &mut [f64]) {
-        for (g, pair) in g.iter_mut().zip(y[..Self::N].windows(2)) {
-            *g = Self::GAP - (pair[0] - pair[1]) + Self::SHIFT;
+        for (g, pair) in g.iter_mut().zip(y[..carts::N].windows(2)) {
+            *g = carts::GAP - (pair[0] - pair[1]) + Self::SHIFT;
         }
     }
 
@@ -330,12 +310,12 @@ impl Model for Carts {
         let Some(i) = fallen else {
             return Ok(());
         };
-        let (x, v) = y.split_at_mut(Self::N);
+        let (x, v) = y.split_at_mut(carts::N);
         let (middle, [a, b]) = ((x[i] + x[i + 1]) / 2.0, [v[i], v[i + 1]]);
-        x[i] = middle + Self::GAP / 2.0;
-        x[i + 1] = middle - Self::GAP / 2.0;
-        v[i] = ((1.0 - Self::E) * a + (1.0 + Self::E) * b) / 2.0;
-        v[i + 1] = ((1.0 + Self::E) * a + (1.0 - Self::E) * b) / 2.0;
+        x[i] = middle + carts::GAP / 2.0;
+        x[i + 1] = middle - carts::GAP / 2.0;
+        v[i] = ((1.0 - carts::E) * a + (1.0 + carts::E) * b) / 2.0;
+        v[i + 1] = ((1.0 + carts::E) * a + (1.0 - carts::E) * b) / 2.0;
         Ok(())
     }
 }

@@ -5,6 +5,8 @@ use std::f64::consts::FRAC_PI_4;
 
 use deltazero_solvers::{Next, Real, System};
 
+use crate::parameters::{block, carts, converter, neuron, van_der_pol};
+
 /// A system with its start, the sizes of its states, which allowed errors are a share of, and its end [s].
 pub(crate) trait Model: System {
     const T_END: f64;
@@ -15,10 +17,6 @@ pub(crate) trait Model: System {
 
 pub(crate) struct VanDerPol;
 
-impl VanDerPol {
-    const MU: f64 = 1000.0;
-}
-
 impl System for VanDerPol {
     type Mode = ();
     type State<S: Real> = [S; 2];
@@ -27,7 +25,7 @@ impl System for VanDerPol {
     fn initial_mode(&self, _t: f64, _y: &[f64; 2]) {}
 
     fn rhs<S: Real>(&self, (): (), _t: S, &[x, v]: &[S; 2], dydt: &mut [S; 2]) {
-        *dydt = [v, (-(x * x) + 1.0) * v * Self::MU - x];
+        *dydt = [v, (-(x * x) + 1.0) * v * van_der_pol::MU - x];
     }
 
     fn guards<S: Real>(&self, (): (), _t: S, _y: &[S; 2], _g: &mut [S; 0]) {}
@@ -38,7 +36,7 @@ impl System for VanDerPol {
 }
 
 impl Model for VanDerPol {
-    const T_END: f64 = 2000.0;
+    const T_END: f64 = van_der_pol::T_END;
 
     fn start(&self) -> [f64; 2] {
         [2.0, 0.0]
@@ -51,15 +49,6 @@ impl Model for VanDerPol {
 
 /// The potential [V].
 pub(crate) struct IntegrateAndFire;
-
-impl IntegrateAndFire {
-    const TAU: f64 = 0.01;
-    const E_L: f64 = -0.070;
-    const RI: f64 = 1e8 * 2e-10;
-    const V_TH: f64 = -0.054;
-    const V_R: f64 = -0.080;
-    const T_REF: f64 = 0.002;
-}
 
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Membrane {
@@ -78,15 +67,15 @@ impl System for IntegrateAndFire {
 
     fn rhs<S: Real>(&self, mode: Membrane, _t: S, &[v]: &[S; 1], dydt: &mut [S; 1]) {
         *dydt = [match mode {
-            Membrane::Charging => (-v + (Self::E_L + Self::RI)) / Self::TAU,
+            Membrane::Charging => (-v + (neuron::E_L + neuron::RI)) / neuron::TAU,
             Membrane::HeldSince(_) => S::cst(0.0),
         }];
     }
 
     fn guards<S: Real>(&self, mode: Membrane, t: S, &[v]: &[S; 1], g: &mut [S; 1]) {
         *g = [match mode {
-            Membrane::Charging => -v + Self::V_TH,
-            Membrane::HeldSince(spike) => -t + (spike + Self::T_REF),
+            Membrane::Charging => -v + neuron::V_TH,
+            Membrane::HeldSince(spike) => -t + (spike + neuron::T_REF),
         }];
     }
 
@@ -99,7 +88,7 @@ impl System for IntegrateAndFire {
     ) -> Next<Membrane> {
         Next::Mode(match mode {
             Membrane::Charging => {
-                *y = [S::cst(Self::V_R)];
+                *y = [S::cst(neuron::V_R)];
                 Membrane::HeldSince(t.value())
             }
             Membrane::HeldSince(_) => Membrane::Charging,
@@ -108,28 +97,19 @@ impl System for IntegrateAndFire {
 }
 
 impl Model for IntegrateAndFire {
-    const T_END: f64 = 0.5;
+    const T_END: f64 = neuron::T_END;
 
     fn start(&self) -> [f64; 1] {
-        [Self::E_L]
+        [neuron::E_L]
     }
 
     fn scale(&self) -> Vec<f64> {
-        vec![Self::V_TH - Self::V_R]
+        vec![neuron::V_TH - neuron::V_R]
     }
 }
 
 /// The current of the coil [A] and the voltage of the load [V].
 pub(crate) struct BuckConverter;
-
-impl BuckConverter {
-    const V_IN: f64 = 24.0;
-    const L: f64 = 2e-5;
-    const C: f64 = 1e-4;
-    const R: f64 = 20.0;
-    const T: f64 = 1e-5;
-    const DUTY: f64 = 0.4;
-}
 
 /// What conducts, with the periods that are over.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -151,17 +131,17 @@ impl System for BuckConverter {
 
     fn rhs<S: Real>(&self, mode: Conduction, _t: S, &[i, v]: &[S; 2], dydt: &mut [S; 2]) {
         let didt = match mode {
-            Conduction::On(_) => (-v + Self::V_IN) / Self::L,
-            Conduction::Diode(_) => -v / Self::L,
+            Conduction::On(_) => (-v + converter::V_IN) / converter::L,
+            Conduction::Diode(_) => -v / converter::L,
             Conduction::Idle(_) => S::cst(0.0),
         };
-        *dydt = [didt, (i - v / Self::R) / Self::C];
+        *dydt = [didt, (i - v / converter::R) / converter::C];
     }
 
     fn guards<S: Real>(&self, mode: Conduction, t: S, &[i, _]: &[S; 2], g: &mut [S; 2]) {
-        let until = |periods: f64| -t + periods * Self::T;
+        let until = |periods: f64| -t + periods * converter::T;
         *g = match mode {
-            Conduction::On(k) => [S::cst(1.0), until(f64::from(k) + Self::DUTY)],
+            Conduction::On(k) => [S::cst(1.0), until(f64::from(k) + converter::DUTY)],
             Conduction::Diode(k) => [i, until(f64::from(k + 1))],
             Conduction::Idle(k) => [S::cst(1.0), until(f64::from(k + 1))],
         };
@@ -186,14 +166,14 @@ impl System for BuckConverter {
 }
 
 impl Model for BuckConverter {
-    const T_END: f64 = 4e-3;
+    const T_END: f64 = converter::T_END;
 
     fn start(&self) -> [f64; 2] {
         [0.0; 2]
     }
 
     fn scale(&self) -> Vec<f64> {
-        vec![Self::V_IN * Self::T / Self::L, Self::V_IN]
+        vec![converter::V_IN * converter::T / converter::L, converter::V_IN]
     }
 }
 
@@ -208,9 +188,6 @@ pub(crate) struct RockingBlock {
 }
 
 impl RockingBlock {
-    /// The share of the largest speed below which it is at rest.
-    const LEAST: f64 = 1e-10;
-
     pub(crate) fn new() -> Self {
         let alpha = f64::atan2(0.2, 0.8);
         let p2 = 3.0 * 9.81 / (4.0 * f64::hypot(0.2, 0.8));
@@ -263,7 +240,7 @@ impl System for RockingBlock {
             return Next::Stop;
         }
         *y = [S::cst(0.0), y[1] * self.kept];
-        if y[1].value().abs() < Self::LEAST * self.p2.sqrt() * self.alpha {
+        if y[1].value().abs() < block::LEAST * self.p2.sqrt() * self.alpha {
             y[1] = S::cst(0.0);
             return Next::Mode(On::Both);
         }
@@ -272,7 +249,7 @@ impl System for RockingBlock {
 }
 
 impl Model for RockingBlock {
-    const T_END: f64 = 10.0;
+    const T_END: f64 = block::T_END;
 
     fn start(&self) -> [f64; 2] {
         [0.15, 0.0]
@@ -286,24 +263,17 @@ impl Model for RockingBlock {
 /// Places [m], then velocities [m/s]; guard i is the gap between carts i and i + 1.
 pub(crate) struct Carts;
 
-impl Carts {
-    const N: usize = 50;
-    const K: f64 = 40.0;
-    const GAP: f64 = 0.1;
-    const E: f64 = 0.9;
-}
-
 impl System for Carts {
     type Mode = ();
     type State<S: Real> = Vec<S>;
     type Guards<S: Real> = Vec<S>;
 
     fn dim(&self) -> usize {
-        2 * Self::N
+        2 * carts::N
     }
 
     fn n_guards(&self) -> usize {
-        Self::N - 1
+        carts::N - 1
     }
 
     fn guard_span(&self) -> usize {
@@ -313,26 +283,26 @@ impl System for Carts {
     fn initial_mode(&self, _t: f64, _y: &Vec<f64>) {}
 
     fn rhs<S: Real>(&self, (): (), _t: S, y: &Vec<S>, dydt: &mut Vec<S>) {
-        let (x, v) = y.split_at(Self::N);
-        let (dx, dv) = dydt.split_at_mut(Self::N);
+        let (x, v) = y.split_at(carts::N);
+        let (dx, dv) = dydt.split_at_mut(carts::N);
         dx.copy_from_slice(v);
         for (dv, x) in dv.iter_mut().zip(x) {
-            *dv = *x * -Self::K;
+            *dv = *x * -carts::K;
         }
     }
 
     fn guards<S: Real>(&self, (): (), _t: S, y: &Vec<S>, g: &mut Vec<S>) {
-        for (g, pair) in g.iter_mut().zip(y[..Self::N].windows(2)) {
-            *g = pair[1] - pair[0] + Self::GAP;
+        for (g, pair) in g.iter_mut().zip(y[..carts::N].windows(2)) {
+            *g = pair[1] - pair[0] + carts::GAP;
         }
     }
 
     fn transition<S: Real>(&self, (): (), i: usize, _t: S, y: &mut Vec<S>) -> Next<()> {
-        let (x, v) = y.split_at_mut(Self::N);
+        let (x, v) = y.split_at_mut(carts::N);
         let (middle, [a, b]) = ((x[i] + x[i + 1]) * 0.5, [v[i], v[i + 1]]);
-        x[i] = middle + 0.5 * Self::GAP;
-        x[i + 1] = middle - 0.5 * Self::GAP;
-        let [less, more] = [0.5 * (1.0 - Self::E), 0.5 * (1.0 + Self::E)];
+        x[i] = middle + 0.5 * carts::GAP;
+        x[i + 1] = middle - 0.5 * carts::GAP;
+        let [less, more] = [0.5 * (1.0 - carts::E), 0.5 * (1.0 + carts::E)];
         v[i] = a * less + b * more;
         v[i + 1] = a * more + b * less;
         Next::Mode(())
@@ -340,14 +310,17 @@ impl System for Carts {
 }
 
 impl Model for Carts {
-    const T_END: f64 = 1.5;
+    const T_END: f64 = carts::T_END;
 
     fn start(&self) -> Vec<f64> {
-        let speeds = (1..=Self::N).map(|i| ((i * i) as f64).sin());
-        std::iter::repeat_n(0.0, Self::N).chain(speeds).collect()
+        let speeds = (1..=carts::N).map(|i| ((i * i) as f64).sin());
+        std::iter::repeat_n(0.0, carts::N).chain(speeds).collect()
     }
 
     fn scale(&self) -> Vec<f64> {
-        [Self::GAP, 1.0].into_iter().flat_map(|scale| std::iter::repeat_n(scale, Self::N)).collect()
+        [carts::GAP, 1.0]
+            .into_iter()
+            .flat_map(|scale| std::iter::repeat_n(scale, carts::N))
+            .collect()
     }
 }
