@@ -44,6 +44,7 @@
 
 mod along;
 mod dip;
+mod fall;
 mod follow;
 mod graze;
 pub(crate) mod march;
@@ -53,22 +54,17 @@ use num_dual::Dual64;
 
 use along::{along, along_flow};
 use graze::Touch;
-use shape::{cubic_slope, has_no_dip, stays_above_zero};
+use shape::{has_no_dip, stays_above_zero};
 
 pub(crate) use graze::{Graze, STEPS};
 pub(crate) use shape::{cubic_root, is_far, no_turn};
 
 use crate::error::Error;
-use crate::root::{Bracket, find_root, root_near};
 use crate::step::Step;
 use crate::system::{System, Vector};
-use crate::tolerance::Tolerance;
 
 /// Number of touches on one step for which there is room from the beginning.
 const MOST_TOUCHES: usize = 16;
-
-/// A fall is looked for around its guess no nearer to the last maximum than this fraction of the distance between them.
-const LEAST: f64 = 0.25;
 
 /// Rounding bounds are taken to be the same on this fraction of a step.
 const ALIKE: f64 = 0.01;
@@ -412,92 +408,6 @@ impl<P: System> GuardWatch<P> {
         is_clear
     }
 
-    /// The guard that falls first on a step that [`is_clear`](Self::is_clear) could not clear. The time is located to
-    /// within `precision` of the step, or, where a cubic tells it, of about its distance from the start, or the spacing of `f64`.
-    /// Returns `None` where no guard falls; the end then becomes the start of the next step. Where a tolerance is
-    /// given, in `doubt`, a dip counts only if it is deeper than the error of the guard that the tolerance allows.
-    ///
-    /// # Errors
-    /// [`Error::NonFiniteGuard`], and [`Error::UnresolvedGuard`] for a guard that cannot be followed.
-    pub fn first_to_fall(
-        &mut self,
-        problem: &P,
-        mode: P::Mode,
-        step: &dyn Step<P::State<f64>>,
-        precision: f64,
-        doubt: Option<&Tolerance>,
-    ) -> Result<Option<GuardCrossing>, Error> {
-        let (t0, t1) = (step.t0(), step.t1());
-        let h = t1 - t0;
-        self.begin_search();
-        self.doubts.as_mut().fill(0.0);
-        if let Some(tolerance) = doubt {
-            let y = step.y1().as_ref();
-            self.doubt(problem, mode.clone(), step, &|i| tolerance.allowed(i, y));
-        }
-        for (quarter, values) in (1..).zip(&mut self.quarters) {
-            let t = t0 + 0.25 * f64::from(quarter) * h;
-            step.interpolate(t, &mut self.y);
-            problem.guards(mode.clone(), t, &self.y, values);
-        }
-        self.find_bounds(problem, mode.clone(), (t1, step.y1()), 0.0);
-        for (value, end) in self.values.as_mut().iter_mut().zip(self.end.as_ref()) {
-            *value = end.re;
-        }
-        self.first_violated(mode.clone(), t1)?;
-        let mut first: Option<GuardCrossing> = None;
-        let mut knows_first = false;
-        for guard in 0..self.end.as_ref().len() {
-            let is_violated = self.end.as_ref()[guard].re < -self.bounds.as_ref()[guard];
-            self.note_jump(guard, t0, h);
-            if !self.strays(guard, h) && !is_violated && self.holds(guard, h) {
-                self.note_turn(guard, t0, h);
-                continue;
-            }
-            let (top, dip) = self.first_dip(problem, mode.clone(), step, guard)?;
-            let violated_at = match dip {
-                Some(theta) => t0 + theta * h,
-                None if is_violated => t1,
-                None => continue,
-            };
-            if let (Some(first), None) = (first, dip) {
-                if !knows_first {
-                    step.interpolate(first.t, &mut self.y);
-                    problem.guards(mode.clone(), first.t, &self.y, &mut self.at_first);
-                    knows_first = true;
-                }
-                // This guard is not yet violated at the first fall, so it falls later or together with it. It needs
-                // no search; that saves many searches where many guards fall alike.
-                if self.at_first.as_ref()[guard] >= -self.bounds.as_ref()[guard] {
-                    continue;
-                }
-            }
-            let bracket = Bracket { above: t0 + top * h, below: violated_at };
-            let guess = if dip.is_none() { self.fall_of_cubic(guard, h) } else { None };
-            let near = guess.and_then(|(theta, slope)| {
-                let t = t0 + theta * h;
-                // Beside the start a guard that begins on its surface is nothing but rounding.
-                let bracket =
-                    Bracket { above: bracket.above + LEAST * (t - bracket.above), ..bracket };
-                // Without the bound, which is that of the end of the step: the guard may not rise as high.
-                let g = |t| self.value_on(problem, mode.clone(), step, guard, t);
-                root_near((t, slope / h), g, bracket, precision * (t - t0).abs())
-            });
-            let t = near.unwrap_or_else(|| {
-                let g = |t| self.clearance_on(problem, mode.clone(), step, guard, t);
-                find_root(g, bracket, precision * h.abs())
-            });
-            if first.is_none_or(|other| (t - t0).abs() < (other.t - t0).abs()) {
-                first = Some(GuardCrossing { guard, t, violated_at });
-                knows_first = false;
-            }
-        }
-        if first.is_none() {
-            self.keep();
-        }
-        Ok(first)
-    }
-
     /// Whether each guard stays above zero on the cubic through its values at both ends of a step that
     /// [`is_clear`](Self::is_clear) could not clear and at two states between them, given with their times.
     pub(crate) fn is_clear_between(
@@ -525,17 +435,6 @@ impl<P: System> GuardWatch<P> {
         let (from, to) = ([g0.re, g0.eps], [g1.re, g1.eps]);
         let is_finite = g0.eps.is_finite() && g1.eps.is_finite();
         is_far(from, to, h) || is_finite && has_no_dip(from, to, h)
-    }
-
-    /// Where guard `i`, violated at the end of a step of size `h`, falls on the cubic through values and rates at both ends, as
-    /// a fraction of the step, and the slope there. What rises from within the bound at the end, or from below, rises from zero.
-    fn fall_of_cubic(&self, i: usize, h: f64) -> Option<(f64, f64)> {
-        let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
-        let is_above = g0.re > self.bounds.as_ref()[i] || g0.re > 0.0 && g0.eps * h < 0.0;
-        let from = if is_above { g0.re } else { 0.0 };
-        let (values, slopes) = ([from, g1.re], [g0.eps * h, g1.eps * h]);
-        let theta = cubic_root(values, slopes)?;
-        Some((theta, cubic_slope(theta, values, slopes)))
     }
 
     /// Makes the end of the present step the start of the next one.
