@@ -34,7 +34,8 @@ impl Bracket {
 
     /// `x` if it lies strictly inside, else the middle.
     pub fn inside(&self, x: f64) -> f64 {
-        if (x - self.above) * (x - self.below) < 0.0 { x } else { self.middle() }
+        let Self { above, below } = *self;
+        if above < x && x < below || below < x && x < above { x } else { self.middle() }
     }
 
     /// The middle.
@@ -248,6 +249,17 @@ mod tests {
         let back = Bracket { above: 0.0, below: -1.0 };
         let root = root_near((-0.29, 1.3), |x| f(-x), back, 0.0).unwrap();
         assert!((root + 0.3).abs() < 1e-15 && f(-root) <= 0.0, "{root:e}");
+    }
+
+    #[test]
+    fn what_is_inside_is_known_however_narrow_the_bracket_is() {
+        let tiny = f64::from_bits(3);
+        for bracket in [Bracket { above: 0.0, below: tiny }, Bracket { above: tiny, below: 0.0 }] {
+            assert_eq!(bracket.inside(f64::from_bits(1)), f64::from_bits(1));
+            for outside in [0.0, tiny, 1.0, f64::NAN] {
+                assert_eq!(bracket.inside(outside), bracket.middle());
+            }
+        }
     }
 
     #[test]

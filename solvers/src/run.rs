@@ -8,7 +8,7 @@ use crate::error::{Error, Outcome};
 use crate::integrate::Integration;
 use crate::methods::{METHODS, Method};
 use crate::point::Point;
-use crate::record::Watch;
+use crate::record::{Record, Watch};
 use crate::system::System;
 use crate::tolerance::Tolerance;
 use crate::trajectory::{Grid, Trajectory};
@@ -27,6 +27,7 @@ type Progress<'a> = Box<dyn FnMut(f64, &Stats) -> ControlFlow<()> + 'a>;
 /// | [`in_mode`](Self::in_mode) | the mode that the [system gives](System::initial_mode) at the start |
 /// | [`first_step`](Self::first_step), [`longest_step`](Self::longest_step) | by the tolerance, no limit |
 /// | [`keep`](Self::keep) | samples at the ends of the steps, and events |
+/// | [`record`](Self::record) | no other recorder |
 /// | [`most_work`](Self::most_work), [`most_time`](Self::most_time) | no limit |
 /// | [`progress`](Self::progress) | nothing is called |
 ///
@@ -42,7 +43,7 @@ type Progress<'a> = Box<dyn FnMut(f64, &Stats) -> ControlFlow<()> + 'a>;
 /// # Ok::<(), Error>(())
 /// ```
 ///
-/// An [`Integration`] takes a recorder of one's own, may go on after its end, and keeps what was reached before an error.
+/// An [`Integration`] may go on after its end, and keeps what was reached before an error.
 #[must_use = "a run is made by `to`"]
 pub struct Run<'a, P: System> {
     problem: &'a P,
@@ -57,6 +58,7 @@ pub struct Run<'a, P: System> {
     most_work: u64,
     most_time: Option<Duration>,
     progress: Progress<'a>,
+    recorder: Option<&'a mut dyn Record<P>>,
 }
 
 /// What a [`Run`] came to.
@@ -101,6 +103,7 @@ impl<'a, P: System> Run<'a, P> {
             most_work: u64::MAX,
             most_time: None,
             progress: Box::new(|_, _| ControlFlow::Continue(())),
+            recorder: None,
         }
     }
 
@@ -151,6 +154,25 @@ impl<'a, P: System> Run<'a, P> {
         Self { trajectory, ..self }
     }
 
+    /// Records by another recorder, too: [`Observations`](crate::observe::Observations), [`Checked`](crate::contracts::Checked),
+    /// [`WorkByKind`](crate::WorkByKind), or one of your own. It may end the run.
+    ///
+    /// ```
+    /// use deltazero_solvers::Run;
+    /// use deltazero_solvers::observe::Observations;
+    /// use deltazero_solvers::problems::{BouncingBall, BouncingMode};
+    ///
+    /// let ball = BouncingBall { restitution: 0.5, gravity: 9.8, height: 1.0 };
+    /// let mut seen = Observations::default().of(1e-15, |_: &BouncingMode, _t, y: &[f64; 2]| y[1]);
+    /// let run = Run::of(&ball, ball.start()).tolerance(1e-9, 1e-9).record(&mut seen).to(1.0)?;
+    /// // It bounces twice, and is highest between.
+    /// assert_eq!((run.trajectory.events.len(), seen.zeros.len()), (2, 1));
+    /// # Ok::<(), deltazero_solvers::Error>(())
+    /// ```
+    pub fn record(self, recorder: &'a mut dyn Record<P>) -> Self {
+        Self { recorder: Some(recorder), ..self }
+    }
+
     /// Ends the run at the first step after so many evaluations of the right-hand side.
     pub fn most_work(self, n_rhs: u64) -> Self {
         Self { most_work: n_rhs, ..self }
@@ -172,7 +194,7 @@ impl<'a, P: System> Run<'a, P> {
     /// [`Error::UnknownMethod`], [`Error::BadControl`] where neither tolerances nor a step are given, and those of
     /// [`Method::solver`] and of [`Integration::run`].
     pub fn to(self, t_end: f64) -> Result<Solution<P>, Error> {
-        let Self { problem, y, t, mode, mut trajectory, mut progress, .. } = self;
+        let Self { problem, y, t, mode, mut trajectory, mut progress, recorder, .. } = self;
         let unknown = || Error::UnknownMethod {
             name: self.method.to_owned(),
             known: METHODS.iter().map(|method| method.name).collect::<Vec<_>>().join(", "),
@@ -197,7 +219,8 @@ impl<'a, P: System> Run<'a, P> {
             Some(mode) => Integration::at(problem, Point { t, y, mode }),
             None => Integration::new(problem, t, y),
         };
-        let outcome = integration.run(t_end, &mut *solver, &mut (&mut trajectory, watch))?;
+        let mut record = ((&mut trajectory, recorder), watch);
+        let outcome = integration.run(t_end, &mut *solver, &mut record)?;
         Ok(Solution { outcome, end: integration.point, trajectory, stats: integration.stats })
     }
 }
