@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::{Page, file, pages};
+use crate::{Page, file, pages, root};
 
 /// The page whose transcripts are run, and the name of the configuration on it.
 const FIRST_RUN: (&str, &str) = ("docs/first_run.md", "my.toml");
@@ -144,4 +144,24 @@ fn the_first_run_prints_what_its_page_shows() {
         let printed = String::from_utf8(printed).unwrap();
         assert_eq!(comparable(&printed), comparable(shown), "{command}");
     }
+}
+
+#[test]
+fn the_python_program_prints_what_its_page_shows() {
+    let program = root().join("examples/drop_test.py");
+    let mut python = Command::new("python3");
+    let Ok(ran) = python.arg(program).env("DELTAZERO", env!("CARGO_BIN_EXE_deltazero")).output()
+    else {
+        return println!("not run: there is no python3 here");
+    };
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert!(ran.status.success(), "{said}");
+    let printed = String::from_utf8(ran.stdout).unwrap();
+    let page = pages().into_iter().find(|page| page.path == "docs/from_python.md").unwrap();
+    let shown = &page.blocks("text")[0];
+    // Which method is the cheapest is measured, and another machine may find another one.
+    let is_same = |line: &&str| !line.starts_with("to 1e-6: ");
+    let same = |text: &str| text.lines().filter(is_same).map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(same(&printed), same(shown));
+    assert_eq!(printed.lines().count(), shown.lines().count());
 }
