@@ -87,10 +87,10 @@ pub type ExtraStage = (f64, &'static [f64]);
 pub enum Dense<const S: usize> {
     /// Cubic Hermite interpolation of states and slopes at both ends: third order.
     Hermite,
-    /// `y(t + θh) = y + h Σ_i k_i (p_i0 θ + p_i1 θ² + …)`, with a row of coefficients for each stage.
+    /// `y(t + θh) = y + h Σ_i k_i (p_0i θ + p_1i θ² + …)`, with a row of coefficients for each power of θ.
     Stages {
-        /// Row `i`: the coefficients `p_i0, p_i1, …` of stage `i`.
-        p: [&'static [f64]; S],
+        /// Row `j`: the coefficients of `θ^(j+1)`, one of each stage.
+        p: &'static [[f64; S]],
     },
     /// The Hermite cubic plus a correction from all slopes, which vanishes with its derivative at both ends. With n
     /// rows `d`, at most five, the polynomial is of degree 3 + n: `y = y₀ + θ (F₀ + (1 − θ)(F₁ + θ (F₂ + (1 − θ)(F₃ +

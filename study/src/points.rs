@@ -18,6 +18,15 @@ pub(crate) struct Point<P: System> {
     pub(crate) slope: Option<P::State<f64>>,
 }
 
+impl<P: System> Point<P> {
+    /// Its state is that at `t`, and it stands for a time `weight`; `mode` is that of a time and a state.
+    fn stand_at(&mut self, t: f64, weight: f64, mode: impl FnOnce(f64, &P::State<f64>) -> P::Mode) {
+        (self.t, self.weight) = (t, weight);
+        self.mode = mode(t, &self.y);
+        self.slope = None;
+    }
+}
+
 /// The points of the step looked at last, in the order of time.
 pub(crate) struct Points<P: System> {
     nodes: Nodes,
@@ -34,26 +43,21 @@ impl<P: Problem> Points<P> {
     pub(crate) fn look(&mut self, problem: &P, events: Events, accepted: &Accepted<'_, P>) {
         let (step, begun) = (accepted.step, &accepted.mode);
         let (t0, h) = (step.t0(), step.t1() - step.t0());
-        self.list.clear();
-        self.add(problem, events, begun, (t0, 0.0, step.y0().clone()));
-        for (node, weight) in self.nodes {
+        let inside = |t: f64, y: &P::State<f64>| mode_inside(problem, events, begun, t, y);
+        // Made once: each step writes over the points of the one before.
+        let new =
+            || Point { t: t0, weight: 0.0, mode: begun.clone(), y: step.y0().clone(), slope: None };
+        self.list.resize_with(self.nodes.len() + 2, new);
+        let [first, nodes @ .., last] = &mut self.list[..] else { return };
+        first.y.clone_from(step.y0());
+        first.stand_at(t0, 0.0, inside);
+        for (point, (node, weight)) in nodes.iter_mut().zip(self.nodes) {
             let t = t0 + node * h;
-            let mut y = step.y0().clone();
-            step.interpolate(t, &mut y);
-            self.add(problem, events, begun, (t, weight * h, y));
+            step.interpolate(t, &mut point.y);
+            point.stand_at(t, weight * h, inside);
         }
-        self.add(problem, events, begun, (step.t1(), 0.0, step.y1().clone()));
-    }
-
-    fn add(
-        &mut self,
-        problem: &P,
-        events: Events,
-        begun: &P::Mode,
-        (t, weight, y): (f64, f64, P::State<f64>),
-    ) {
-        let mode = mode_inside(problem, events, begun, t, &y);
-        self.list.push(Point { t, weight, mode, y, slope: None });
+        last.y.clone_from(step.y1());
+        last.stand_at(step.t1(), 0.0, inside);
     }
 
     /// All of them.

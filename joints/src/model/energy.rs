@@ -4,6 +4,7 @@ use deltazero_study::problem::{Energy, Power};
 
 use super::block::{Block, ContactForces};
 use super::body::Body;
+use super::contact::PinPose;
 use super::linkage::Linkage as _;
 use super::mode::Mode;
 use super::state::State;
@@ -35,7 +36,8 @@ impl Block {
     /// Powers at `y` in `mode`: that of the normal law's losses, and by friction `−F_T v_T` where it acts as a
     /// force and a torque, `−F_T r θ̇` where as a torque alone.
     pub fn power(&self, mode: Mode, y: &State<f64>) -> Power {
-        self.power_under(mode, y, self.forces(mode, y, &self.pose(y)))
+        let pose = self.pose(y);
+        self.power_under(mode, (y, &pose), self.forces(mode, y, &pose))
     }
 
     /// The load on the pin of a linkage at `y` in `mode` under the forces of its contact.
@@ -52,11 +54,11 @@ impl Block {
         }
     }
 
-    /// [`power`](Self::power) where these are the forces of the contact.
+    /// [`power`](Self::power) where these are the pose and the forces of the contact.
     pub(super) fn power_under(
         &self,
         mode: Mode,
-        y: &State<f64>,
+        (y, pose): (&State<f64>, &PinPose<f64>),
         forces: ContactForces<f64>,
     ) -> Power {
         let torque = match &self.body {
@@ -67,7 +69,6 @@ impl Block {
         let (Some(onset), true) = (mode.onset(), mode.is_contact()) else {
             return Power { drive, damping: 0.0, friction: 0.0 };
         };
-        let pose = self.pose(y);
         let damping = self.normal.loss(pose.delta, pose.delta_dot, onset);
         let turning = self.pin_radius * self.body.held().spin(y);
         let speed = turning + self.reading.tangential_force * pose.w([y[3], y[4]]);

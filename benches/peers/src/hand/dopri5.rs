@@ -74,7 +74,7 @@ impl Pair for Dopri5 {
     fn interpolate(&self, theta: f64) -> Y {
         let Dense::Stages { p } = &PAIR.dense else { return [f64::NAN; 6] };
         let w: [f64; 7] = std::array::from_fn(|i| {
-            theta * (p[i][0] + theta * (p[i][1] + theta * (p[i][2] + theta * p[i][3])))
+            theta * (p[0][i] + theta * (p[1][i] + theta * (p[2][i] + theta * p[3][i])))
         });
         combine!(self.y0, self.h, self.k, w; 0 2 3 4 5 6)
     }

@@ -26,7 +26,8 @@ impl Chain {
     pub fn power(&self, modes: &Modes, y: &[f64]) -> Power {
         let mut sum = Power::default();
         self.along(modes, y, 0..self.bays, |k, motion| {
-            let power = self.bay.power_under(modes[k], &motion.y, motion.forces());
+            let pose = self.bay.pose(&motion.y);
+            let power = self.bay.power_under(modes[k], (&motion.y, &pose), motion.forces());
             sum.drive += power.drive;
             sum.damping += power.damping;
             sum.friction += power.friction;
