@@ -57,7 +57,8 @@ pub fn stages<Y: Vector<f64>, const S: usize>(
     combine(y0, h, &weights_at(theta, p), k, y);
 }
 
-/// The weights `p_0i θ + p_1i θ² + …` of the stages, all at once: a loop over stages is a few vector instructions.
+/// The weights `p_0i θ + p_1i θ² + …` of the stages, power by power for all of them together, so that the compiler makes vector
+/// instructions of it.
 #[inline]
 fn weights_at<const S: usize>(theta: f64, p: &[[f64; S]]) -> [f64; S] {
     let mut weights = [0.0; S];

@@ -58,7 +58,7 @@ pub struct Run<'a, P: System> {
     most_work: u64,
     most_time: Option<Duration>,
     progress: Progress<'a>,
-    recorder: Option<&'a mut dyn Record<P>>,
+    recorder: Option<Box<dyn Record<P> + 'a>>,
 }
 
 /// What a [`Run`] came to.
@@ -77,7 +77,7 @@ pub struct Run<'a, P: System> {
 /// ```
 #[derive(Debug)]
 pub struct Solution<P: System> {
-    /// How it ended; [`Interrupted`](Outcome::Interrupted) where a limit or the function of progress ended it.
+    /// How it ended; [`Interrupted`](Outcome::Interrupted) where a limit, the function of progress or a recorder ended it.
     pub outcome: Outcome,
     /// Time, state and mode at its end.
     pub end: Point<P>,
@@ -154,8 +154,9 @@ impl<'a, P: System> Run<'a, P> {
         Self { trajectory, ..self }
     }
 
-    /// Records by another recorder, too: [`Observations`](crate::observe::Observations), [`Checked`](crate::contracts::Checked),
-    /// [`WorkByKind`](crate::WorkByKind), or one of your own. It may end the run.
+    /// Beside the trajectory, records by `recorder`: [`Observations`](crate::observe::Observations),
+    /// [`Checked`](crate::contracts::Checked), [`WorkByKind`](crate::WorkByKind), one of your own, or a pair of them. It may end the
+    /// run. A second call replaces the first.
     ///
     /// ```
     /// use deltazero_solvers::Run;
@@ -169,8 +170,8 @@ impl<'a, P: System> Run<'a, P> {
     /// assert_eq!((run.trajectory.events.len(), seen.zeros.len()), (2, 1));
     /// # Ok::<(), deltazero_solvers::Error>(())
     /// ```
-    pub fn record(self, recorder: &'a mut dyn Record<P>) -> Self {
-        Self { recorder: Some(recorder), ..self }
+    pub fn record(self, recorder: impl Record<P> + 'a) -> Self {
+        Self { recorder: Some(Box::new(recorder)), ..self }
     }
 
     /// Ends the run at the first step after so many evaluations of the right-hand side.
@@ -194,7 +195,7 @@ impl<'a, P: System> Run<'a, P> {
     /// [`Error::UnknownMethod`], [`Error::BadControl`] where neither tolerances nor a step are given, and those of
     /// [`Method::solver`] and of [`Integration::run`].
     pub fn to(self, t_end: f64) -> Result<Solution<P>, Error> {
-        let Self { problem, y, t, mode, mut trajectory, mut progress, recorder, .. } = self;
+        let Self { problem, y, t, mode, mut trajectory, mut progress, mut recorder, .. } = self;
         let unknown = || Error::UnknownMethod {
             name: self.method.to_owned(),
             known: METHODS.iter().map(|method| method.name).collect::<Vec<_>>().join(", "),
@@ -219,7 +220,7 @@ impl<'a, P: System> Run<'a, P> {
             Some(mode) => Integration::at(problem, Point { t, y, mode }),
             None => Integration::new(problem, t, y),
         };
-        let mut record = ((&mut trajectory, recorder), watch);
+        let mut record = ((&mut trajectory, recorder.as_deref_mut()), watch);
         let outcome = integration.run(t_end, &mut *solver, &mut record)?;
         Ok(Solution { outcome, end: integration.point, trajectory, stats: integration.stats })
     }

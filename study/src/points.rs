@@ -19,7 +19,7 @@ pub(crate) struct Point<P: System> {
 }
 
 impl<P: System> Point<P> {
-    /// Its state is that at `t`, and it stands for a time `weight`; `mode` is that of a time and a state.
+    /// Sets time, weight and mode, and forgets the slope. The state is that at `t` already.
     fn stand_at(&mut self, t: f64, weight: f64, mode: impl FnOnce(f64, &P::State<f64>) -> P::Mode) {
         (self.t, self.weight) = (t, weight);
         self.mode = mode(t, &self.y);

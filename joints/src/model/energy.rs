@@ -4,7 +4,7 @@ use deltazero_study::problem::{Energy, Power};
 
 use super::block::{Block, ContactForces};
 use super::body::Body;
-use super::contact::PinPose;
+use super::contact::{Onset, PinPose};
 use super::linkage::Linkage as _;
 use super::mode::Mode;
 use super::state::State;
@@ -36,8 +36,12 @@ impl Block {
     /// Powers at `y` in `mode`: that of the normal law's losses, and by friction `−F_T v_T` where it acts as a
     /// force and a torque, `−F_T r θ̇` where as a torque alone.
     pub fn power(&self, mode: Mode, y: &State<f64>) -> Power {
-        let pose = self.pose(y);
-        self.power_under(mode, (y, &pose), self.forces(mode, y, &pose))
+        let onset = mode.onset().filter(|_| mode.is_contact());
+        let contact = onset.map(|onset| {
+            let pose = self.pose(y);
+            (pose, self.forces(mode, y, &pose), onset)
+        });
+        self.power_under(mode, y, contact)
     }
 
     /// The load on the pin of a linkage at `y` in `mode` under the forces of its contact.
@@ -54,19 +58,20 @@ impl Block {
         }
     }
 
-    /// [`power`](Self::power) where these are the pose and the forces of the contact.
+    /// [`power`](Self::power) where this is the contact of the joint, with its forces and how it began; none where `mode` is none.
     pub(super) fn power_under(
         &self,
         mode: Mode,
-        (y, pose): (&State<f64>, &PinPose<f64>),
-        forces: ContactForces<f64>,
+        y: &State<f64>,
+        contact: Option<(PinPose<f64>, ContactForces<f64>, Onset)>,
     ) -> Power {
+        let forces = contact.map_or(ContactForces::frictionless(0.0), |(_, forces, _)| forces);
         let torque = match &self.body {
             Body::Struts(_) => self.torque,
             Body::Linkage(linkage) => linkage.torque(y, self.load_on_linkage(mode, y, forces)),
         };
         let drive = torque * y[5];
-        let (Some(onset), true) = (mode.onset(), mode.is_contact()) else {
+        let Some((pose, forces, onset)) = contact else {
             return Power { drive, damping: 0.0, friction: 0.0 };
         };
         let damping = self.normal.loss(pose.delta, pose.delta_dot, onset);

@@ -26,8 +26,7 @@ impl Chain {
     pub fn power(&self, modes: &Modes, y: &[f64]) -> Power {
         let mut sum = Power::default();
         self.along(modes, y, 0..self.bays, |k, motion| {
-            let pose = self.bay.pose(&motion.y);
-            let power = self.bay.power_under(modes[k], (&motion.y, &pose), motion.forces());
+            let power = self.bay.power_under(modes[k], &motion.y, motion.contact);
             sum.drive += power.drive;
             sum.damping += power.damping;
             sum.friction += power.friction;
