@@ -45,7 +45,7 @@ role = "contact"
 definitions = { F = "push" }
 events = [{ when = "push < 0", to = "leaving" }]
 
-# The pad does not pull: the mass has left it before it is level again, or falls back into the dent.
+# The pad does not pull. The mass is free of it while it is still dented, and rises out of the dent or falls back.
 [modes.leaving]
 definitions = { F = 0 }
 events = [{ when = "x > 0", to = "flight" }, { when = "push > 0", to = "contact" }]
@@ -92,7 +92,7 @@ def main(folder):
 
     def rebound(damping):
         run = folder / "run"
-        # Without the horizon: sixteen runs that are all looked at for one number.
+        # --no-horizon saves the second run that tells how long the motion is predictable.
         deltazero("simulate", "--model", model, "--set", f"D={damping}", "--no-horizon", "--force", "--out", run)
         freed = [float(event["t_s"]) for event in rows(run / "events.csv") if event["mode_after"] == "flight"]
         return max(float(row["x_m"]) for row in rows(run / "trajectory.csv") if float(row["t_s"]) > freed[0])
