@@ -37,4 +37,15 @@ pub(crate) mod carts {
     pub(crate) const GAP: f64 = 0.1;
     pub(crate) const E: f64 = 0.9;
     pub(crate) const T_END: f64 = 1.5;
+
+    /// Places, then velocities.
+    pub(crate) fn start() -> Vec<f64> {
+        let speeds = (1..=N).map(|i| ((i * i) as f64).sin());
+        std::iter::repeat_n(0.0, N).chain(speeds).collect()
+    }
+
+    /// Their sizes, which allowed errors are a share of.
+    pub(crate) fn scale() -> Vec<f64> {
+        [GAP, 1.0].into_iter().flat_map(|scale| std::iter::repeat_n(scale, N)).collect()
+    }
 }

@@ -276,15 +276,11 @@ impl Model for Carts {
     const N_GUARDS: usize = carts::N - 1;
 
     fn start(&self) -> Vec<f64> {
-        let speeds = (1..=carts::N).map(|i| ((i * i) as f64).sin());
-        std::iter::repeat_n(0.0, carts::N).chain(speeds).collect()
+        carts::start()
     }
 
     fn scale(&self) -> Vec<f64> {
-        [carts::GAP, 1.0]
-            .into_iter()
-            .flat_map(|scale| std::iter::repeat_n(scale, carts::N))
-            .collect()
+        carts::scale()
     }
 
     fn rates(&self, y: &[f64], dydt: &mut [f64]) {

@@ -313,14 +313,10 @@ impl Model for Carts {
     const T_END: f64 = carts::T_END;
 
     fn start(&self) -> Vec<f64> {
-        let speeds = (1..=carts::N).map(|i| ((i * i) as f64).sin());
-        std::iter::repeat_n(0.0, carts::N).chain(speeds).collect()
+        carts::start()
     }
 
     fn scale(&self) -> Vec<f64> {
-        [carts::GAP, 1.0]
-            .into_iter()
-            .flat_map(|scale| std::iter::repeat_n(scale, carts::N))
-            .collect()
+        carts::scale()
     }
 }
