@@ -407,7 +407,10 @@ fn fall_on_step<P: System>(
     i: usize,
     watch: &mut GuardWatch<P>,
 ) -> Option<(f64, Option<f64>)> {
-    let at_end = watch.is_violated(i);
+    let (at_end, raised) = (watch.is_violated(i), p.raised(0.5 * watch.bound(i)));
+    if at_end && let Some(at) = raised.only_fall(PRECISION) {
+        return Some((at, None));
+    }
     match fall_of(p, watch.bound(i)) {
         Some(Fall { at, rises: false, .. }) if at_end => Some((at, None)),
         Some(Fall { at, mut deepest, .. }) => {
@@ -418,7 +421,7 @@ fn fall_on_step<P: System>(
             watch.note_dip(i);
             Some((at, Some(deepest)))
         }
-        None => at_end.then(|| (last_fall(&p.raised(0.5 * watch.bound(i)), 1.0), None)),
+        None => at_end.then(|| (last_fall(&raised, 1.0), None)),
     }
 }
 

@@ -154,6 +154,14 @@ impl Polynomial {
         self
     }
 
+    /// Its root in (0, 1), to within `precision`, where it falls there and has no other; `None` where the signs of its Bernstein
+    /// coefficients do not show that.
+    pub fn only_fall(&self, precision: f64) -> Option<f64> {
+        let ([first, last], is_simple) = Bernstein::on(self, 0.0).signs();
+        let falls = is_simple && first > 0.0 && last < 0.0;
+        falls.then(|| find_root(|s| self.at(s), Bracket { above: 0.0, below: 1.0 }, precision))
+    }
+
     /// The first root in `[from, 1]` at which the polynomial falls from above zero, to within `precision`; `None`
     /// where there is none.
     pub fn first_fall(&self, from: f64, precision: f64) -> Option<f64> {
@@ -311,6 +319,27 @@ mod tests {
         let found = p.first_fall(0.3, 1e-12).unwrap_or(f64::NAN);
         assert!((found - 0.6).abs() < 1e-10, "{found}");
         assert_eq!(p.first_fall(0.75, 1e-12), None);
+    }
+
+    #[test]
+    fn an_only_fall_is_the_first_one_and_others_are_not_told() {
+        for (leading, roots) in [(-1.0, &[0.3][..]), (-2.0, &[0.7, 3.0, 4.0]), (3.0, &[0.999, 1.5])]
+        {
+            let p = of_roots(leading, roots);
+            let found = p.only_fall(1e-14);
+            assert!(found.is_some_and(|s| (s - roots[0]).abs() < 1e-13), "{roots:?}: {found:?}");
+            assert_eq!(found, p.first_fall(0.0, 1e-14));
+        }
+        // It rises again, rises, is only touched, has no root, falls at zero.
+        for (leading, roots) in [
+            (1.0, &[0.3, 0.4][..]),
+            (1.0, &[0.3]),
+            (1.0, &[0.5, 0.5]),
+            (1.0, &[1.5, -0.5]),
+            (-1.0, &[0.0]),
+        ] {
+            assert_eq!(of_roots(leading, roots).only_fall(1e-14), None, "{roots:?}");
+        }
     }
 
     #[test]
