@@ -5,9 +5,10 @@ mod told;
 
 pub(crate) use mode::role;
 
+use std::ops::RangeInclusive;
+
 use deltazero_study::problem::Quantity;
 
-use crate::columns::observable;
 use crate::declarations::{Declarations, Definition, Equation, PartDeclaration};
 use crate::document::At;
 use crate::expand::Expander;
@@ -42,22 +43,20 @@ pub(crate) fn compile(
         .iter()
         .map(|value| expander.number(&value.value, "the start of a discrete value"));
     let discrete = discrete.collect::<Checked<Vec<_>>>()?;
-    let observable = observable(file);
+    let observables = told::observables(&mut expander)?;
     let (mut modes, mut warnings) = (Vec::new(), Vec::new());
     let (mut tried, mut rates, mut guards) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..file.modes.len() {
         expander.enter(i);
         tried.push(mode::try_definitions(&mut expander, i));
         let (mode, [own_rates, own_guards]) =
-            mode::mode(&mut expander, i, &observable, &mut warnings)?;
+            mode::mode(&mut expander, i, &observables, &mut warnings)?;
         modes.push(mode);
         rates.push(own_rates);
         guards.extend(own_guards);
     }
     check_definitions(file, tried)?;
     told::warn_of_contact(file, &mut warnings);
-    // Before the derivatives, which are not to count against what a file may expand to.
-    let observables = observables(&mut expander, &observable)?;
     let sparsity = Sparsity::new(&expander.graph, &rates);
     let guard_span = span(&expander.graph, &guards, expander.layout.n);
     let is_autonomous = !rates.iter().any(|rates| expander.graph.is_of_time(rates));
@@ -75,7 +74,7 @@ pub(crate) fn compile(
         }),
         states: states(&expander, &scales),
         groups: groups(&expander),
-        observables,
+        observables: told::columns(&observables),
         sparsity,
         guard_span,
         unit_of_time: t_end.map_or(1.0, |t_end| t_end.min(1.0)),
@@ -108,12 +107,6 @@ fn groups(expander: &Expander<'_>) -> Vec<Option<String>> {
     let groups = states
         .map(|(i, state)| std::iter::repeat_n(state.group.clone(), expander.layout.range(i).len()));
     groups.flatten().collect()
-}
-
-/// The observables as a study knows them.
-fn observables(expander: &mut Expander<'_>, observable: &[&Definition]) -> Checked<Vec<Quantity>> {
-    let all = told::observables(expander, observable)?.into_iter();
-    Ok(all.map(|(name, unit)| Quantity::new(name, unit, 1.0)).collect())
 }
 
 /// The lengths of vectors.
@@ -325,13 +318,16 @@ fn targets(
     }
 }
 
-/// All numbers of a definition with their indices.
-pub(crate) fn instances(
+/// The indices of a definition; none of what is one number.
+fn indices(
     expander: &mut Expander<'_>,
     definition: &Definition,
-) -> Checked<Vec<Option<i64>>> {
-    match &definition.indices {
-        None => Ok(vec![None]),
-        Some(indices) => Ok(expander.range(indices)?.map(Some).collect()),
-    }
+) -> Checked<Option<RangeInclusive<i64>>> {
+    definition.indices.as_ref().map(|indices| expander.range(indices)).transpose()
+}
+
+/// Each of these indices; none, once, for what is one number.
+fn each_of(indices: Option<RangeInclusive<i64>>) -> impl Iterator<Item = Option<i64>> {
+    let single = indices.is_none().then_some(None);
+    single.into_iter().chain(indices.into_iter().flatten().map(Some))
 }

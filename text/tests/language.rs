@@ -204,3 +204,30 @@ fn events_set_all_at_once_and_modes_hold_values() {
     assert_eq!(model.transition(second, 0, 0.0, &mut y), Next::Stop);
     assert!(model.takes_energy(&first, &second) && !model.takes_energy(&second, &first));
 }
+
+/// A mode `a` before a mode `b`, with bounds `m` of their own.
+fn with_bounds(definitions: &str, [of_a, of_b]: [&str; 2]) -> String {
+    format!(
+        "[states]\nx = {{ length = 3, start = \"i\" }}\n[definitions]\n{definitions}\n[rates]\nx = \"-x[i]\"\n\
+         [modes.a]\ndefinitions = {{ {of_a} }}\nevents = [{{ when = \"t > 2\", to = \"b\" }}]\n\
+         [modes.b]\ndefinitions = {{ {of_b} }}\n"
+    )
+}
+
+#[test]
+fn an_observable_of_one_mode_has_its_indices_there_and_is_zero_elsewhere() {
+    let w = "w = { value = \"j*x[j]\", for = \"j in 1..m\", observe = true }";
+    let model = model(&with_bounds(
+        "u = { value = \"100*x[1]\", observe = true }",
+        [&format!("m = 3, {w}"), ""],
+    ));
+    let columns = model.columns(0);
+    let names: Vec<&str> = columns[3..].iter().map(|column| &*column.name).collect();
+    assert_eq!(names, ["u", "w[1]", "w[2]", "w[3]"]);
+    let y = Problem::start(&model);
+    for (mode, expected) in
+        modes(&model).iter().zip([[100.0, 1.0, 4.0, 9.0], [100.0, 0.0, 0.0, 0.0]])
+    {
+        model.rows(mode, 0.0, &y, &mut |_, row| assert_eq!(row[3..], expected));
+    }
+}

@@ -1,7 +1,7 @@
 //! One mode: its rates, guards, transitions and what is told of it.
 
-use super::told::told;
-use super::{Assignment, Purpose, assignments, instances, within};
+use super::told::{Observable, told};
+use super::{Assignment, Purpose, assignments, each_of, indices, within};
 use crate::declarations::{Definition, EventDeclaration, Follows, ModeRole};
 use crate::expand::{Expander, Flaw};
 use crate::expression::{Comparison, Relation};
@@ -34,7 +34,7 @@ pub(super) fn try_definitions(
 }
 
 fn try_definition(expander: &mut Expander<'_>, definition: &Definition) -> Checked<()> {
-    for index in instances(expander, definition)? {
+    for index in each_of(indices(expander, definition)?) {
         expander.value_of(definition, index)?;
     }
     Ok(())
@@ -44,7 +44,7 @@ fn try_definition(expander: &mut Expander<'_>, definition: &Definition) -> Check
 pub(super) fn mode(
     expander: &mut Expander<'_>,
     number: usize,
-    observable: &[&Definition],
+    observables: &[Observable<'_>],
     warnings: &mut Vec<Complaint>,
 ) -> Checked<(CompiledMode, [Vec<Id>; 2])> {
     let declared = &expander.file.modes[number];
@@ -83,7 +83,7 @@ pub(super) fn mode(
         }
     });
     let keep = keep.collect::<Checked<Vec<_>>>()?;
-    let told = told(expander, number, &rates, observable)?;
+    let told = told(expander, number, &rates, observables)?;
     let mode = CompiledMode {
         name: declared.name.value.clone(),
         role: declared.role,

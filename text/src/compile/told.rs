@@ -1,6 +1,11 @@
 //! What is told of a mode beside its motion: contact, energies, powers, observables.
 
-use super::instances;
+use std::ops::RangeInclusive;
+
+use deltazero_study::problem::Quantity;
+
+use super::{each_of, indices};
+use crate::columns::observable;
 use crate::declarations::{Declarations, Definition, ModeRole};
 use crate::derivative::along_flow;
 use crate::dimensions::contact_factors;
@@ -17,10 +22,10 @@ pub(super) fn told(
     expander: &mut Expander<'_>,
     mode: usize,
     rates: &[Id],
-    observable: &[&Definition],
+    observables: &[Observable<'_>],
 ) -> Checked<Told> {
     expander.outside = Outside::Zero;
-    let told = told_within(expander, mode, rates, observable);
+    let told = told_within(expander, mode, rates, observables);
     expander.outside = Outside::Refused;
     told
 }
@@ -29,7 +34,7 @@ fn told_within(
     expander: &mut Expander<'_>,
     mode: usize,
     rates: &[Id],
-    observable: &[&Definition],
+    observables: &[Observable<'_>],
 ) -> Checked<Told> {
     let touch = touch(expander, mode, rates)?;
     let energy = energy(expander, mode)?;
@@ -37,7 +42,7 @@ fn told_within(
     for own in &expander.file.power {
         power.push(optional(expander, own.as_ref())?);
     }
-    let observables = observed(expander, mode, observable)?;
+    let observables = observed(expander, observables)?;
     let graph = &expander.graph;
     Ok(Told {
         touch: Program::of(graph, &touch),
@@ -103,18 +108,68 @@ fn energy(expander: &mut Expander<'_>, mode: usize) -> Checked<Vec<Id>> {
     Ok(vec![kinetic, elastic])
 }
 
+/// An observable with its indices, which are the same in all modes: each has a column in tables.
+pub(super) struct Observable<'a> {
+    definition: &'a Definition,
+    indices: Option<RangeInclusive<i64>>,
+}
+
+/// The observables that exist in some mode.
+pub(super) fn observables<'a>(expander: &mut Expander<'a>) -> Checked<Vec<Observable<'a>>> {
+    let file = expander.file;
+    let all = observable(file);
+    // The first mode where each exists, and its indices there.
+    let mut found = vec![None; all.len()];
+    for mode in 0..file.modes.len() {
+        expander.enter(mode);
+        for (definition, found) in all.iter().zip(&mut found) {
+            let Some(here) = definition_here(expander, definition) else { continue };
+            let indices = indices(expander, here).map_err(|complaint| complaint.or_help(OF))?;
+            match found {
+                None => *found = Some((mode, indices)),
+                Some((before, first)) if *first != indices => {
+                    return Err(other_indices(file, here, [*before, mode]));
+                }
+                Some(_) => {}
+            }
+        }
+    }
+    let all = all.into_iter().zip(found);
+    Ok(all
+        .filter_map(|(definition, found)| Some(Observable { definition, indices: found?.1 }))
+        .collect())
+}
+
+/// The definition that the name of an observable stands for in this mode; none where it does not exist.
+fn definition_here<'a>(expander: &Expander<'a>, observable: &Definition) -> Option<&'a Definition> {
+    let (file, mode) = (expander.file, expander.mode()?);
+    let name = &observable.name;
+    let here = match expander.names.meaning(&name.value, name.span, Some(mode)) {
+        Ok(Meaning::Common(i)) => &file.definitions[i],
+        Ok(Meaning::OfMode(i)) => &file.modes[mode].definitions[i],
+        _ => return None,
+    };
+    expander.exists(here).then_some(here)
+}
+
+fn other_indices(file: &Declarations, here: &Definition, modes: [usize; 2]) -> Complaint {
+    let [before, mode] = modes.map(|mode| &file.modes[mode].name.value);
+    let name = &here.name;
+    let span = here.indices.as_ref().map_or(name.span, |indices| indices.span);
+    let message =
+        format!("`{}` has other indices in the mode `{mode}` than in `{before}`", name.value);
+    Complaint::new(span, message).help(
+        "an observable has a column in tables for each index, the same in all modes: give its `for` the same bounds in all of them",
+    )
+}
+
 /// The observables in a mode; zero is one that does not exist there.
-fn observed(
-    expander: &mut Expander<'_>,
-    mode: usize,
-    observable: &[&Definition],
-) -> Checked<Vec<Id>> {
+fn observed(expander: &mut Expander<'_>, observables: &[Observable<'_>]) -> Checked<Vec<Id>> {
     let mut all = Vec::new();
-    for definition in observable {
+    for Observable { definition, indices } in observables {
         let name = &definition.name;
-        let meaning = expander.names.meaning(&name.value, name.span, Some(mode));
-        let is_here = matches!(meaning, Ok(Meaning::Common(_) | Meaning::OfMode(_)));
-        for index in instances(expander, definition)? {
+        let is_here = definition_here(expander, definition).is_some();
+        for index in each_of(indices.clone()) {
             let at = index.map(|i| (i, name.span));
             all.push(if is_here {
                 let node = expander.named(&name.value, at, name.span);
@@ -130,22 +185,19 @@ fn observed(
 /// What is told where an observable cannot be made in a mode.
 const OF: &str = "an observable is told in all modes; `of = [\"a mode\"]` says where it exists";
 
-/// Names and units of the observables.
-pub(super) fn observables(
-    expander: &mut Expander<'_>,
-    observable: &[&Definition],
-) -> Checked<Vec<(String, String)>> {
+/// The columns of the observables.
+pub(super) fn columns(observables: &[Observable<'_>]) -> Vec<Quantity> {
     let mut all = Vec::new();
-    for definition in observable {
+    for Observable { definition, indices } in observables {
         let Definition { name, unit, .. } = definition;
-        let unit = unit.as_ref().map_or(String::new(), |unit| unit.value.clone());
-        for index in instances(expander, definition)? {
+        let unit = unit.as_ref().map_or("", |unit| &unit.value);
+        for index in each_of(indices.clone()) {
             let name = match index {
                 None => name.value.clone(),
                 Some(i) => format!("{}[{i}]", name.value),
             };
-            all.push((name, unit.clone()));
+            all.push(Quantity::new(name, unit.to_owned(), 1.0));
         }
     }
-    Ok(all)
+    all
 }

@@ -436,3 +436,22 @@ fn each_of_many_observables_is_told_once_however_many_modes_there_are() {
     let names: Vec<&str> = columns.iter().map(|column| &*column.name).collect();
     assert_eq!((names.len(), &names[..3]), (12_001, &["x", "o0", "o1"][..]));
 }
+
+#[test]
+fn an_observable_with_other_indices_in_another_mode_is_refused() {
+    let with = |common: &str, of_a: &str, of_b: &str| {
+        format!(
+            "[states]\nx = {{ length = 3, start = 1 }}\n[rates]\nx = 0\n[definitions]\n{common}\n\
+             [modes.a]\ndefinitions = {{ {of_a} }}\n[modes.b]\ndefinitions = {{ {of_b} }}\n"
+        )
+    };
+    let w = |last: &str| {
+        format!("w = {{ value = \"j*x[j]\", for = \"j in 1..{last}\", observe = true }}")
+    };
+    file(&with(&w("m"), "m = 2", "m = 2"));
+    for text in [with(&w("m"), "m = 3", "m = 2"), with("", &w("3"), &w("2"))] {
+        let report = ModelFile::parse("model.toml", &text).unwrap_err();
+        assert_eq!(report.message(), "`w` has other indices in the mode `b` than in `a`");
+        assert!(text[report.span()].starts_with("j in 1..") && report.help().is_some(), "{report}");
+    }
+}
