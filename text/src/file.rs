@@ -204,6 +204,7 @@ impl ModelFile {
         if self.file.parts.is_empty() {
             return Ok(vec![compile(&self.file, &self.names, parameters, None, t_end)?]);
         }
+        self.check_shape_of_parts(&parameters)?;
         let parts = self.file.parts.iter();
         parts.map(|part| self.part(part, parameters.clone(), values, t_end)).collect()
     }
@@ -228,6 +229,34 @@ impl ModelFile {
             parameters[i] = *value;
         }
         compile(&self.file, &self.names, parameters, Some(part), t_end)
+    }
+
+    /// Checks that all parts have as many states and observables: their rows stand in one table.
+    fn check_shape_of_parts(&self, parameters: &[f64]) -> Checked<()> {
+        for name in parameters_of_shape(&self.file) {
+            let given = self
+                .file
+                .parts
+                .iter()
+                .map(|part| part.parameters.iter().find(|(own, _)| own.value == name));
+            let common = parameters[self.parameter(name, Span { start: 0, end: 0 })?];
+            let mut first = None;
+            for own in given {
+                let value = own.map_or(common, |(_, value)| *value);
+                let (first_value, first_own) = *first.get_or_insert((value, own));
+                if let Some((here, _)) = own.or(first_own)
+                    && value != first_value
+                {
+                    let message = format!(
+                        "`{name}` is {first_value} in one part and {value} in another, and lengths are made of it"
+                    );
+                    return Err(Complaint::new(here.span, message).help(
+                        "all parts have as many states and observables: give it one value in [parameters], or make each part a file",
+                    ));
+                }
+            }
+        }
+        Ok(())
     }
 
     fn parameter(&self, name: &str, span: Span) -> Checked<usize> {

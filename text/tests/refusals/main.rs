@@ -455,3 +455,23 @@ fn an_observable_with_other_indices_in_another_mode_is_refused() {
         assert!(text[report.span()].starts_with("j in 1..") && report.help().is_some(), "{report}");
     }
 }
+
+#[test]
+fn parts_of_other_lengths_are_refused() {
+    let with = |parts: &str| {
+        format!(
+            "[parameters]\nn = 2\nk = 1\n[states]\nx = {{ length = \"n\", start = \"i\" }}\n[modes.a]\n\
+             rates = {{ x = \"-k*x[i]\" }}\n{parts}"
+        )
+    };
+    for (parts, place) in [
+        ("[parts.one]\nn = 3\n[parts.two]\nn = 1\n", ":11:1"),
+        ("[parts.one]\nn = 3\n[parts.two]\nk = 1\n", ":9:1"),
+        ("[parts.one]\n[parts.two]\n[parts.three]\nn = 1\n", ":11:1"),
+    ] {
+        let told = refusal(&with(parts));
+        assert!(told.contains("and lengths are made of it") && told.contains("help"), "{told}");
+        assert!(told.contains(place), "{place}: {told}");
+    }
+    file(&with("[parts.one]\nn = 3\n[parts.two]\nn = 3\nk = 2\n"));
+}
