@@ -19,6 +19,12 @@ pub(crate) fn observable(file: &Declarations) -> Vec<&Definition> {
     all.filter(|own| own.is_observable && known.insert(&own.name.value)).collect()
 }
 
+/// The units of the columns of observables that have one.
+pub(crate) fn units_of_columns(file: &Declarations) -> HashMap<&str, &At<String>> {
+    let all = observable(file).into_iter();
+    all.filter_map(|own| Some((own.name.value.as_str(), own.unit.as_ref()?))).collect()
+}
+
 /// Checks that each column has a name of its own.
 pub(crate) fn check_columns(file: &Declarations) -> Checked<()> {
     let states = file.states.iter();

@@ -16,6 +16,7 @@ use std::collections::HashMap;
 pub(crate) use contact::{contact_factors, contact_units};
 use known::{Known, added, expected, same, strictly_same};
 
+use crate::columns::units_of_columns;
 use crate::declarations::{
     Declarations, Definition, Equation, EventDeclaration, ModeDeclaration, ModeRole,
 };
@@ -34,6 +35,7 @@ pub(crate) fn check_units(file: &Declarations, names: &Names) -> Checked<()> {
         return Ok(());
     }
     let mut check = Check::new(file, names, None);
+    check.columns = units_of_columns(file);
     for (i, state) in file.states.iter().enumerate() {
         let own = check.of_state(i);
         for formula in state.start.iter().chain(&state.scale) {
@@ -56,6 +58,8 @@ struct Check<'a> {
     mode: Option<usize>,
     /// Units of definitions and kept values in this mode.
     known: HashMap<Meaning, Known>,
+    /// Units of the columns in tables, which hold the definitions of their name of all modes.
+    columns: HashMap<&'a str, &'a At<String>>,
     /// Names of indices, which are numbers.
     indices: Vec<&'a str>,
     depth: usize,
@@ -86,7 +90,8 @@ fn parsed(unit: Option<&At<String>>) -> Known {
 
 impl<'a> Check<'a> {
     fn new(file: &'a Declarations, names: &'a Names, mode: Option<usize>) -> Self {
-        Self { file, names, mode, known: HashMap::new(), indices: Vec::new(), depth: 0 }
+        let (known, columns) = (HashMap::new(), HashMap::new());
+        Self { file, names, mode, known, columns, indices: Vec::new(), depth: 0 }
     }
 
     fn of_state(&self, state: usize) -> Known {
@@ -109,11 +114,15 @@ impl<'a> Check<'a> {
 
     fn mode(&mut self, mode: &'a ModeDeclaration) -> Checked<()> {
         let file = self.file;
-        for definition in file.definitions.iter().chain(&mode.definitions) {
-            let name = &definition.name;
-            if let Some(meaning) = self.meaning(&name.value) {
+        for (i, definition) in file.definitions.iter().enumerate() {
+            // In a mode with one of its own by this name nothing is made of it.
+            let meaning = Meaning::Common(i);
+            if self.meaning(&definition.name.value) == Some(meaning) {
                 self.definition(definition, meaning)?;
             }
+        }
+        for (i, definition) in mode.definitions.iter().enumerate() {
+            self.definition(definition, Meaning::OfMode(i))?;
         }
         for equation in mode.rates.iter().chain(&file.rates) {
             let unit = self.of_target(equation).over(Known::unit(Unit::SECOND));
@@ -242,13 +251,18 @@ impl<'a> Check<'a> {
         }
     }
 
-    /// The unit of a definition, as given, else that of its formula.
+    /// The unit of a definition, as given or as that of its column, else that of its formula.
     fn definition(&mut self, definition: &'a Definition, meaning: Meaning) -> Checked<Known> {
         let index = definition.indices.as_ref().map(|indices| &*indices.name);
         let found = self.remembered(meaning, &definition.value, index)?;
-        let given = parsed(definition.unit.as_ref());
-        let what = format!("`{}`", definition.name.value);
-        expected(found, given, definition.value.span, &what)?;
+        let name = &definition.name.value;
+        let of_column = self.columns.get(name.as_str()).copied();
+        let given = parsed(definition.unit.as_ref().or(of_column));
+        let fits = expected(found, given, definition.value.span, &format!("`{name}`"));
+        fits.map_err(|complaint| match (&definition.unit, of_column) {
+            (None, Some(unit)) => complaint.and(unit.span, "the unit of its column in tables"),
+            _ => complaint,
+        })?;
         Ok(if matches!(given, Known::Open) { found } else { given })
     }
 

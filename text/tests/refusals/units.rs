@@ -213,3 +213,40 @@ fn functions_in_functions_are_looked_at_once() {
     let right = format!("F/m*{}v*t/x{}", "sin(".repeat(60), ")".repeat(60));
     assert_eq!(said_of_units(&right), "");
 }
+
+/// A mass on a spring of K [kN/m] with a common definition, and one of the mode that stands before it.
+fn with_definitions(common: &str, of_mode: &str) -> String {
+    format!(
+        "[parameters]\nm = {{ value = 2, unit = \"kg\" }}\nK = {{ value = 1, unit = \"kN/m\" }}\n\
+         [states]\nx = {{ start = 0, unit = \"m\" }}\nv = {{ start = 0, unit = \"m/s\" }}\n\
+         [definitions]\n{common}\n[modes.a]\ndefinitions = {{ {of_mode} }}\nrates = {{ x = \"v\", v = \"F/m\" }}\n"
+    )
+}
+
+#[test]
+fn a_definition_of_a_mode_is_looked_at_though_a_common_one_has_its_name() {
+    let kilonewtons = "F = \"-K*x\"";
+    for (common, both) in [
+        (
+            "F = { value = 0, unit = \"N\" }",
+            [
+                "`F` is in m kg s^-2, and this is in 1000 m kg s^-2",
+                "the unit of its column in tables",
+            ],
+        ),
+        ("F = 0", ["the rate of `v` is in m s^-2", "this is in 1000 m s^-2"]),
+    ] {
+        let said = refusal(&with_definitions(common, kilonewtons));
+        assert!(both.iter().all(|own| said.contains(own)), "{common}: {said}");
+    }
+    let newtons = "F = { value = \"-1000*K*x\", unit = \"N\" }";
+    let fits = with_definitions("F = \"x\"", newtons);
+    file(&fits);
+    // Here the column of newtons would hold metres in the mode `b`.
+    let said = refusal(&(fits + "[modes.b]\nrates = { x = \"v\", v = 0 }\n"));
+    assert!(
+        said.contains("and this is in m\n") && said.contains("the unit of its column"),
+        "{said}"
+    );
+    file(&with_definitions("F = { value = 0, unit = \"N\" }", "F = \"-1000*K*x\""));
+}
