@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use deltazero_study::problem::Quantity;
 
 use super::{each_of, indices};
-use crate::columns::observable;
+use crate::columns::{observable, units_of_columns};
 use crate::declarations::{Declarations, Definition, ModeRole};
 use crate::derivative::along_flow;
 use crate::dimensions::contact_factors;
@@ -111,6 +111,7 @@ fn energy(expander: &mut Expander<'_>, mode: usize) -> Checked<Vec<Id>> {
 /// An observable with its indices, which are the same in all modes: each has a column in tables.
 pub(super) struct Observable<'a> {
     definition: &'a Definition,
+    unit: &'a str,
     indices: Option<RangeInclusive<i64>>,
 }
 
@@ -134,10 +135,12 @@ pub(super) fn observables<'a>(expander: &mut Expander<'a>) -> Checked<Vec<Observ
             }
         }
     }
-    let all = all.into_iter().zip(found);
-    Ok(all
-        .filter_map(|(definition, found)| Some(Observable { definition, indices: found?.1 }))
-        .collect())
+    let units = units_of_columns(file);
+    let observable = |(definition, found): (&'a Definition, Option<(usize, _)>)| {
+        let unit = units.get(definition.name.value.as_str()).map_or("", |unit| &unit.value);
+        Some(Observable { definition, unit, indices: found?.1 })
+    };
+    Ok(all.into_iter().zip(found).filter_map(observable).collect())
 }
 
 /// The definition that the name of an observable stands for in this mode; none where it does not exist.
@@ -166,7 +169,7 @@ fn other_indices(file: &Declarations, here: &Definition, modes: [usize; 2]) -> C
 /// The observables in a mode; zero is one that does not exist there.
 fn observed(expander: &mut Expander<'_>, observables: &[Observable<'_>]) -> Checked<Vec<Id>> {
     let mut all = Vec::new();
-    for Observable { definition, indices } in observables {
+    for Observable { definition, indices, .. } in observables {
         let name = &definition.name;
         let is_here = definition_here(expander, definition).is_some();
         for index in each_of(indices.clone()) {
@@ -188,15 +191,13 @@ const OF: &str = "an observable is told in all modes; `of = [\"a mode\"]` says w
 /// The columns of the observables.
 pub(super) fn columns(observables: &[Observable<'_>]) -> Vec<Quantity> {
     let mut all = Vec::new();
-    for Observable { definition, indices } in observables {
-        let Definition { name, unit, .. } = definition;
-        let unit = unit.as_ref().map_or("", |unit| &unit.value);
+    for Observable { definition: Definition { name, .. }, unit, indices } in observables {
         for index in each_of(indices.clone()) {
             let name = match index {
                 None => name.value.clone(),
                 Some(i) => format!("{}[{i}]", name.value),
             };
-            all.push(Quantity::new(name, unit.to_owned(), 1.0));
+            all.push(Quantity::new(name, (*unit).to_owned(), 1.0));
         }
     }
     all

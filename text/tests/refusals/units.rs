@@ -250,3 +250,23 @@ fn a_definition_of_a_mode_is_looked_at_though_a_common_one_has_its_name() {
     );
     file(&with_definitions("F = { value = 0, unit = \"N\" }", "F = \"-1000*K*x\""));
 }
+
+#[test]
+fn definitions_of_two_modes_have_one_column_and_one_unit() {
+    let with = |[of_a, of_b]: [&str; 2]| {
+        let gap = |unit: &str| {
+            format!("definitions = {{ gap = {{ value = \"x\", unit = \"{unit}\" }} }}\n")
+        };
+        let text = "[states]\nx = 1\n[rates]\nx = 1\n[modes.a]\n".to_owned();
+        text + &gap(of_a) + "[modes.b]\n" + &gap(of_b)
+    };
+    for units in [["m", "m"], ["N m", "J"]] {
+        file(&with(units));
+    }
+    for units in [["m", "mm"], ["rpm", "rps"], ["m", "rpm"]] {
+        let said = refusal(&with(units));
+        for words in ["and both have one column in tables", "the other one", "help", ":8:45"] {
+            assert!(said.contains(words), "{words}: {said}");
+        }
+    }
+}
