@@ -44,7 +44,8 @@ impl<'a> Entries<'a> {
             }
         };
         let mut all: Vec<_> = table.iter().map(entry).collect();
-        all.sort_by_key(|entry| entry.key_span.start);
+        // The key of a table has the place of its own header, which may stand behind that of a table in it.
+        all.sort_by_cached_key(|entry| entry.key_span.start.min(first_key(entry.value)));
         Self { all, span }
     }
 
@@ -90,6 +91,13 @@ impl<'a> Entries<'a> {
     pub(crate) fn iter(&self) -> impl Iterator<Item = Entry<'a>> + '_ {
         self.all.iter().copied()
     }
+}
+
+/// Where the first key within a table stands; behind everything for what is no table.
+fn first_key(value: &DeValue<'_>) -> usize {
+    let DeValue::Table(table) = value else { return usize::MAX };
+    let keys = table.iter().map(|(key, value)| key.span().start.min(first_key(value.get_ref())));
+    keys.min().unwrap_or(usize::MAX)
 }
 
 impl<'a> Entry<'a> {

@@ -231,3 +231,14 @@ fn an_observable_of_one_mode_has_its_indices_there_and_is_zero_elsewhere() {
         model.rows(mode, 0.0, &y, &mut |_, row| assert_eq!(row[3..], expected));
     }
 }
+
+#[test]
+fn a_run_starts_in_the_first_mode_of_the_file_though_its_subtable_stands_first() {
+    for first in ["[modes.b.rates]\nx = \"-x\"\n", "[modes.b.definitions.F]\nvalue = 1\n"] {
+        let model = model(&format!(
+            "[states]\nx = 1\n[rates]\nx = 1\n{first}[modes.a]\n[modes.b]\nrole = \"contact\"\n"
+        ));
+        assert_eq!(model.named_modes(), ["b", "a"]);
+        assert_eq!(model.name_of(model.initial_mode(0.0, &Problem::start(&model))), "b");
+    }
+}
