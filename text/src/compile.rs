@@ -104,8 +104,10 @@ fn states(expander: &Expander<'_>, scales: &[f64]) -> Vec<Quantity> {
 /// The group of each state.
 fn groups(expander: &Expander<'_>) -> Vec<Option<String>> {
     let states = expander.file.states.iter().enumerate();
-    let groups = states
-        .map(|(i, state)| std::iter::repeat_n(state.group.clone(), expander.layout.range(i).len()));
+    let groups = states.map(|(i, state)| {
+        let group = state.group.as_ref().map(|group| group.value.clone());
+        std::iter::repeat_n(group, expander.layout.range(i).len())
+    });
     groups.flatten().collect()
 }
 

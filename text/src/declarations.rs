@@ -93,7 +93,7 @@ pub(crate) struct StateDeclaration {
     pub(crate) length: Option<Expression>,
     pub(crate) unit: Option<At<String>>,
     pub(crate) scale: Option<Expression>,
-    pub(crate) group: Option<String>,
+    pub(crate) group: Option<At<String>>,
 }
 
 /// `target = value`: a rate, or what an event sets.
@@ -300,7 +300,7 @@ fn state(entry: Entry<'_>) -> Checked<StateDeclaration> {
         length: entries.read("length", Entry::expression)?,
         unit: entries.read("unit", Entry::text)?,
         scale: entries.read("scale", Entry::expression)?,
-        group: entries.read("group", Entry::text)?.map(|group| group.value),
+        group: entries.read("group", Entry::text)?,
     })
 }
 

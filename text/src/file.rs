@@ -9,6 +9,7 @@ use crate::compile::{Compiled, compile};
 use crate::declarations::{Declarations, PartDeclaration, declarations};
 use crate::dimensions::{check_units, contact_units, unread_units};
 use crate::document::not_toml;
+use crate::groups::check_groups;
 use crate::names::Names;
 use crate::report::{Checked, Complaint, Report, Source, Span};
 use crate::shape::parameters_of_shape;
@@ -94,6 +95,7 @@ impl ModelFile {
         let file = declarations(text, table.get_ref())?;
         let names = Names::new(&file)?;
         check_columns(&file)?;
+        check_groups(&file)?;
         let parameters = parameters(&file)?;
         let mut checked =
             Self { source: source.clone(), file, names, parameters, warnings: Vec::new() };

@@ -49,7 +49,7 @@
 //! | step | modules |
 //! |---|---|
 //! | read | `document` (TOML with places), `token` and `expression` (formulas), `declarations` (the file as it stands) |
-//! | check | `names` (what they mean), `columns` of tables, `units` and `dimensions`; complaints are `report`s |
+//! | check | `names` (what they mean), `columns` of tables, `groups` of states, `units` and `dimensions`; complaints are `report`s |
 //! | expand | `layout` (where states are, `shape`: what that follows from), `expand` (indices, sums, definitions) into one `graph`; `derivative`, `sparsity`, `jacobian` |
 //! | compile | `compile`, mode by mode, to a `tape` of operations |
 //! | run | a `program`: `evaluate` its tape with any number, or by `machine` code with `f64`; `functions` |
@@ -70,6 +70,7 @@ mod expression;
 mod file;
 mod functions;
 mod graph;
+mod groups;
 mod jacobian;
 mod layout;
 #[cfg(feature = "machine-code")]

@@ -475,3 +475,39 @@ fn parts_of_other_lengths_are_refused() {
     }
     file(&with("[parts.one]\nn = 3\n[parts.two]\nn = 3\nk = 2\n"));
 }
+
+#[test]
+fn a_group_has_a_name_of_its_own_and_one_unit() {
+    let with = |x: &str, y: &str| {
+        format!("[states]\nx = {{ {x} }}\ny = {{ {y} }}\n[modes.a]\nrates = {{ x = 0, y = 0 }}\n")
+    };
+    for (x, y, message, place) in [
+        ("start = 1", "start = 1e6, group = \"x\"", "`x` is a state outside the group", "\"x\""),
+        ("group = \"y\"", "start = 1", "`y` is a state outside the group", "\"y\""),
+        (
+            "length = 2",
+            "start = 1, group = \"x[2]\"",
+            "`x` is a state outside the group",
+            "\"x[2]\"",
+        ),
+        (
+            "unit = \"m\", group = \"g\"",
+            "unit = \"m/s\", group = \"g\"",
+            "the states of the group `g` differ in their units",
+            "\"m/s\"",
+        ),
+    ] {
+        let text = with(x, y);
+        let report = ModelFile::parse("model.toml", &text).unwrap_err();
+        assert!(report.message().starts_with(message) && report.help().is_some(), "{report}");
+        assert_eq!(&text[report.span()], place, "{report}");
+    }
+    for (x, y) in [
+        ("group = \"x\"", "group = \"x\""),
+        ("length = 2, group = \"x\"", "start = 1"),
+        ("unit = \"N m\", group = \"g\"", "unit = \"J\", group = \"g\""),
+        ("unit = \"N\", group = \"g\"", "group = \"g\""),
+    ] {
+        file(&with(x, y));
+    }
+}
