@@ -14,6 +14,8 @@ use crate::system::{CompiledMode, Goal, Setting, Target, Transition};
 
 /// What is told beside a warning of an edge.
 const EDGE: &str = "if the motion, or a step that is tried a little past an event, comes there: let an event end the mode before, or write a formula that goes on";
+/// What is told beside a warning of an edge in what an event sets or a mode keeps.
+const EDGE_AT_EVENT: &str = "if an event happens there, what is set or kept is not a number and the run ends: write a formula that goes on";
 /// What is told beside a warning of a kink.
 const KINK: &str = "where it has its kink, a step sees two smooth pieces as one: two modes with an event between them are exact";
 
@@ -51,6 +53,8 @@ pub(super) fn mode(
     let rates = rates(expander, number)?;
     let mut guards = Vec::new();
     let mut transitions = Vec::new();
+    // What events set and the mode keeps: evaluated at single points, so that a kink does no harm.
+    let mut at_events = Vec::new();
     for event in &declared.events {
         let indices = match &event.indices {
             None => vec![None],
@@ -59,8 +63,9 @@ pub(super) fn mode(
         for index in indices {
             let name = event.indices.as_ref().map_or("", |indices| &indices.name);
             let (guard, transition) = match index {
-                None => one_event(expander, event)?,
-                Some(i) => expander.with_index(name, i, |expander| one_event(expander, event))?,
+                None => one_event(expander, event, &mut at_events)?,
+                Some(i) => expander
+                    .with_index(name, i, |expander| one_event(expander, event, &mut at_events))?,
             };
             expander.n_events += 1;
             if expander.n_events > MOST_EVENTS {
@@ -72,7 +77,6 @@ pub(super) fn mode(
             transitions.push(transition);
         }
     }
-    warn_of_flaws(expander, &rates, &guards, warnings);
     let keep = declared.keep.iter().map(|kept| {
         let node = expander.node(&kept.value)?;
         // What is kept is computed from the state before anything is.
@@ -83,6 +87,8 @@ pub(super) fn mode(
         }
     });
     let keep = keep.collect::<Checked<Vec<_>>>()?;
+    at_events.extend(&keep);
+    warn_of_flaws(expander, [&rates, &guards], &at_events, warnings);
     let told = told(expander, number, &rates, observables)?;
     let mode = CompiledMode {
         name: declared.name.value.clone(),
@@ -117,14 +123,19 @@ fn rates(expander: &mut Expander<'_>, mode: usize) -> Checked<Vec<Id>> {
     Ok(rates.into_iter().flatten().collect())
 }
 
-/// The guard of an event, and what follows.
-fn one_event(expander: &mut Expander<'_>, event: &EventDeclaration) -> Checked<(Id, Transition)> {
+/// The guard of an event, and what follows; what is set is added to `values`.
+fn one_event(
+    expander: &mut Expander<'_>,
+    event: &EventDeclaration,
+    values: &mut Vec<Id>,
+) -> Checked<(Id, Transition)> {
     let guard = guard(expander, &event.when)?;
-    let next = setting(expander, &event.follows, true)?;
+    let next = setting(expander, &event.follows, true, values)?;
     // A rest follows in the mode after the event, which holds values of its own.
     let here = expander.mode().unwrap_or_default();
     let stays = next.leads_to(here) == here;
-    let rest = event.rest.as_ref().map(|rest| setting(expander, rest, stays)).transpose()?;
+    let rest =
+        event.rest.as_ref().map(|rest| setting(expander, rest, stays, values)).transpose()?;
     Ok((guard, Transition { next, rest }))
 }
 
@@ -135,8 +146,13 @@ fn guard(expander: &mut Expander<'_>, when: &Comparison) -> Checked<Id> {
     Ok(if is_upward { expander.graph.subtract(b, a) } else { expander.graph.subtract(a, b) })
 }
 
-/// What an event sets, and where it leads; `is_held` where what the mode keeps is still held.
-fn setting(expander: &mut Expander<'_>, follows: &Follows, is_held: bool) -> Checked<Setting> {
+/// What an event sets, which is added to `all`, and where it leads; `is_held` where what the mode keeps is still held.
+fn setting(
+    expander: &mut Expander<'_>,
+    follows: &Follows,
+    is_held: bool,
+    all: &mut Vec<Id>,
+) -> Checked<Setting> {
     let (mut targets, mut values) = (Vec::new(), Vec::new());
     for Assignment { target, equation, index } in
         assignments(expander, &[&follows.set], Purpose::Event)?
@@ -156,28 +172,37 @@ fn setting(expander: &mut Expander<'_>, follows: &Follows, is_held: bool) -> Che
         None if follows.stops => Goal::Stop,
         None => Goal::Stay,
     };
+    all.extend(&values);
     Ok(Setting { program: Program::of(&expander.graph, &values), targets, goal })
 }
 
-/// Warns of functions that are not smooth or not defined everywhere, where rates or guards use them.
+/// Warns of functions that are not smooth or not defined everywhere, where rates or guards use them, and of those that are
+/// not defined everywhere where they are evaluated at events.
 fn warn_of_flaws(
     expander: &Expander<'_>,
-    rates: &[Id],
-    guards: &[Id],
+    [rates, guards]: [&[Id]; 2],
+    at_events: &[Id],
     warnings: &mut Vec<Complaint>,
 ) {
     let used = expander.graph.used_by(rates.iter().chain(guards));
-    let mut flawed: Vec<_> = expander.flawed.iter().filter(|(id, _)| used.contains(*id)).collect();
+    let used_at_events = expander.graph.used_by(at_events.iter());
+    let mut flawed: Vec<_> = expander.flawed.iter().collect();
+    flawed.retain(|(id, (.., flaw))| {
+        used.contains(*id) || (*flaw != Flaw::Kink && used_at_events.contains(*id))
+    });
     if flawed.is_empty() {
         return;
     }
     let varying = expander.graph.varying();
     flawed.retain(|(id, _)| varying.contains(*id));
     flawed.sort_by_key(|(_, (span, ..))| span.start);
-    for (_, (span, function, flaw)) in flawed {
+    for (id, (span, function, flaw)) in flawed {
         let (what, help) = match flaw {
             Flaw::Kink => ("is not smooth".to_owned(), KINK),
-            Flaw::Edge(there) => (format!("is not a number where that is {there}"), EDGE),
+            Flaw::Edge(there) => {
+                let help = if used.contains(id) { EDGE } else { EDGE_AT_EVENT };
+                (format!("is not a number where that is {there}"), help)
+            }
         };
         let message = format!("`{function}` of something that moves {what}");
         warnings.push(Complaint::new(*span, message).help(help));

@@ -304,6 +304,30 @@ fn functions_that_end_are_told_from_those_with_a_kink() {
 }
 
 #[test]
+fn edges_of_what_events_set_and_modes_keep_are_warned_of_and_kinks_are_not() {
+    let told = |value: &str| {
+        let set = format!("events = [{{ when = \"x < 0\", set = {{ v = \"{value}\" }} }}]\n");
+        let rest = format!(
+            "events = [{{ when = \"x < 0\", set = {{ v = 0 }}, rest = {{ to = \"flight\", set = {{ v = \"{value}\" }} }} }}]\n"
+        );
+        let keep = format!("keep = {{ c = \"{value}\" }}\n");
+        [set, rest, keep].map(|own| {
+            let text = BALL.to_owned() + &own;
+            file(&text).warnings().iter().map(ToString::to_string).collect::<String>()
+        })
+    };
+    for edge in ["log(x - 1)", "sqrt(x)", "asin(v)"] {
+        for told in told(edge) {
+            assert!(told.contains("is not a number where that is"), "{edge}: {told}");
+            assert!(told.contains(edge) && told.contains("if an event happens there"), "{told}");
+        }
+    }
+    for fine in ["-0.5*abs(v)", "sqrt(x^2)", "log(1 + x^2)"] {
+        assert_eq!(told(fine), ["", "", ""], "{fine}");
+    }
+}
+
+#[test]
 fn the_end_of_the_runs_is_given_at_the_top_or_among_the_settings() {
     assert_eq!(file(ROW).t_end(), Some(0.5));
     let long = format!("{BALL}[run]\nt_end = 2\n[solver]\nmethod = \"any\"\n");
