@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use crate::declarations::{Declarations, ModeDeclaration};
 use crate::document::At;
 use crate::report::{Checked, Complaint, Span};
+use crate::token::{begins_name, is_of_name};
 
 /// What a name stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -178,14 +179,11 @@ fn check_name(name: &str, span: Span) -> Checked<()> {
             Complaint::new(span, format!("`{name}` has a meaning of its own in a formula"));
         return Err(complaint.help(format!("give it another name, such as `{name}_0`")));
     }
-    let is_first = |c: char| c.is_alphabetic() || c == '_';
-    let is_name =
-        name.starts_with(is_first) && name.chars().all(|c| c.is_alphanumeric() || c == '_');
-    if is_name {
+    if name.starts_with(begins_name) && name.chars().all(is_of_name) {
         return Ok(());
     }
     let complaint = Complaint::new(span, format!("`{name}` is no name for a formula"));
-    Err(complaint.help("a name has letters, digits and `_`, and begins with no digit"))
+    Err(complaint.help("a name has letters, the digits 0 to 9 and `_`, and begins with no digit"))
 }
 
 /// Checks that the name of a mode can stand in a table.

@@ -67,9 +67,8 @@ pub(crate) fn tokens(text: &str, place: Place) -> Checked<Vec<(Token<'_>, Span)>
             let length = number_length(rest);
             let span = place.span(at, at + length);
             (Token::Number(number(&rest[..length], span)?), length)
-        } else if first.is_alphabetic() || first == '_' {
-            let is_part = |c: char| c.is_alphanumeric() || c == '_';
-            let length = rest.find(|c| !is_part(c)).unwrap_or(rest.len());
+        } else if begins_name(first) {
+            let length = rest.find(|c| !is_of_name(c)).unwrap_or(rest.len());
             (Token::Name(&rest[..length]), length)
         } else if let Some(symbol) = SYMBOLS.iter().find(|symbol| rest.starts_with(**symbol)) {
             (Token::Symbol(symbol), symbol.len())
@@ -82,11 +81,23 @@ pub(crate) fn tokens(text: &str, place: Place) -> Checked<Vec<(Token<'_>, Span)>
     Ok(all)
 }
 
+/// Whether a name may begin with this character.
+pub(crate) fn begins_name(c: char) -> bool {
+    c.is_alphabetic() || c == '_'
+}
+
+/// Whether this character may stand in a name: a letter, a digit from 0 to 9 or `_`, and no digit as small as in `x²`.
+pub(crate) fn is_of_name(c: char) -> bool {
+    begins_name(c) || c.is_ascii_digit()
+}
+
 fn strange(c: char, span: Span) -> Complaint {
     let complaint = Complaint::new(span, format!("`{c}` has no meaning in an expression"));
     match STRANGE.iter().find(|(strange, _)| *strange == c) {
         Some((_, help)) => complaint.help(*help),
-        None => complaint.help("names have letters, digits and `_`; operators are `+ - * / ^`"),
+        None => complaint.help(
+            "names have letters, the digits 0 to 9 and `_`, as in `x_1`; operators are `+ - * / ^`",
+        ),
     }
 }
 

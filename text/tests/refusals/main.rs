@@ -76,6 +76,24 @@ fn a_formula_over_several_lines_is_wrong_at_its_place() {
     assert_eq!(&text[report.span()], "mas", "{report}");
 }
 
+#[test]
+fn small_digits_are_no_part_of_a_name() {
+    for (rate, message, help) in [
+        ("x²", "`²` has no meaning in an expression", "a square is written `x^2`"),
+        ("2*x³", "`³` has no meaning in an expression", "a cube is written `x^3`"),
+        ("x₀", "`₀` has no meaning in an expression", "the digits 0 to 9"),
+    ] {
+        let told = refusal(&with_rate(rate));
+        assert!(told.contains(message) && told.contains(help), "{rate}: {told}");
+    }
+    for name in ["r²", "x₀"] {
+        let told = refusal(&format!("[parameters]\n\"{name}\" = 1\n{BALL}"));
+        assert!(told.contains(&format!("`{name}` is no name for a formula")), "{told}");
+        assert!(told.contains("the digits 0 to 9") && told.contains("model.toml:2:1"), "{told}");
+    }
+    file(&format!("[parameters]\n\"θ_2\" = 1\n{BALL}").replace("-9.81", "\"-9.81*θ_2\""));
+}
+
 /// Whole files with what is said of them.
 const WRONG_FILES: &[(&str, &str)] = &[
     ("[states]\nx = 1\n[modes.a]\n", "`x` has no rate in the mode `a`"),
