@@ -117,8 +117,12 @@ where
     #[inline(always)]
     fn propose(&self, lane: usize, method: &mut Self::Method) -> Option<f64> {
         let step = &self.method.step;
-        let norm_sq = |k: usize| weighed_sq(step.y[k].as_ref(), step.weights.as_ref()).lane(lane);
-        method.reaches(reach_by(self.order(), norm_sq))
+        let weights = step.weights.as_ref();
+        let norm_sq = |k: usize| weighed_sq(step.y[k].as_ref(), weights).lane(lane);
+        let weighed = |k: usize| {
+            step.y[k].as_ref().iter().zip(weights).map(|(y, weight)| (*y * *weight).lane(lane))
+        };
+        method.reaches(reach_by(self.order(), norm_sq, weighed))
     }
 
     #[inline(always)]

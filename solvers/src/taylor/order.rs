@@ -62,22 +62,36 @@ pub fn reach<Y: Vector<f64>>(y: &[Y], tolerance: &Tolerance, weights: &mut Y) ->
         return None;
     }
     tolerance.weights(y[0].as_ref(), weights.as_mut());
-    reach_by(y.len() - 1, |k| weighed_sq(y[k].as_ref(), weights.as_ref()))
+    let weights = weights.as_ref();
+    let weighed = |k: usize| y[k].as_ref().iter().zip(weights).map(|(y, weight)| y * weight);
+    reach_by(y.len() - 1, |k| weighed_sq(y[k].as_ref(), weights), weighed)
 }
 
-/// [`reach`] of a series of `order`, at least [`LOW`], from the squares of the norms of its coefficients.
+/// [`reach`] of a series of `order`, at least [`LOW`], from the squares of the norms of its coefficients, and their weighed
+/// entries.
 #[inline]
-pub(crate) fn reach_by(order: usize, norm_sq: impl Fn(usize) -> f64) -> Option<Reach> {
+pub(crate) fn reach_by<I: ExactSizeIterator<Item = f64> + Clone>(
+    order: usize,
+    norm_sq: impl Fn(usize) -> f64,
+    weighed: impl Fn(usize) -> I,
+) -> Option<Reach> {
+    let log_norm_sq = |k: usize| match norm_sq(k) {
+        square if square.is_normal() => log2(square),
+        _ => log_mean_sq(weighed(k)),
+    };
     // log₂ h from the terms n − 1 and n; NaN where one of them is.
+    let log_root = |k: usize| -0.5 / k as f64 * log_norm_sq(k);
     let of_last = |n: usize| {
-        let (a, b) = (log_root(norm_sq(n - 1), n - 1), log_root(norm_sq(n), n));
+        let (a, b) = (log_root(n - 1), log_root(n));
         if a < b || a.is_nan() { a } else { b }
     };
     let log_h = of_last(order);
     let h = exp2(log_h);
     // If the low term is within the tolerance there too, the high terms do not converge.
     let far = FARTHER * h;
-    let is_high = norm_sq(LOW) * (far * far * far) * (far * far * far) < 1.0;
+    let low = norm_sq(LOW) * (far * far * far) * (far * far * far);
+    let is_high =
+        if low.is_normal() { low < 1.0 } else { log_norm_sq(LOW) + 6.0 * log2(far) < 0.0 };
     if log_h > f64::NEG_INFINITY && (log_h == f64::INFINITY || !is_high) {
         return Some(Reach { degree: order, h: SAFETY * h });
     }
@@ -95,10 +109,22 @@ pub(crate) fn reach_by(order: usize, norm_sq: impl Fn(usize) -> f64) -> Option<R
     Some(Reach { degree: if n < order { n - 2 } else { n }, h: SAFETY * exp2(log_h) })
 }
 
-/// `log₂ x^(−1/2k)` for the square x of a norm; infinite for zero.
-#[inline]
-fn log_root(norm_sq: f64, k: usize) -> f64 {
-    -0.5 / k as f64 * log2(norm_sq)
+/// `log₂` of the mean square of these numbers, also where their squares leave the range of numbers: the coefficients of order k of fast
+/// and of slow motions go with the k-th power of the unit of time.
+#[cold]
+fn log_mean_sq(numbers: impl ExactSizeIterator<Item = f64> + Clone) -> f64 {
+    let n = numbers.len() as f64;
+    let most = numbers.clone().map(f64::abs).fold(0.0, worse);
+    if most == 0.0 || !most.is_finite() {
+        return libm::log2(most);
+    }
+    let squares = numbers.map(|x| (x / most) * (x / most));
+    2.0 * libm::log2(most) + libm::log2(squares.sum::<f64>() / n)
+}
+
+/// The larger of two numbers that are not negative; NaN where one of them is.
+fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
 }
 
 /// The degree to which a series is worth evaluating at `h`, regardless of the tolerance. Where each of the last three
@@ -166,5 +192,23 @@ mod tests {
         assert!(
             reach_of(|k| if k < 2 { 1.0 } else { 0.0 }).is_some_and(|reach| reach.h.is_infinite())
         );
+    }
+
+    /// `ẏ = −y/T` with y = 1, whatever T.
+    #[test]
+    fn the_reach_does_not_depend_on_the_unit_of_time() {
+        let reach_in = |unit: f64| {
+            let mut y = vec![[1.0]];
+            for k in 1..=20 {
+                y.push([-y[k - 1][0] / (k as f64 * unit)]);
+            }
+            reach(&y, &Tolerance { rtol: 1e-12, atol: vec![0.0] }, &mut [0.0]).unwrap()
+        };
+        let one = reach_in(1.0);
+        for unit in [1e-12, 1e-9, 1e-3, 1e3, 1e9, 1e12] {
+            let Reach { degree, h } = reach_in(unit);
+            // Measured: 1.1e-4.
+            assert!(degree == one.degree && (h / unit / one.h - 1.0).abs() < 1e-3, "{unit}: {h}");
+        }
     }
 }
