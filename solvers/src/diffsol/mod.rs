@@ -86,8 +86,38 @@ impl<P: System> DiffsolSolver<P> {
         Self { scheme, tolerance, first: None, watch: GuardWatch::new(problem) }
     }
 
+    /// Checks an Euler step from `point`, where the states have the `slope`, to `y` at `t_end`: by half the change of the slope
+    /// over it, where the states change by more than the tolerance.
+    fn check_euler(
+        &self,
+        problem: &P,
+        point: &Point<P>,
+        (t_end, y): (f64, &P::State<f64>),
+        slope: &P::State<f64>,
+        stats: &mut Stats,
+    ) -> Result<(), Error> {
+        let (h, y0, y1) = (t_end - point.t, point.y.as_ref(), y.as_ref());
+        let norm = |error: &P::State<f64>| self.tolerance.norm(error.as_ref(), y0, y1);
+        let mut change = P::State::from_fn(y1.len(), |i| h * slope.as_ref()[i]);
+        if norm(&change) <= 1.0 {
+            return Ok(());
+        }
+        problem.rhs(point.mode.clone(), t_end, y, &mut change);
+        stats.work.n_rhs += 1;
+        stats.restart.n_rhs += 1;
+        let ends = change.as_mut().iter_mut().zip(slope.as_ref());
+        ends.for_each(|(change, slope)| *change = 0.5 * h * (*change - slope));
+        if norm(&change) <= 1.0 {
+            return Ok(());
+        }
+        Err(Error::StepUnderflow { t: point.t, h, mode: format!("{:?}", point.mode) })
+    }
+
     /// Crosses a span below the resolution of `diffsol` with one Euler step, which is exact to rounding over such a
-    /// span.
+    /// span where the states move at a rate that the time resolves.
+    ///
+    /// # Errors
+    /// [`Error::StepUnderflow`] where the slopes at both ends of the step do not agree on where it ends.
     fn one_euler_step(
         &mut self,
         problem: &P,
@@ -102,21 +132,24 @@ impl<P: System> DiffsolSolver<P> {
         check_finite(point, &slope)?;
         stats.work.n_rhs += 1;
         stats.restart.n_rhs += 1;
-        stats.n_accepted += 1;
         let line = |t: f64, y: &mut P::State<f64>| {
             let ends = y0.as_ref().iter().zip(slope.as_ref());
             for (y, (y0, slope)) in y.as_mut().iter_mut().zip(ends) {
                 *y = y0 + (t - t0) * slope;
             }
         };
-        line(t_end, &mut point.y);
-        let landed_on = self.watch.violated(problem, mode.clone(), t_end, &point.y)?;
+        let mut y1 = y0.clone();
+        line(t_end, &mut y1);
+        self.check_euler(problem, point, (t_end, &y1), &slope, stats)?;
+        let landed_on = self.watch.violated(problem, mode.clone(), t_end, &y1)?;
+        stats.n_accepted += 1;
+        point.y.clone_from(&y1);
         let step = SolverStep {
             interpolant: line,
             t0,
             t1: t_end,
             y0: &y0,
-            y1: point.y.clone(),
+            y1,
             slope0: slope.clone(),
             slope1: slope.clone(),
         };
