@@ -175,13 +175,14 @@ pub enum Needs {
 }
 
 impl Needs {
-    /// What is needed of the step from `t0` to `t1` to sample it at `t`, a time not before the step.
+    /// What is needed of the step from `t0` to `t1` to sample it at `t`, a time not before the step. A step whose times are one
+    /// is needed at that time alone.
     pub fn to_sample(t: f64, t0: f64, t1: f64) -> Self {
-        let beyond = if t1 >= t0 { t - t1 } else { t1 - t };
-        if beyond > 0.0 {
-            Self::Nothing
-        } else if beyond == 0.0 {
+        let beyond = if t1 > t0 { t - t1 } else { t1 - t };
+        if beyond == 0.0 {
             Self::Ends
+        } else if beyond > 0.0 || t1 == t0 {
+            Self::Nothing
         } else {
             Self::DenseOutput
         }

@@ -235,10 +235,9 @@ impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
         match &self.grid {
             Grid::Steps => self.samples.push(Sample { t: step.t1(), mode, y: step.y1().clone() }),
             Grid::Times(times) => {
-                let forward = step.t1() >= step.t0();
-                let passed = |t: f64| {
-                    if forward { t <= step.t1() } else { t >= step.t1() }
-                };
+                let [t0, t1] = [step.t0(), step.t1()];
+                // A step may be so short that its time does not change; which way it goes is not seen from it.
+                let passed = |t: f64| t == t1 || (t0 < t1 && t < t1) || (t0 > t1 && t > t1);
                 while let Some(&t) = times.get(self.next).filter(|&&t| passed(t)) {
                     let mut y = P::State::from_fn(step.y1().as_ref().len(), |_| 0.0);
                     step.interpolate(t, &mut y);

@@ -1,7 +1,7 @@
 //! The same rules backward in time.
 
-use deltazero_solvers::Outcome;
 use deltazero_solvers::problems::BouncingBall;
+use deltazero_solvers::{Grid, METHODS, Outcome, Run, Trajectory};
 
 use crate::common::{at_most, steps_itself};
 use crate::log::{ROUNDING, run, settings};
@@ -73,6 +73,22 @@ fn a_start_on_the_surface_counts_the_same_backward() {
             let (log, outcome, ..) = run(&script, &setting, (2.0, [2.0, 0.0]), 0.0);
             assert_eq!((outcome, log.events.len()), (Ok(Outcome::Finished), n), "{name}");
             assert!(log.times().iter().all(|t| (t - 2.0).abs() < ROUNDING), "{name}");
+        }
+    }
+}
+
+#[test]
+fn samples_after_an_event_at_the_start_are_those_of_the_motion_backward() {
+    // Backward from x = 0 the guard falls at once: the step to there is too short to change the time.
+    let script = chain(&[&[0.0, 1.0]]);
+    for method in METHODS.iter().filter(|method| !method.is_fixed_step()) {
+        let run = Run::of(&script, [0.0, 0.0]).from(1.5).method(method.name).tolerance(1e-9, 1e-9);
+        let times = vec![1.2, 1.0, 0.5];
+        let ran = run.keep(Trajectory::on(Grid::Times(times.clone()))).to(0.0).unwrap();
+        let samples: Vec<_> = ran.trajectory.samples.iter().map(|at| (at.t, at.y[0])).collect();
+        assert_eq!(samples.len(), 3, "{}", method.name);
+        for ((t, x), time) in samples.into_iter().zip(times) {
+            assert!(t == time && (x - (t - 1.5)).abs() < ROUNDING, "{}: {t}, {x}", method.name);
         }
     }
 }
