@@ -103,9 +103,11 @@ impl<P: Problem> Record<P> for EnergyBalance<'_, P> {
     }
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
-        let Next::Mode(after) = &event.after else { return ControlFlow::Continue(()) };
-        let energy = |mode| self.problem.energies(mode, event.t, event.y);
-        if let Some((dented, energy)) = energy(&event.before).zip(energy(after)) {
+        // What ends a run may take energy, too.
+        let after = if let Next::Mode(after) = &event.after { after } else { &event.before };
+        let energy = |mode, y| self.problem.energies(mode, event.t, y);
+        let sides = energy(&event.before, event.y_before).zip(energy(after, event.y));
+        if let Some((dented, energy)) = sides {
             // A contact that ends or begins at δ = 0 holds no energy there; a blind run sees it later.
             if self.problem.takes_energy(&event.before, after) {
                 let impact = self.kinetic - energy.kinetic;
