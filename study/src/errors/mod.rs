@@ -173,21 +173,26 @@ fn n_needed(own: &[ModeChange], other: &[ModeChange], window: f64) -> usize {
     paired.partition_point(|so_far| *so_far < all.paired)
 }
 
-/// Pairs events; `so_far` hears how many of the events up to each of the run's have partners.
+/// Pairs events, which are sorted by time; `so_far` hears how many of the events up to each of the run's have partners.
 fn pair_up(
     run: &[ModeChange],
     reference: &[ModeChange],
     window: f64,
     mut so_far: impl FnMut(usize),
 ) -> EventMatch {
-    // row[j]: most pairs of the events so far with the first j of the reference, and their error.
-    let mut row = vec![(0_usize, 0.0_f64); reference.len() + 1];
+    // row[j]: most pairs of the events so far with the first j of the reference, and their error. Those of the reference beyond the
+    // window of the last event have no partner yet, and no number in the row.
+    let mut row = vec![(0_usize, 0.0_f64)];
+    row.reserve(reference.len());
     let better = |a: (usize, f64), b: (usize, f64)| {
         if a.0 > b.0 || (a.0 == b.0 && a.1 <= b.1) { a } else { b }
     };
     for event in run {
-        let mut diagonal = row[0];
-        for (j, other) in reference.iter().enumerate() {
+        let first = reference.partition_point(|other| event.t - other.t > window);
+        let end = reference.partition_point(|other| other.t - event.t <= window);
+        row.resize((end + 1).max(row.len()), row[row.len() - 1]);
+        let mut diagonal = row[first];
+        for (j, other) in reference.iter().enumerate().take(row.len() - 1).skip(first) {
             let above = row[j + 1];
             let apart = (event.t - other.t).abs();
             let same = event.is_like(other);
@@ -199,9 +204,9 @@ fn pair_up(
             };
             diagonal = above;
         }
-        so_far(row[reference.len()].0);
+        so_far(row[row.len() - 1].0);
     }
-    let (paired, time_error) = row[reference.len()];
+    let (paired, time_error) = row[row.len() - 1];
     EventMatch {
         paired,
         missed: reference.len() - paired,
@@ -257,6 +262,43 @@ mod tests {
         let found = match_events(&run, &reference, WINDOW);
         assert_eq!((found.paired, found.missed, found.spurious), (1, 0, 2));
         assert_eq!(found.time_error, 0.0);
+    }
+
+    /// Pairs found by going through all of them.
+    fn all_pairs(run: &[ModeChange], reference: &[ModeChange], window: f64) -> usize {
+        let mut row = vec![0; reference.len() + 1];
+        for event in run {
+            let before = row.clone();
+            for (j, other) in reference.iter().enumerate() {
+                let pairs = event.is_like(other) && (event.t - other.t).abs() <= window;
+                row[j + 1] = before[j + 1].max(row[j]).max(before[j] + usize::from(pairs));
+            }
+        }
+        row[reference.len()]
+    }
+
+    #[test]
+    fn as_many_pairs_are_found_within_the_window_as_among_all_events() {
+        // Times and modes by a linear congruence.
+        let mut state = 1_u64;
+        let mut next = |below: u64| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) % below
+        };
+        for n in 0..200_usize {
+            let mut draw = |n: usize| {
+                let mut t = 0.0;
+                let mut one = || {
+                    t += 1e-4 * next(20) as f64;
+                    ModeChange::new(t, next(2) as i8, next(3) as i8)
+                };
+                (0..n).map(|_| one()).collect::<Vec<_>>()
+            };
+            let (run, reference) = (draw(n / 3), draw((n * 7) % 60));
+            let found = match_events(&run, &reference, WINDOW);
+            assert_eq!(found.paired, all_pairs(&run, &reference, WINDOW), "{n}");
+            assert_eq!(found.missed + found.paired, reference.len());
+        }
     }
 
     #[test]
