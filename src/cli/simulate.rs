@@ -167,7 +167,7 @@ fn other_events(subject: &Subject, parts: &[Simulated<'_>], tight: &TightRuns) -
     let warning = |(i, Simulated { own, .. }): (usize, &Simulated<'_>)| {
         let changes = |site: &SiteMotion| site.changes.iter().map(|own| own.by_code).collect();
         let all: Vec<_> = own.sites.iter().map(changes).collect();
-        tight.warning(subject, i, &all, own.run.t)
+        tight.warning(subject, i, &all, (own.run.t, own.run.stopped_at().is_some()))
     };
     parts.iter().enumerate().filter_map(warning).collect()
 }

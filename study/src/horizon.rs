@@ -86,17 +86,17 @@ pub struct TightRuns {
 }
 
 impl TightRuns {
-    /// Where part number `i` of `subject` has another sequence of events in a run that reached a time [s], with these
-    /// counted events of each of its sites, than in the tight runs: the first such site.
+    /// Where part number `i` of `subject` has another sequence of events in a run that reached a time [s], where an event ended it
+    /// or not, with these counted events of each of its sites, than in the tight runs: the first such site.
     pub fn warning(
         &self,
         subject: &Subject,
         i: usize,
         run: &[Vec<ModeChange>],
-        reached: f64,
+        end: (f64, bool),
     ) -> Option<Warning> {
         let (part, judges) = (subject.parts.get(i)?, self.events.get(i)?);
-        judges.iter().find_map(|judge| judge.warning(part, run, reached))
+        judges.iter().find_map(|judge| judge.warning(part, run, end))
     }
 }
 
@@ -207,7 +207,7 @@ impl<'a> Pairs<'a> {
                 pair.part.run(setting, Start::Exact, span.reached, &pair.grid, &mut bound);
             let Some(own) = pair.error(&trace, until, &largest) else { return unknown };
             e = worse(e, own);
-            has_events &= tight.warning(subject, i, &trace.changes, run.t).is_none();
+            has_events &= tight.warning(subject, i, &trace.changes, end_of(&run)).is_none();
         }
         let is_located = setting.events == Events::Located;
         Estimate { e: Some(e), has_events: is_located.then_some(has_events), ..unknown }
@@ -260,8 +260,14 @@ impl Pair<'_> {
         let reached = own.0.t.min(nudged.0.t);
         let [changes, other] = [&own.1, &nudged.1].map(|trace| changes(self.part, trace));
         let until = |(a, b): (&Vec<_>, &Vec<_>)| parting(a, b).map_or(reached, |t| t.min(reached));
-        let until = changes.iter().zip(&other).map(until).collect();
-        TightEvents { changes, until, by: Judge::Tight }
+        let until: Vec<f64> = changes.iter().zip(&other).map(until).collect();
+        let stops = own.0.stopped_at().zip(nudged.0.stopped_at());
+        let is_certain = |(a, b): &(f64, f64)| {
+            let near = (a - b).abs() <= judge::AT_END * self.part.unit_of_time;
+            near && until.iter().all(|t| *t == reached) && self.lost_by_itself().is_none()
+        };
+        let stopped_at = stops.filter(is_certain).map(|(own, _)| own);
+        TightEvents { changes, until, stopped_at, by: Judge::Tight }
     }
 
     /// Whether they tell how far the motion is predictable.
@@ -306,6 +312,11 @@ fn pair<'a>(part: &'a Part, span: Span, threads: usize, stop: &AtomicBool) -> Op
         }
     }
     last
+}
+
+/// How far a run came [s], and whether an event ended it there.
+fn end_of(run: &PartRun) -> (f64, bool) {
+    (run.t, run.stopped_at().is_some())
 }
 
 /// The counted events of each site.
@@ -422,7 +433,7 @@ mod tests {
         let judges = told(&pairs, &setting);
         assert_eq!(judges.events.iter().map(Vec::len).collect::<Vec<_>>(), [2, 1]);
         let message = |run: &[Vec<ModeChange>]| {
-            judges.warning(&subject, 0, run, 0.1).map(|warning| warning.message)
+            judges.warning(&subject, 0, run, (0.1, false)).map(|warning| warning.message)
         };
         assert_eq!(message(&all), None);
         for (t, by) in [(0.0, "than runs at rounding"), (0.05, "than a run at rtol 1e-11 (")] {

@@ -37,7 +37,8 @@ pub(super) fn events(
     let nowhere = Grid::Times(Vec::new());
     let (run, trace) = part.run(&finer, Start::Exact, span.reached, &nowhere, &mut bound);
     let changes = super::changes(part, &trace);
-    Some(TightEvents { until: vec![run.t; changes.len()], changes, by })
+    let stopped_at = run.stopped_at();
+    Some(TightEvents { until: vec![run.t; changes.len()], changes, stopped_at, by })
 }
 
 fn more_exact(accuracy: &Accuracy) -> Option<Accuracy> {

@@ -5,13 +5,15 @@ use crate::run::ModeChange;
 use crate::warning::{Code, Warning};
 
 /// Events this close to the end of a run are not looked at, in units of the subject's time.
-const AT_END: f64 = 1e-3;
+pub(super) const AT_END: f64 = 1e-3;
 
 /// The counted events of each site of a part in a tight run, and for how long they are certain [s].
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TightEvents {
     pub(super) changes: Vec<Vec<ModeChange>>,
     pub(super) until: Vec<f64>,
+    /// When an event ended it [s]; none where it came to the end, or where that is not certain.
+    pub(super) stopped_at: Option<f64>,
     pub(super) by: Judge,
 }
 
@@ -42,12 +44,13 @@ impl Judge {
 }
 
 impl TightEvents {
-    /// The warning that a run that reached a time [s], with these counted events of each site, has another sequence.
+    /// The warning that a run that reached a time [s], where an event ended it or not, with these counted events of each site, has
+    /// another sequence.
     pub(super) fn warning(
         &self,
         part: &Part,
         run: &[Vec<ModeChange>],
-        reached: f64,
+        (reached, is_stopped): (f64, bool),
     ) -> Option<Warning> {
         (0..run.len().min(self.changes.len())).find_map(|site| {
             let own = counted(&run[site], part.starts_on_surface);
@@ -67,6 +70,19 @@ impl TightEvents {
             );
             Some(Warning { code: Code::Events, message }.of(&part.sites[site]))
         })
+        .or_else(|| self.goes_on(part, reached).filter(|_| !is_stopped))
+    }
+
+    /// The warning that a run that reached a time [s] went on beyond the event that ends it.
+    fn goes_on(&self, part: &Part, reached: f64) -> Option<Warning> {
+        let t = self.stopped_at.filter(|t| reached > t + AT_END * part.unit_of_time)?;
+        let message = format!(
+            "an event ends {} at t = {t:.6e} s, and the run went on to {reached:.6e} s: it has lost that event, or this grazes{}; \
+             take a tighter tolerance or another method",
+            self.by.name(),
+            self.by.caveat()
+        );
+        Some(Warning { code: Code::Events, message }.of(&part.sites[0]))
     }
 }
 

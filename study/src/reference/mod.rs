@@ -432,7 +432,8 @@ impl PartReference {
         (self.lost_at == f64::INFINITY).then(|| errors.fold(0.0, worse))
     }
 
-    /// The events of a run's site against its own, within the horizon.
+    /// The events of a run's site against its own, within the horizon. What ends a run counts at the first site: one that goes on
+    /// has missed it, one that ends before has made it up.
     pub fn matched(&self, site: usize, run: &Trace) -> EventMatch {
         let within = |events: &[ModeChange]| -> Vec<ModeChange> {
             let events = counted(events, self.starts_on_surface).iter();
@@ -441,6 +442,12 @@ impl PartReference {
         let (own, reference) = (within(&run.changes[site]), within(&self.sites[site].events));
         // One that went on longer does not have what ended the reference.
         let end = run.t_end.max(self.cut_at).min(self.lost_at);
-        match_to_end(&own, &reference, (self.scale.event_window, end))
+        let mut found = match_to_end(&own, &reference, (self.scale.event_window, end));
+        let late = run.t_end - self.cut_at;
+        if site == 0 && late.abs() > self.scale.event_window && self.is_within(end) {
+            found.missed += usize::from(late > 0.0);
+            found.spurious += usize::from(late < 0.0);
+        }
+        found
     }
 }
