@@ -26,7 +26,7 @@ use crate::trace::Trace;
 pub enum Start {
     /// At the problem's start.
     Exact,
-    /// Each of its numbers moved up by its last bit.
+    /// Each of its numbers moved up by its last bit, or near zero by roundings of its natural size.
     Up,
     /// Each moved down.
     Down,
