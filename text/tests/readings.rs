@@ -203,9 +203,13 @@ fn the_first_event_is_the_starts_own_where_a_guard_falls_from_zero() {
              events = [{{ when = \"{guard}\", to = \"down\" }}]\n[modes.down]\n"
         ))
     };
-    for (velocity, guard, is_own) in
-        [(5.0, "y < 0", false), (0.0, "y < 0", true), (-5.0, "y < 0", true), (5.0, "t > 3", false)]
-    {
+    for (velocity, guard, is_own) in [
+        (5.0, "y < 0", false),
+        (0.0, "y < 0", true),
+        (0.0, "y > 0", false),
+        (-5.0, "y < 0", true),
+        (5.0, "t > 3", false),
+    ] {
         assert_eq!(falling(velocity, guard).starts_on_surface(), is_own, "{velocity} {guard}");
     }
 }
