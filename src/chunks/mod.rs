@@ -88,15 +88,7 @@ impl Chunks {
     }
 
     fn last_line(&self, chunk: u64) -> io::Result<Option<u64>> {
-        let mut file = File::open(self.path(chunk, "rows"))?;
-        let length = file.metadata()?.len();
-        file.seek(SeekFrom::Start(length.saturating_sub(LONGEST_LINE)))?;
-        let mut end = Vec::new();
-        file.read_to_end(&mut end)?;
-        let Some(line) = end.strip_suffix(b"\n") else { return Ok(None) };
-        let line = &line[line.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1)..];
-        let bytes = length - line.len() as u64 - 1;
-        let line = String::from_utf8_lossy(line);
+        let Some((line, bytes)) = last_line(&self.path(chunk, "rows"))? else { return Ok(None) };
         let runs = self.runs(chunk);
         let told = self.parsed(&line, chunk, bytes);
         Ok(told.filter(|(n, _)| *n == runs.end - runs.start).map(|(_, failed)| failed))
@@ -189,16 +181,48 @@ impl Chunks {
         let _ = fs::remove_file(self.path(chunk, "rows"));
     }
 
-    /// Removes all of them, whatever they are of.
+    /// Removes the chunks of these runs, also those that were begun, and their folder if nothing else is in it. What
+    /// another command keeps there stays, and so does a file that is no chunk.
     ///
     /// # Errors
     /// They cannot be removed.
     pub fn clear(&self) -> Result<(), FileError> {
-        match fs::remove_dir_all(&self.dir) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-            removed => removed.map_err(FileError::of(&self.dir, "remove")),
+        let own = format!(" sweep {} sha256 ", self.hash);
+        for entry in fs::read_dir(&self.dir).into_iter().flatten().flatten() {
+            let path = entry.path();
+            if is_name_of_chunk(&entry.file_name().to_string_lossy())
+                && let Ok(Some((line, _))) = last_line(&path)
+                && line.starts_with("#chunk ")
+                && line.contains(&own)
+            {
+                fs::remove_file(&path).map_err(FileError::of(&path, "remove"))?;
+            }
         }
+        // The file system refuses a folder that has files.
+        let _ = fs::remove_dir(&self.dir);
+        Ok(())
     }
+}
+
+/// Whether a file may be a chunk by its name: `0000012.rows`, `0000012.begun`.
+fn is_name_of_chunk(name: &str) -> bool {
+    name.split_once('.').is_some_and(|(number, end)| {
+        let is_number = number.len() == 7 && number.bytes().all(|byte| byte.is_ascii_digit());
+        is_number && ["rows", "begun"].contains(&end)
+    })
+}
+
+/// The last line of a file without its end, and the bytes before it; none where the line has no end.
+fn last_line(path: &Path) -> io::Result<Option<(String, u64)>> {
+    let mut file = File::open(path)?;
+    let length = file.metadata()?.len();
+    file.seek(SeekFrom::Start(length.saturating_sub(LONGEST_LINE)))?;
+    let mut end = Vec::new();
+    file.read_to_end(&mut end)?;
+    let Some(line) = end.strip_suffix(b"\n") else { return Ok(None) };
+    let line = &line[line.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1)..];
+    let bytes = length - line.len() as u64 - 1;
+    Ok(Some((String::from_utf8_lossy(line).into_owned(), bytes)))
 }
 
 /// SHA-256 of rows and the line after them, in hexadecimal.
@@ -260,5 +284,25 @@ mod tests {
         chunks.write_begun(1, &rows()).unwrap();
         assert_eq!(chunks.read_begun(1).unwrap(), Some(rows()));
         assert!(!chunks.is_there(1));
+    }
+
+    #[test]
+    fn clearing_removes_the_chunks_of_these_runs_and_no_other_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = |name: &str| dir.path().join("chunks").join(name);
+        let chunks = Chunks::new(dir.path(), "0123456789abcdef0123", 33, 3);
+        let other = Chunks::new(dir.path(), "1123456789abcdef0123", 33, 3);
+        chunks.clear().unwrap();
+        chunks.write(4, &rows()).unwrap();
+        chunks.write_begun(5, &rows()).unwrap();
+        other.write(7, &rows()).unwrap();
+        let named = ["mine.txt", "0000008.rows", "0000004.rows.bak"];
+        named.iter().for_each(|name| fs::write(path(name), "mine\n").unwrap());
+        chunks.clear().unwrap();
+        assert!(!path("0000004.rows").exists() && !path("0000005.begun").exists());
+        assert!(other.is_there(7) && named.iter().all(|name| path(name).exists()));
+        named.iter().for_each(|name| fs::remove_file(path(name)).unwrap());
+        other.clear().unwrap();
+        assert!(!chunks.dir().exists());
     }
 }

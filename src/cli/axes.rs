@@ -50,6 +50,7 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     let dir = args.run.to.dir("deltazero-out/map");
     let asked = json!({ "config": config.identity(), "axes": args.axis });
     let output = Output::open(&dir, hash("map", &asked), args.run.to.force)?;
+    contests::remove_of_another(&dir, &output, RECORD)?;
     output.remove_of_another(RECORD, &["map.md", "map.csv"], &[WINNERS])?;
     if let Some(threads) = args.threads {
         config.regimes.threads = usize::from(threads);

@@ -29,8 +29,21 @@ pub(super) fn chunks(
     if output.own(record).is_none() {
         output.write_json(record, &json!({ "hash": output.hash }))?;
     }
-    let identity = json!([output.hash, env!("CARGO_PKG_VERSION"), RECIPE]);
-    Ok(Chunks::new(dir, &hash("contests", &identity), n_sites as u64, 1))
+    Ok(Chunks::new(dir, &hash_of(&output.hash), n_sites as u64, 1))
+}
+
+/// Removes the contests that were kept of a map of another configuration, the one in `record`.
+pub(super) fn remove_of_another(dir: &Path, output: &Output, record: &str) -> Result<(), Failure> {
+    let record = output.read(record).unwrap_or_default();
+    match record["hash"].as_str() {
+        Some(map) if *map != output.hash => Ok(Chunks::new(dir, &hash_of(map), 0, 1).clear()?),
+        _ => Ok(()),
+    }
+}
+
+/// The hash of the contests of a map that has the hash `map`.
+fn hash_of(map: &str) -> String {
+    hash("contests", &json!([map, env!("CARGO_PKG_VERSION"), RECIPE]))
 }
 
 /// The numbers of the sites whose contests are not there.

@@ -51,6 +51,7 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
     }
     let dir = args.run.to.dir(dir);
     let output = Output::open(&dir, hash("regimes", &config.identity()), args.run.to.force)?;
+    contests::remove_of_another(&dir, &output, RECORD)?;
     output.remove_of_another(RECORD, &FILES, &figures::regimes::ALL)?;
     if let Some(threads) = args.threads {
         config.regimes.threads = usize::from(threads);

@@ -134,6 +134,8 @@ pub(super) fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let known = output.own(RECORD).filter(|_| !args.to.force);
     if args.shard.is_none() && known.is_none() && output.bytes(RECORD).is_some() {
         chunks.clear()?;
+        let hash = output.read(RECORD).and_then(|of| Some(of["hash"].as_str()?.to_owned()));
+        hash.map_or(Ok(()), |hash| Chunks::new(&dir, &hash, 0, 1).clear())?;
         output.remove(old_files(&dir, &output))?;
     }
     let wall_before = known.as_ref().and_then(|known| known["wall_s"].as_f64()).unwrap_or(0.0);

@@ -131,6 +131,21 @@ fn another_sweep_leaves_nothing_of_the_one_before_but_what_is_not_its_own() {
 }
 
 #[test]
+fn files_of_a_user_and_of_a_map_in_the_folder_of_chunks_stay() {
+    let scratch = Scratch::with_plan(0.001);
+    let map = deltazero::chunks::Chunks::new(&scratch.path("out"), "0123456789abcdef", 200, 1);
+    let row = deltazero::chunks::Rows { text: "[]\n".to_owned(), n: 1, failed: 0 };
+    map.write(100, &row).unwrap();
+    fs::write(scratch.path("out/chunks/my_data.txt"), "mine").unwrap();
+    for args in [&[][..], &[], &["--force"], &["--force", "--set", "run.t_end=0.002"]] {
+        scratch.sweep("out", args);
+        assert_eq!(scratch.text("out/chunks/my_data.txt"), "mine");
+        assert_eq!(scratch.chunks("out"), [scratch.path("out/chunks/0000100.rows")], "{args:?}");
+        assert_eq!(map.read(100).unwrap().as_ref(), Some(&row));
+    }
+}
+
+#[test]
 fn force_makes_a_finished_sweep_again() {
     let scratch = Scratch::with_plan(0.01);
     let whole = scratch.sweep("out", &[]);
