@@ -71,10 +71,12 @@ fn partial(path: &Path) -> PathBuf {
     name.into()
 }
 
-/// Removes what writing left behind that was killed, in `dir` and the folders in it.
-pub fn sweep_up(dir: &Path) {
+/// Removes what writing left behind that was killed, in `dir` and the folders in it. A folder that has a file of the
+/// name `lock` is left alone: another command may be writing into it.
+pub fn sweep_up(dir: &Path, lock: &str) {
     let entries = |dir: &Path| fs::read_dir(dir).into_iter().flatten().flatten();
-    let folders = entries(dir).map(|entry| entry.path()).filter(|path| path.is_dir());
+    let is_own = |path: &PathBuf| path.is_dir() && !path.join(lock).exists();
+    let folders = entries(dir).map(|entry| entry.path()).filter(is_own);
     for dir in folders.chain([dir.to_owned()]) {
         for entry in entries(&dir) {
             if entry.file_name().to_string_lossy().ends_with(PARTIAL) {
@@ -112,9 +114,22 @@ mod tests {
         kept.iter().for_each(|name| write(&path(name), b"").unwrap());
         let left = [partial(&path("run.json")), partial(&path("figures/cost.svg"))];
         left.iter().for_each(|path| fs::write(path, "torn").unwrap());
-        sweep_up(dir.path());
+        sweep_up(dir.path(), "lock");
         assert!(left.iter().all(|path| !path.exists()), "{left:?}");
         assert!(kept.iter().all(|name| path(name).exists()));
-        sweep_up(&path("nowhere"));
+        sweep_up(&path("nowhere"), "lock");
+    }
+
+    #[test]
+    fn a_folder_with_a_lock_of_its_own_is_not_swept_up_with_the_one_around_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let inner = dir.path().join("sweep");
+        write(&inner.join("lock"), b"").unwrap();
+        let unfinished = partial(&inner.join("runs.csv"));
+        fs::write(&unfinished, "being written").unwrap();
+        sweep_up(dir.path(), "lock");
+        assert!(unfinished.exists());
+        sweep_up(&inner, "lock");
+        assert!(!unfinished.exists());
     }
 }

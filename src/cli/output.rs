@@ -201,7 +201,7 @@ pub(super) fn cannot_draw(name: &str, error: &deltazero_plots::Error) -> Failure
 /// The lock of a command that alone writes into `dir`; what an earlier one left unfinished is removed.
 fn alone(dir: &Path) -> Result<Vec<File>, Failure> {
     let locks = vec![lock(dir, LOCK, File::try_lock)?];
-    whole::sweep_up(dir);
+    whole::sweep_up(dir, LOCK);
     Ok(locks)
 }
 
