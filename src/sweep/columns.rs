@@ -3,11 +3,11 @@
 use std::fmt;
 
 use deltazero_solvers::{Outcome, Stats};
+use deltazero_study::Part;
 use deltazero_study::brief::{Brief, BriefShape, SiteBrief};
 use deltazero_study::energy_balance::Balance;
 use deltazero_study::errors::contact_summary::ContactSummary;
 use deltazero_study::horizon::{Estimate, Horizon};
-use deltazero_study::{Part, Subject};
 use serde_json::Value;
 
 use super::plan::{Plan, Values};
@@ -182,15 +182,15 @@ fn told<T>(columns: &[Column<T>], told: &T) -> impl Iterator<Item = Cell> {
 }
 
 /// A subject with what its runs tell of.
-pub(super) struct Shape {
+struct Shape {
     parts: Vec<(Vec<String>, BriefShape)>,
 }
 
 impl Shape {
-    /// What the runs of `subject` tell of, with their contacts and energy or without.
-    pub(super) fn of(subject: &Subject, audit: bool) -> Self {
+    /// What the runs of these parts of a subject tell of, with their contacts and energy or without.
+    fn of<'a>(parts: impl Iterator<Item = &'a Part>, audit: bool) -> Self {
         let part = |part: &Part| (prefixes(part), part.brief_shape(audit));
-        Self { parts: subject.parts.iter().map(part).collect() }
+        Self { parts: parts.map(part).collect() }
     }
 
     fn n_sites(&self) -> usize {
@@ -198,7 +198,7 @@ impl Shape {
     }
 
     /// The heads of the columns, in the order of [`cells`].
-    pub(super) fn heads(&self) -> Vec<Head> {
+    fn heads(&self) -> Vec<Head> {
         let mut heads = vec![Head::text("outcome")];
         for (prefixes, shape) in &self.parts {
             for (prefix, columns) in prefixes.iter().zip(&shape.columns) {
@@ -283,8 +283,17 @@ pub(super) fn cells(parts: &[(Part, Brief)], cells: &mut Vec<Cell>) {
     cells.push(Cell::Text(warnings(parts)));
 }
 
+/// The heads of all that a run of these parts tells under `plan`.
+pub(super) fn heads_of_run<'a>(parts: impl Iterator<Item = &'a Part>, plan: &Plan) -> Vec<Head> {
+    let mut heads = Shape::of(parts, plan.audit).heads();
+    if plan.check > 0.0 {
+        heads.extend(heads_of_estimate());
+    }
+    heads
+}
+
 /// The heads of what an [estimate](estimated) tells.
-pub(super) fn heads_of_estimate() -> [Head; 3] {
+fn heads_of_estimate() -> [Head; 3] {
     [Head::number("horizon_s", "s"), Head::number("estimated_e", ""), Head::text("events_right")]
 }
 

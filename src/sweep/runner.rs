@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 use serde_json::Value;
 
 use super::Sweep;
-use super::columns::{Cell, cells, estimated};
+use super::columns::{Cell, cells, estimated, heads_of_run};
 use super::course::{Course, caught, make_at_once};
+use super::layout::Places;
 use crate::chunks::Maker;
 use crate::config::Variants;
 use crate::csv::{exact, field};
@@ -28,6 +29,8 @@ pub struct Runner<'a> {
     sweep: &'a Sweep,
     variants: Variants,
     cells: Vec<Cell>,
+    /// Where they go, of a run whose combination of values the layout has not.
+    places: Option<Places>,
     /// Runs that are made together next.
     pub(super) n_together: u64,
     /// Time that they may take.
@@ -80,8 +83,8 @@ impl Maker for Runner<'_> {
 impl<'a> Runner<'a> {
     pub(super) fn new(sweep: &'a Sweep) -> Self {
         let variants = sweep.variants.clone();
-        let (cells, n_together, took) = (Vec::new(), 1, Duration::ZERO);
-        Self { sweep, variants, cells, n_together, patience: PATIENCE, took }
+        let (cells, places, n_together, took) = (Vec::new(), None, 1, Duration::ZERO);
+        Self { sweep, variants, cells, places, n_together, patience: PATIENCE, took }
     }
 
     fn begin(&mut self, run: u64) -> Begun {
@@ -141,6 +144,7 @@ impl<'a> Runner<'a> {
     /// Fills the cells with what a run tells; why it did not come to its end.
     fn fill(&mut self, indices: &[u64], course: Result<Course, String>) -> Result<(), String> {
         self.cells.clear();
+        self.places = None;
         let course = course?;
         if course.made.is_empty() {
             return course.status;
@@ -150,8 +154,14 @@ impl<'a> Runner<'a> {
         if self.sweep.plan.check > 0.0 {
             estimated(course.estimate, course.reached(), &mut self.cells);
         }
-        let expected = self.sweep.layout.n_cells(&self.sweep.plan, indices);
-        if expected != Some(self.cells.len()) {
+        let Sweep { layout, plan, .. } = self.sweep;
+        let mut places = layout.places(plan, indices);
+        if places.is_none() {
+            let heads = heads_of_run(course.made.iter().map(|(part, _)| part), plan);
+            self.places = layout.places_of_run(&heads);
+            places = self.places.as_ref();
+        }
+        if places.is_none_or(|places| places.n != self.cells.len()) {
             self.cells.clear();
             return Err(
                 "it tells of other columns than the plan; make a plan of it alone".to_owned()
@@ -161,10 +171,11 @@ impl<'a> Runner<'a> {
     }
 
     fn write_cells(&self, indices: &[u64], rows: &mut String) {
-        let places = self.sweep.layout.cells(&self.sweep.plan, indices);
-        for column in 0..self.sweep.layout.heads.len() {
+        let Sweep { layout, plan, .. } = self.sweep;
+        let places = layout.places(plan, indices).or(self.places.as_ref());
+        for column in 0..layout.heads.len() {
             rows.push(',');
-            let place = places.and_then(|places| places[column]);
+            let place = places.and_then(|places| places.of_column[column]);
             match place.and_then(|place| self.cells.get(place)) {
                 None => {}
                 Some(Cell::Number(x)) => write_number(rows, *x),

@@ -163,6 +163,45 @@ values = [1_000_000, 1000]
 }
 
 #[test]
+fn the_order_of_values_that_do_not_go_together_changes_no_run() {
+    let scratch = Scratch::new();
+    let csv = |plan: &str, sets: &[&str]| {
+        let sweep = scratch.sweep(plan, &[&SHORT[..], sets].concat()).unwrap();
+        scratch.made(&sweep, "out", 1, &[(1, 1)])
+    };
+    let sorted = |csv: &str| {
+        let rows = csv.lines().map(|row| row.split_once(',').unwrap().1.to_owned());
+        let mut rows: Vec<String> = rows.collect();
+        rows.sort();
+        rows
+    };
+    let events = |values: &str| format!("[[axis]]\nkey = \"solver.events\"\nvalues = {values}\n");
+    let law = "[[axis]]\nkey = \"friction.law\"\nvalues = [\"coulomb\", \"lugre\"]\n";
+    let orders = ["[\"located\", \"blind\"]", "[\"blind\", \"located\"]"].map(events);
+    for (before, sets, n_ok) in [(law, &[][..], 3), ("", &["friction.law=lugre"], 1)] {
+        let [first, second] = orders.each_ref().map(|own| csv(&format!("{before}{own}"), sets));
+        assert_eq!(first.matches(",ok,").count(), n_ok, "{first}");
+        assert_eq!(sorted(&first), sorted(&second));
+    }
+    let width = |ends: &str| {
+        let plan =
+            format!("[[axis]]\nkey = \"rocking_block.half_width\"\nlinear = {ends}\npoints = 4\n");
+        csv(&plan, &["mechanism=rocking-block"])
+    };
+    let [first, second] = ["[0.5, 2.0]", "[2.0, 0.5]"].map(width);
+    assert_eq!((first.matches(",ok,").count(), sorted(&first)), (2, sorted(&second)));
+}
+
+#[test]
+fn a_run_of_a_combination_that_was_not_looked_up_has_its_columns() {
+    let scratch = Scratch::new();
+    let mut sweep = scratch.sweep(PLAN, &SHORT).unwrap();
+    let whole = scratch.made(&sweep, "whole", 1, &[(1, 1)]);
+    sweep.layout.forget_combinations();
+    assert_eq!(scratch.made(&sweep, "unknown", 1, &[(1, 1)]), whole);
+}
+
+#[test]
 fn columns_are_those_of_the_mechanism() {
     let scratch = Scratch::new();
     let plan = "[[axis]]\nkey = \"solver.rtol\"\nlog = [1e-8, 1e-4]\npoints = 5\n";
