@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use deltazero::chunks::{Chunks, Work, work};
 use deltazero::config::Config;
 use deltazero::study::contests::{Contests, kept};
+use deltazero::study::machine::Machine;
 use deltazero::study::regimes::map_plan;
 use deltazero_study::Subject;
 use deltazero_study::forecast::Forecast;
@@ -18,8 +19,8 @@ use super::meter::Meter;
 use super::output::{Output, hash};
 use super::{Failure, RESUMED};
 
-/// Where the contests of a map of so many sites are kept in `dir`, which is that map's from now on: of this version, others
-/// may find others.
+/// Where the contests of a map of so many sites are kept in `dir`, which is that map's from now on: of this version, machine
+/// and build, others may find others.
 pub(super) fn chunks(
     dir: &Path,
     output: &Output,
@@ -41,9 +42,10 @@ pub(super) fn remove_of_another(dir: &Path, output: &Output, record: &str) -> Re
     }
 }
 
-/// The hash of the contests of a map that has the hash `map`.
+/// The hash of the contests of a map that has the hash `map`: of this machine and build, because their times are compared.
 fn hash_of(map: &str) -> String {
-    hash("contests", &json!([map, env!("CARGO_PKG_VERSION"), RECIPE]))
+    let version = env!("CARGO_PKG_VERSION");
+    hash("contests", &json!([map, version, RECIPE, Machine::here().identity()]))
 }
 
 /// The numbers of the sites whose contests are not there.

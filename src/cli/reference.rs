@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 use deltazero::config::Config;
 use deltazero::keys::Study;
 use deltazero::study::plan;
+use deltazero_solvers::lanes::FUSED;
 use deltazero_study::reference::{RECIPE, Reference};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -60,5 +61,7 @@ fn hash_of(config: &Config) -> String {
     }
     let version = env!("CARGO_PKG_VERSION");
     let Study { reference: digits, max_rhs, max_seconds, .. } = config.study;
-    hash(&format!("reference {version} {RECIPE} {digits} {max_rhs} {max_seconds}"), &json)
+    // Taylor series with fused multiply-add and without have other last bits.
+    let build = if FUSED { " fused" } else { "" };
+    hash(&format!("reference {version} {RECIPE} {digits} {max_rhs} {max_seconds}{build}"), &json)
 }

@@ -9,6 +9,7 @@ use deltazero::figures;
 use deltazero::report::html::regimes_page;
 use deltazero::report::regimes::{csv, markdown};
 use deltazero::study::contests::keep;
+use deltazero::study::machine::Machine;
 use deltazero::study::regimes::{Cell, Site, cells, estimate, quick, sites};
 use deltazero_study::digits::count_of;
 use deltazero_study::forecast::Forecast;
@@ -148,10 +149,10 @@ fn announce(
     Some(forecast)
 }
 
-/// The cells of an earlier run of the same configuration.
+/// The cells of an earlier run of the same configuration on this machine and by this build.
 fn known(output: &Output) -> Vec<Cell> {
     let cells = output.own(RECORD).and_then(|mut map| {
-        if !is_current(&map) {
+        if !is_current(&map) || !Machine::here().wrote(&map) {
             return None;
         }
         serde_json::from_value::<Vec<Cell>>(map.get_mut("cells")?.take()).ok()
@@ -164,6 +165,7 @@ fn write_json(output: &Output, config: &Config, cells: &[Cell]) -> Result<(), Fa
         "hash": output.hash,
         "version": env!("CARGO_PKG_VERSION"),
         "recipe": RECIPE,
+        "machine": Machine::here(),
         "config": config.to_json(),
         "cells": cells,
     });

@@ -75,7 +75,7 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     note_left_out(&config, &config.study.events, args.run.to.quiet);
     warn(&config.mechanism.warnings(&config), args.run.to.quiet);
     let bar = Bar::new(args.run.to.quiet);
-    let known = unfinished_rows(&output);
+    let known = unfinished_rows(&output, args.run.to.quiet);
     let reference = match reference(&output, &config, stop, args.run.to.quiet) {
         Ok(reference) => reference,
         Err(_) if stop.load(Ordering::Relaxed) => {
@@ -153,11 +153,19 @@ fn identity_of_runs(config: &Config) -> Result<Value, Failure> {
     Ok(config.identity())
 }
 
-/// The rows of an earlier study of the same configuration that was interrupted; one that was
-/// finished is done anew, which measures its times again.
-fn unfinished_rows(output: &Output) -> Vec<Row> {
+/// The rows of an earlier study of the same configuration that was interrupted, on this machine and by this build: times of
+/// several are not compared. One that was finished is done anew, which measures its times again.
+fn unfinished_rows(output: &Output, quiet: bool) -> Vec<Row> {
     let rows = output.own(RECORD).and_then(|mut study| {
         if study.get("finished")?.as_bool()? || !is_current(&study) {
+            return None;
+        }
+        if !Machine::here().wrote(&study) {
+            if !quiet {
+                let why =
+                    "was begun on another machine or by another build; all runs are made anew";
+                say(&format!("{}/{RECORD}: {why}", output.path()));
+            }
             return None;
         }
         serde_json::from_value::<Vec<Row>>(study.get_mut("rows")?.take()).ok()

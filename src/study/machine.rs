@@ -30,6 +30,19 @@ impl Machine {
     }
 }
 
+impl Machine {
+    /// What times hang on: all but the cores, of which a run takes one.
+    pub fn identity(&self) -> [&str; 3] {
+        [self.cpu.as_deref().unwrap_or_default(), &self.os, &self.built_by]
+    }
+
+    /// Whether a record was written on this machine, and by this build.
+    pub fn wrote(&self, record: &serde_json::Value) -> bool {
+        let machine = serde_json::from_value::<Self>(record["machine"].clone());
+        machine.is_ok_and(|other| other.identity() == self.identity())
+    }
+}
+
 fn cpu() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;

@@ -77,22 +77,28 @@ fn every_cell_is_a_row_with_its_winner_and_threads_change_nothing_but_times() {
 }
 
 #[test]
-fn a_map_of_a_version_without_chunks_is_taken_up() {
+fn cells_of_a_map_that_are_in_no_chunk_are_taken_up_on_the_machine_that_made_them() {
     let scratch = Scratch::new();
     regimes(&scratch, "out", &["--quiet"]);
     let whole = settings(&scratch, "out");
-    // As an interruption left it; the errors of the finished cells tell that they are not redone.
-    let mut map = scratch.json("out/regimes.json");
-    let cells = map["cells"].as_array_mut().unwrap();
-    cells.retain(|cell| cell["stiffness"] == 1e7);
-    for cell in cells.iter_mut() {
-        cell["error"] = json!("kept");
-    }
-    fs::write(scratch.path("out/regimes.json"), map.to_string()).unwrap();
-    regimes(&scratch, "out", &["--quiet"]);
-    assert_eq!(settings(&scratch, "out"), whole);
-    for cell in scratch.json("out/regimes.json")["cells"].as_array().unwrap() {
-        assert_eq!(cell["error"] != Value::Null, cell["stiffness"] == 1e7, "{cell}");
+    for is_here in [true, false] {
+        // As an interruption left it; the errors of the finished cells tell that they are not redone.
+        let mut map = scratch.json("out/regimes.json");
+        if !is_here {
+            map["machine"]["cpu"] = json!("another one");
+        }
+        let cells = map["cells"].as_array_mut().unwrap();
+        cells.retain(|cell| cell["stiffness"] == 1e7);
+        for cell in cells.iter_mut() {
+            cell["error"] = json!("kept");
+        }
+        fs::write(scratch.path("out/regimes.json"), map.to_string()).unwrap();
+        regimes(&scratch, "out", &["--quiet"]);
+        assert_eq!(settings(&scratch, "out"), whole);
+        for cell in scratch.json("out/regimes.json")["cells"].as_array().unwrap() {
+            let is_kept = is_here && cell["stiffness"] == 1e7;
+            assert_eq!(cell["error"] != Value::Null, is_kept, "{cell}");
+        }
     }
 }
 

@@ -138,6 +138,25 @@ fn an_interrupted_study_takes_what_was_finished_and_does_the_rest() {
 }
 
 #[test]
+fn times_of_another_machine_are_not_taken_into_a_study_that_goes_on() {
+    let scratch = Scratch::new();
+    scratch.study("out", &SHORT, &[]);
+    let mut study = scratch.json("out/study.json");
+    study["finished"] = json!(false);
+    study["machine"]["cpu"] = json!("another one");
+    for row in study["rows"].as_array_mut().unwrap() {
+        (row["walls_s"], row["wall_s_min"]) = (json!([1234.5]), json!(1234.5));
+    }
+    fs::write(scratch.path("out/study.json"), study.to_string()).unwrap();
+    let ran = scratch.study("out", &SHORT, &[]);
+    let said = "study.json: was begun on another machine or by another build";
+    assert!(ran.stderr.contains(said), "{}", ran.stderr);
+    for row in scratch.table("out/study.csv").rows {
+        assert!(number(&row, "wall_s_min") != 1234.5, "{row:?}");
+    }
+}
+
+#[test]
 fn a_study_interrupted_before_its_figures_redoes_no_run_and_a_finished_one_all() {
     let scratch = Scratch::new();
     scratch.study("out", &SHORT, &[]);
