@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use deltazero_study::digits::{as_meant, count_of};
-use deltazero_study::map::{CellStatus, Contested, Map, MapCell};
+use deltazero_study::map::{CellStatus, Contested, Map, MapAxis, MapCell};
 use deltazero_study::quantile::quantile;
 use deltazero_study::selection::{CUT, EVENTS_FROM, Entry, FINAL, Failure, FailureKind, Standings};
 use deltazero_study::setting::Events;
@@ -11,6 +11,7 @@ use deltazero_study::setting::Events;
 use crate::config::Config;
 use crate::csv::{exact, field};
 use crate::figures::Drawing;
+use crate::mechanisms::text;
 use crate::study::regimes::{Cell, maps, of_map};
 
 /// A time within this factor of the winner's is near it.
@@ -33,9 +34,14 @@ pub fn csv(cells: &[Cell]) -> String {
     csv
 }
 
-/// `map.csv`: one row a cell and an accuracy.
+/// `map.csv`: one row a cell and an accuracy. A parameter of a model with the name of another column has its long name.
 pub fn map_csv(map: &Map) -> String {
-    let names = map.axes.each_ref().map(|axis| field(&axis.name)).join(",");
+    let is_taken = |name: &str| CONTEST.split(',').any(|column| column == name);
+    let names = map.axes.each_ref().map(|MapAxis { name, .. }| match is_taken(name) {
+        true => format!("{}.{name}", text::TABLES[1]),
+        false => field(name),
+    });
+    let names = names.join(",");
     let mut csv = format!("{names},{CONTEST}\n");
     for MapCell { at, contest } in &map.cells {
         let at = at.map(|x| exact(Some(x))).join(",");
@@ -425,6 +431,16 @@ mod tests {
             standings,
         };
         Cell { reading: ReadingName::Pin, stiffness: 1e9, damping_ratio: 1.0, contest }
+    }
+
+    #[test]
+    fn no_two_columns_of_a_map_have_one_name() {
+        let axes = ["K", "e"].map(|name| MapAxis::new(name, "", &[1.0, 2.0]));
+        let csv = map_csv(&Map { axes, cells: Vec::new() });
+        let names: Vec<&str> = csv.trim_end().split(',').collect();
+        assert_eq!(names[..3], ["K", "parameters.e", "accuracy"]);
+        let distinct: std::collections::BTreeSet<&&str> = names.iter().collect();
+        assert_eq!(distinct.len(), names.len(), "{csv}");
     }
 
     #[test]
