@@ -6,6 +6,11 @@ use serde_json::Value;
 use super::draw::{Law, Place, Sampling, unit_of_run};
 use super::saltelli;
 
+/// Rounding of a whole number that is computed from the ends of its axis, in units of the larger end's; and where that is
+/// much, how far it may be off.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+const MOST_OFF: f64 = 1e-3;
+
 /// What a sweep runs.
 ///
 /// The grid is the product of the axes, the last one fastest; at each of its points there are so many draws. Nothing
@@ -85,11 +90,14 @@ impl Values {
         self.len() == 0
     }
 
-    /// The number `i` of them, where they are numbers at equal distances or ratios.
+    /// The number `i` of them, where they are numbers at equal distances or ratios. Where the key takes whole numbers, one
+    /// that is whole but for rounding is whole.
     pub fn number(&self, i: u64) -> Option<f64> {
-        let (ends, points) = match self {
+        let (ends, points, whole) = match self {
             Self::List(_) => return None,
-            Self::Linear { ends, points, .. } | Self::Log { ends, points, .. } => (*ends, *points),
+            Self::Linear { ends, points, whole } | Self::Log { ends, points, whole } => {
+                (*ends, *points, *whole)
+            }
         };
         let last = points.saturating_sub(1);
         let between = || {
@@ -102,6 +110,7 @@ impl Values {
         Some(match i {
             0 => ends[0],
             _ if i == last => ends[1],
+            _ if whole => rounded(between(), ends),
             _ => between(),
         })
     }
@@ -116,6 +125,12 @@ impl Values {
             }
         }
     }
+}
+
+/// The whole number that `x`, computed from these ends, is but for rounding; else `x`.
+fn rounded(x: f64, ends: [f64; 2]) -> f64 {
+    let (near, largest) = (libm::round(x), ends[0].abs().max(ends[1].abs()));
+    if (x - near).abs() <= (ROUNDING * largest).min(MOST_OFF) { near } else { x }
 }
 
 /// Draws at each point of the grid.

@@ -191,3 +191,18 @@ fn a_plan_written_as_a_file_is_read_back_as_it_was() {
         assert_eq!(again, plan, "{written}");
     }
 }
+
+#[test]
+fn whole_numbers_at_equal_distances_or_ratios_are_not_lost_by_rounding() {
+    let scratch = Scratch::new();
+    let values = |form: &str, points: u64| {
+        let plan = format!("[[axis]]\nkey = \"study.max_rhs\"\n{form}\npoints = {points}\n");
+        let sweep = scratch.sweep(&plan, &[]).unwrap();
+        (0..points).map(|i| sweep.plan.axes[0].values.at(i)).collect::<Vec<_>>()
+    };
+    for n in 2..200 {
+        assert_eq!(values(&format!("linear = [1, {n}]"), n), (1..=n).collect::<Vec<_>>());
+    }
+    let powers: Vec<u64> = (0..30).map(|k| 1 << k).collect();
+    assert_eq!(values("log = [1, 536870912]", 30), powers);
+}
