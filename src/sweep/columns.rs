@@ -1,6 +1,8 @@
 //! The columns of `runs.csv`: what a run tells at its end, by name, and which of them the runs of a plan have.
 
+use std::collections::HashSet;
 use std::fmt;
+use std::ops::Range;
 
 use deltazero_solvers::{Outcome, Stats};
 use deltazero_study::Part;
@@ -200,10 +202,12 @@ impl Shape {
     /// The heads of the columns, in the order of [`cells`].
     fn heads(&self) -> Vec<Head> {
         let mut heads = vec![Head::text("outcome")];
+        let mut of_model = Vec::new();
         for (prefixes, shape) in &self.parts {
             for (prefix, columns) in prefixes.iter().zip(&shape.columns) {
                 heads.push(Head::number(format!("{prefix}t_s"), "s"));
                 heads.push(Head::text(format!("{prefix}mode")));
+                of_model.push(heads.len()..heads.len() + columns.len());
                 heads.extend(columns.iter().map(|own| {
                     Head::number(format!("{prefix}{}", own.header()), own.unit.as_ref())
                 }));
@@ -224,7 +228,7 @@ impl Shape {
         heads.extend(headed("", &ENERGY).filter(|_| has_energy));
         heads.extend(headed("", &WORK));
         heads.push(Head::text("warnings"));
-        distinct(&mut heads);
+        distinct(&mut heads, &of_model);
         heads
     }
 }
@@ -237,15 +241,21 @@ fn prefixes(part: &Part) -> Vec<String> {
     part.labels.iter().map(prefix).collect()
 }
 
-/// Adds a number to a name that stands there already: of parts that nothing tells apart.
-fn distinct(heads: &mut [Head]) {
-    for i in 1..heads.len() {
-        let (before, rest) = heads.split_at_mut(i);
-        let name = rest[0].name.clone();
-        let mut n = 1;
-        while before.iter().any(|head| head.name == rest[0].name) {
-            n += 1;
-            rest[0].name = format!("{name}_{n}");
+/// Adds a number to a name that another column has already: of parts that nothing tells apart, and of a state or an observable
+/// that has the name of a result, which keeps it.
+fn distinct(heads: &mut [Head], of_model: &[Range<usize>]) {
+    let is_of_model = |at: usize| of_model.iter().any(|range| range.contains(&at));
+    let estimate = heads_of_estimate().map(|head| head.name);
+    let mut taken: HashSet<String> = estimate.into_iter().collect();
+    for is_turn in [false, true] {
+        for (_, head) in heads.iter_mut().enumerate().filter(|(at, _)| is_of_model(*at) == is_turn)
+        {
+            let name = head.name.clone();
+            let mut n = 1;
+            while !taken.insert(head.name.clone()) {
+                n += 1;
+                head.name = format!("{name}_{n}");
+            }
         }
     }
 }
@@ -362,7 +372,15 @@ mod tests {
     #[test]
     fn names_that_stand_twice_are_numbered() {
         let mut heads = ["a", "b", "a", "a"].map(Head::text);
-        distinct(&mut heads);
+        distinct(&mut heads, &[]);
         assert_eq!(heads.map(|head| head.name), ["a", "b", "a_2", "a_3"]);
+    }
+
+    #[test]
+    fn a_result_keeps_its_name_and_the_column_of_the_model_is_numbered() {
+        let mut heads = ["n_rhs", "x", "estimated_e", "n_rhs", "n_rhs_2"].map(Head::text);
+        distinct(&mut heads, std::slice::from_ref(&(0..3)));
+        let names = heads.map(|head| head.name);
+        assert_eq!(names, ["n_rhs_3", "x", "estimated_e_2", "n_rhs", "n_rhs_2"]);
     }
 }

@@ -48,6 +48,18 @@ impl Scratch {
 }
 
 #[test]
+fn an_observable_with_the_name_of_a_result_leaves_it_that_name() {
+    let scratch = Scratch::with_model_and_plan("mass_against_stop", PLAN);
+    let own = "n_rhs = { value = \"0*x/x_0\", observe = true }\n\n[states]";
+    let model = scratch.text("stop.toml").replacen("\n[states]", own, 1);
+    fs::write(scratch.path("stop.toml"), model).unwrap();
+    scratch.sweep("out", &["--set", "run.t_end=0.02"]);
+    for row in scratch.table("out/runs.csv").rows {
+        assert!(number(&row, "n_rhs") > 0.0 && number(&row, "n_rhs_2") == 0.0, "{row:?}");
+    }
+}
+
+#[test]
 fn a_row_of_a_model_is_what_simulate_says_of_its_values() {
     let scratch = Scratch::with_model_and_plan("mass_against_stop", PLAN);
     scratch.sweep("out", &["--set", "solver.rtol=1e-8"]);
