@@ -62,6 +62,20 @@ impl Scratch {
 }
 
 #[test]
+fn a_distribution_counts_runs_without_a_value_once() {
+    let scratch = Scratch::with_sweep(
+        "[[axis]]\nkey = \"joint.clearance\"\nvalues = [1e-4, 0.0]\n\
+         [random]\nsamples = 4\n\
+         [[random.key]]\nkey = \"drive.m1\"\nuniform = [0.5, 2]\n",
+    );
+    // An ideal joint has no contact.
+    let ran = scratch.plot(&["--x", "peak_force_n"]);
+    let caption = "Shown: 4 runs; left out: 4 that have no value here.";
+    assert!(ran.stdout.contains(caption), "{}{}", ran.stdout, ran.stderr);
+    assert!(!ran.stdout.contains("no such number"), "{}", ran.stdout);
+}
+
+#[test]
 fn columns_make_the_figure_that_they_ask_for() {
     let scratch = Scratch::with_sweep(PLAN);
     let [stiffness, law, force] = ["contact.stiffness", "friction.law", "peak_force_n"];

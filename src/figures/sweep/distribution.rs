@@ -48,6 +48,7 @@ pub(super) fn drawing(data: &Data<'_>) -> Result<Drawing, PlotError> {
             counts[class][bin] += 1.0;
         }
     }
+    let n_shown = counts.iter().flatten().sum::<f64>() as usize;
     let group = |(i, counts): (usize, Vec<f64>)| {
         let label = data
             .color
@@ -65,11 +66,7 @@ pub(super) fn drawing(data: &Data<'_>) -> Result<Drawing, PlotError> {
     if !told.is_empty() {
         caption += &format!(": {told}");
     }
-    caption += &format!(". {}", data.of_runs());
-    let missing = places.len() - sorted.len();
-    if missing > 0 {
-        caption += &format!(" {missing} of them have no such number.");
-    }
+    caption += &format!(". {}", data.of_shown(n_shown));
     let figure = Figure::single(format!("Distribution of {}", x.name), histogram);
     Ok(Drawing { name: "distribution", caption, figure })
 }
