@@ -245,16 +245,21 @@ impl Command<'_> {
         let n_runs: u64 = n_runs.sum();
         let missing: Vec<u64> =
             own.iter().copied().filter(|chunk| !self.chunks.is_there(*chunk)).collect();
+        let name = format!("{SHARDS}/{}.json", shard.name());
+        let before = self.output.own(&name).and_then(|own| own["wall_s"].as_f64()).unwrap_or(0.0);
         let record = |finished: bool, failed: u64| {
             json!({
                 "shard": shard.i, "of": shard.n, "hash": self.output.hash, "finished": finished,
-                "runs": n_runs, "failed": failed, "wall_s": self.start.elapsed().as_secs_f64(),
+                "runs": n_runs, "failed": failed,
+                "wall_s": before + self.start.elapsed().as_secs_f64(),
                 "machine": Machine::here(),
             })
         };
-        let name = format!("{SHARDS}/{}.json", shard.name());
         self.output.write_json(&name, &record(false, 0))?;
-        self.make(&missing, n_runs)?;
+        if let Err(failure) = self.make(&missing, n_runs) {
+            self.output.write_json(&name, &record(false, 0))?;
+            return Err(failure);
+        }
         let failed = own.iter().filter_map(|chunk| self.chunks.failed(*chunk)).sum();
         self.output.write_json(&name, &record(true, failed))?;
         if self.args.to.json {
@@ -331,7 +336,9 @@ impl Command<'_> {
             .map_err(SweepError::from)?;
         meter.end(threads);
         if stop.load(Ordering::Relaxed) {
-            self.output.write_json(RECORD, &self.record(None))?;
+            if self.args.shard.is_none() {
+                self.output.write_json(RECORD, &self.record(None))?;
+            }
             return Err(Failure::Interrupted(RESUMED));
         }
         Ok(())

@@ -84,6 +84,19 @@ fn rows_are_the_same_for_one_thread_two_threads_and_seven_shards_in_any_order() 
 }
 
 #[test]
+fn the_time_of_a_shard_is_that_of_all_its_commands() {
+    let scratch = Scratch::with_plan(0.001);
+    let shard = ["sweep", "plan.toml", "--out", "out", "--shard", "1/2", "--quiet"];
+    scratch.succeed(&shard);
+    let mut record = scratch.json("out/shards/1-of-2.json");
+    record["wall_s"] = 1234.5.into();
+    fs::write(scratch.path("out/shards/1-of-2.json"), record.to_string()).unwrap();
+    scratch.succeed(&shard);
+    let wall_s = scratch.json("out/shards/1-of-2.json")["wall_s"].as_f64().unwrap();
+    assert!(wall_s > 1234.5, "{wall_s}");
+}
+
+#[test]
 fn a_finished_sweep_gives_its_rows_by_column_too() {
     let scratch = Scratch::with_plan(0.02);
     scratch.sweep("out", &[]);
