@@ -158,7 +158,7 @@ impl Results {
         let reasons = reasons.sorted();
         let columns = names.iter().zip(readers);
         Ok(Table {
-            columns: columns.map(|(name, own)| ((*name).to_owned(), own.column)).collect(),
+            columns: columns.map(|(name, own)| ((*name).to_owned(), own.column())).collect(),
             failed: reasons.iter().map(|reason| reason.n).sum(),
             reasons,
         })
@@ -234,49 +234,68 @@ impl Results {
 /// A column as far as it is read.
 #[derive(Clone)]
 struct Reader {
-    column: Column,
+    /// Its numbers; none once there is a word.
+    numbers: Option<Vec<f64>>,
+    /// Its texts as they are written; none once there are too many.
+    words: Option<Words>,
+}
+
+/// Texts, each once.
+#[derive(Clone, Default)]
+struct Words {
+    all: Vec<String>,
     known: HashMap<String, u32>,
+    of_row: Vec<u32>,
 }
 
 impl Default for Reader {
     fn default() -> Self {
-        Self { column: Column::Numbers(Vec::new()), known: HashMap::new() }
+        Self { numbers: Some(Vec::new()), words: Some(Words::default()) }
     }
 }
 
 impl Reader {
-    /// Adds a field. Numbers stay numbers up to the first word; from there on all are words.
+    /// Adds a field. Numbers stay numbers as long as there is no word; then all are words, each as it is written.
     fn add(&mut self, text: &str, name: &str) -> Result<(), ResultsError> {
-        if let Column::Numbers(numbers) = &mut self.column {
-            let number = if text.is_empty() { Some(f64::NAN) } else { text.parse().ok() };
-            if let Some(number) = number {
-                // The zero below zero is the same number.
-                numbers.push(number + 0.0);
-                return Ok(());
-            }
-            let before = std::mem::take(numbers);
-            self.column = Column::Words { words: Vec::new(), of_row: Vec::new() };
-            for number in before {
-                let text = if number.is_nan() { String::new() } else { format!("{number:e}") };
-                self.add_word(&text, name)?;
-            }
+        let number = if text.is_empty() { Some(f64::NAN) } else { text.parse().ok() };
+        match (&mut self.numbers, number) {
+            // The zero below zero is the same number.
+            (Some(numbers), Some(number)) => numbers.push(number + 0.0),
+            _ => self.numbers = None,
         }
-        self.add_word(text, name)
-    }
-
-    fn add_word(&mut self, text: &str, name: &str) -> Result<(), ResultsError> {
-        let Column::Words { words, of_row } = &mut self.column else { return Ok(()) };
-        if let Some(known) = self.known.get(text) {
-            of_row.push(*known);
-            return Ok(());
+        if !self.words.as_mut().is_some_and(|words| words.add(text)) {
+            self.words = None;
         }
-        if words.len() == MOST_WORDS {
+        if self.numbers.is_none() && self.words.is_none() {
             return Err(ResultsError::Words { name: name.to_owned(), most: MOST_WORDS });
         }
-        self.known.insert(text.to_owned(), words.len() as u32);
-        of_row.push(words.len() as u32);
-        words.push(text.to_owned());
         Ok(())
+    }
+
+    fn column(self) -> Column {
+        if let Some(numbers) = self.numbers {
+            return Column::Numbers(numbers);
+        }
+        let Words { all, of_row, .. } = self.words.unwrap_or_default();
+        Column::Words { words: all, of_row }
+    }
+}
+
+impl Words {
+    /// Adds the text of a row; whether there is a place for it.
+    fn add(&mut self, text: &str) -> bool {
+        if let Some(known) = self.known.get(text) {
+            self.of_row.push(*known);
+            return true;
+        }
+        if self.all.len() == MOST_WORDS {
+            return false;
+        }
+        let new = self.all.len() as u32;
+        self.known.insert(text.to_owned(), new);
+        self.of_row.push(new);
+        self.all.push(text.to_owned());
+        true
     }
 }
 
@@ -310,6 +329,28 @@ mod tests {
         assert_eq!(table.columns[1].1, words(&["free", ""], &[0, 1, 0]));
         assert_eq!(*table.column("a.b").unwrap(), words(&["1e3", "none"], &[0, 1, 0]));
         assert_eq!((results.label("a.b"), results.label("w")), ("a.b [N/m]".into(), "w".into()));
+    }
+
+    #[test]
+    fn a_word_that_reads_as_a_number_is_one_word_before_and_after_the_first_other() {
+        let dir = tempfile::tempdir().unwrap();
+        let rows = "0,1,ok,1,1\n1,2,ok,free,2\n2,3,ok,1,3\n3,4,ok,,4\n";
+        let table = results(dir.path(), rows).table(&["w"]).unwrap();
+        let words = ["1", "free", ""].map(str::to_owned).to_vec();
+        let expected = Column::Words { words, of_row: vec![0, 1, 0, 2] };
+        assert_eq!(table.columns[0].1, expected);
+    }
+
+    #[test]
+    fn numbers_may_be_many_and_words_may_not() {
+        let dir = tempfile::tempdir().unwrap();
+        let row = |i: usize| format!("{i},{i},ok,{i},1\n");
+        let rows: String = (0..=MOST_WORDS).map(row).collect();
+        let column = |rows: &str| results(dir.path(), rows).table(&["w"]);
+        let table = column(&rows).unwrap();
+        assert!(matches!(table.columns[0].1, Column::Numbers(_)) && table.n_rows() == 1001);
+        let error = column(&(rows + "1001,1,ok,free,1\n")).unwrap_err();
+        assert!(matches!(error, ResultsError::Words { .. }), "{error}");
     }
 
     #[test]
