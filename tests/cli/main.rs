@@ -21,6 +21,7 @@ mod recommend;
 mod regimes;
 mod report;
 mod report_sweep;
+mod self_judgement;
 mod simulate;
 mod study;
 #[cfg(unix)]
