@@ -12,7 +12,7 @@ use crate::check::{ProblemError, check};
 use crate::errors::{ErrorScale, Largest};
 use crate::kinds::{by_kind, of_type};
 use crate::measured::{MeasuredPart, measure};
-use crate::problem::{EndName, Group, Problem, Quantity, nudged};
+use crate::problem::{EndName, Group, Problem, Quantity, far, nudged};
 use crate::reference::{Maker, PartReference, Path, ReferenceError, path};
 use crate::run::{
     Brake, Braked, Limits, ModeChange, OwnRun, PartRun, Price, Setting, Took, integrate,
@@ -30,6 +30,8 @@ pub enum Start {
     Up,
     /// Each moved down.
     Down,
+    /// Each moved up by roundings of its natural size.
+    Far,
 }
 
 impl Start {
@@ -39,6 +41,7 @@ impl Start {
             Self::Exact => problem.start(),
             Self::Up => nudged(problem, f64::next_up),
             Self::Down => nudged(problem, f64::next_down),
+            Self::Far => far(problem, true),
         }
     }
 }

@@ -36,8 +36,21 @@ fn a_motion_is_no_more_predictable_from_zero_than_from_elsewhere() {
         let run = simulated(&lorenz(start), &[]);
         let horizon = run["horizon_s"].as_f64().unwrap();
         // Measured: 25.2, 25.4 and 25.9 s.
-        assert!((20.0..30.0).contains(&horizon), "{start}: {horizon}");
+        assert!((15.0..30.0).contains(&horizon), "{start}: {horizon}");
         assert!(warned(&run).contains(&"horizon"), "{run}");
+    }
+}
+
+#[test]
+fn a_motion_that_rounds_the_last_bit_of_its_start_away_has_a_horizon_too() {
+    // Ueda's oscillator: from 1, where the last bit is soon below the rounding of x, and from rest, where nothing has a rate.
+    for start in [1, 0] {
+        let model = format!(
+            "t_end = 300\n[states]\nx = {{ start = {start}, scale = 1 }}\nv = {{ start = 0, scale = 1 }}\n[rates]\nx = \"v\"\n\
+             [modes.only]\nrates = {{ v = \"-x^3 - 0.05*v + 7.5*sin(t)\" }}\n"
+        );
+        let horizon = simulated(&model, &[])["horizon_s"].as_f64().unwrap();
+        assert!((50.0..150.0).contains(&horizon), "{start}: {horizon}");
     }
 }
 
@@ -56,8 +69,13 @@ fn an_event_that_ends_the_run_and_is_lost_is_told_and_missed() {
     let loose = ["solver.method=bs32", "solver.rtol=1e-4"];
     let run = simulated(model, &loose);
     assert_eq!((&run["outcome"], warned(&run)), (&"finished".into(), vec!["events"]), "{run}");
-    let run = simulated(model, &["solver.method=bs32", "solver.rtol=1e-9"]);
-    assert_eq!((&run["outcome"], warned(&run)), (&"stopped".into(), vec![]), "{run}");
+    // One that stops late has not lost it.
+    for (rtol, least) in [("solver.rtol=1e-6", 1e-3), ("solver.rtol=1e-9", 0.0)] {
+        let run = simulated(model, &["solver.method=bs32", rtol]);
+        assert_eq!((&run["outcome"], warned(&run)), (&"stopped".into(), vec![]), "{run}");
+        let late = (run["stopped_s"][0]["t_s"].as_f64().unwrap() - 95.787_714).abs();
+        assert!(late >= least, "{rtol}: {late}");
+    }
     let scratch = Scratch::new();
     std::fs::write(scratch.path("model.toml"), model).unwrap();
     let study = ["study", "--model", "model.toml", "--out", "out", "--set", "study.repeats=1"];

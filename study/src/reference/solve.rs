@@ -251,9 +251,13 @@ fn solve_with(
     // First the one that may cost more: too much of it, and the others are spared.
     let check = path(other, Start::Exact)?;
     let own_path = path(own, Start::Exact)?;
-    let nudged = path(own, Start::Up)?.trace;
+    let mut nudged = path(own, Start::Up)?;
+    // A last bit may be rounded away, of a motion that grows, and tells nothing then.
+    if nudged.run.y == own_path.run.y {
+        nudged = path(own, Start::Far)?;
+    }
     let (method, check_method) = (own.described(), other.described());
-    Ok(Solved { method, check_method, path: own_path, check, nudged })
+    Ok(Solved { method, check_method, path: own_path, check, nudged: nudged.trace })
 }
 
 /// What makes a run of a reference.
