@@ -28,9 +28,7 @@ impl Machine {
             built_by: env!("DELTAZERO_BUILT_BY").to_owned(),
         }
     }
-}
 
-impl Machine {
     /// What times hang on: all but the cores, of which a run takes one.
     pub fn identity(&self) -> [&str; 3] {
         [self.cpu.as_deref().unwrap_or_default(), &self.os, &self.built_by]

@@ -303,9 +303,7 @@ fn pair<'a>(part: &'a Part, span: Span, threads: usize, stop: &AtomicBool) -> Op
             |start: &Start| part.run(&setting, *start, span.reached, &grid, &mut bound.clone());
         let mut runs = in_parallel(&[Start::Exact, Start::Up], threads, run).into_iter();
         let (grid, own, nudged) = (grid.clone(), runs.next()?, runs.next()?);
-        // A last bit may be rounded away, of a motion that grows, and tells nothing then.
-        let is_felt = own.0.y != nudged.0.y || own.0.t != nudged.0.t;
-        let nudged = if is_felt { nudged } else { run(&Start::Far) };
+        let nudged = if own.0.ends_like(&nudged.0) { run(&Start::Far) } else { nudged };
         let pair = Pair { part, grid, own, nudged };
         let is_settled = pair.is_settled();
         left -= bound.work(&pair.own.0.stats);

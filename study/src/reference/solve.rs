@@ -252,8 +252,7 @@ fn solve_with(
     let check = path(other, Start::Exact)?;
     let own_path = path(own, Start::Exact)?;
     let mut nudged = path(own, Start::Up)?;
-    // A last bit may be rounded away, of a motion that grows, and tells nothing then.
-    if nudged.run.y == own_path.run.y {
+    if nudged.run.ends_like(&own_path.run) {
         nudged = path(own, Start::Far)?;
     }
     let (method, check_method) = (own.described(), other.described());

@@ -79,6 +79,14 @@ impl<Y, M> Ran<Y, M> {
     }
 }
 
+impl<Y: PartialEq, M> Ran<Y, M> {
+    /// Whether it ended as another one, to the bit. One from a start moved by its last bit then tells nothing: the bit was rounded
+    /// away, as it is of a motion that grows.
+    pub(crate) fn ends_like(&self, other: &Self) -> bool {
+        self.t == other.t && self.y == other.y
+    }
+}
+
 impl<Y: AsRef<[f64]>, M: std::fmt::Debug> Ran<Y, M> {
     /// The same whatever the problem.
     pub fn plain(&self) -> PartRun {
