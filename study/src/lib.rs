@@ -36,6 +36,7 @@ mod kinds;
 pub mod map;
 pub mod measured;
 pub mod motion;
+pub mod nudge;
 pub mod parallel;
 pub mod part;
 pub mod plan;

@@ -12,7 +12,8 @@ use crate::check::{ProblemError, check};
 use crate::errors::{ErrorScale, Largest};
 use crate::kinds::{by_kind, of_type};
 use crate::measured::{MeasuredPart, measure};
-use crate::problem::{EndName, Group, Problem, Quantity, far, nudged};
+use crate::nudge::{far, nudged};
+use crate::problem::{EndName, Group, Problem, Quantity};
 use crate::reference::{Maker, PartReference, Path, ReferenceError, path};
 use crate::run::{
     Brake, Braked, Limits, ModeChange, OwnRun, PartRun, Price, Setting, Took, integrate,

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use deltazero_solvers::{Error, Next, Outcome, Real, Record, Switch, System, Vector};
+use deltazero_solvers::{Error, Next, Outcome, Real, Record, Switch, System};
 use serde::{Deserialize, Serialize};
 
 use crate::run::{Begun, ModeChange, OwnRun, Setting, no_such_run, one_by_one};
@@ -452,60 +452,6 @@ pub fn leading_site<P: Problem>(problem: &P, mode: &P::Mode) -> usize {
     let first =
         |is: fn(Role) -> bool| (0..problem.n_sites()).find(|site| is(problem.role(mode, *site)));
     first(|role| role == Role::Stick).or_else(|| first(Role::is_contact)).unwrap_or(0)
-}
-
-/// A move of this part of [`f64::EPSILON`], in natural sizes, is as large as what a run rounds by.
-const FELT: f64 = 0.25;
-/// Roundings of the natural sizes by which a start is moved where its last bit is not felt: what a run of some steps rounds by.
-const FAR: f64 = 64.0;
-
-/// The start with each of its numbers but zeros moved by `nudge`: by its last bit, to see what that does. Where that is nothing
-/// beside the natural sizes, as of a start at zero, it is moved [far].
-pub(crate) fn nudged<P: Problem>(problem: &P, nudge: fn(f64) -> f64) -> P::State<f64> {
-    let (start, scales) = (problem.start(), scales(problem));
-    let mut moved = start.clone();
-    for y in moved.as_mut().iter_mut().filter(|y| **y != 0.0) {
-        *y = nudge(*y);
-    }
-    let pairs = start.as_ref().iter().zip(moved.as_ref()).zip(&scales);
-    let largest = pairs.map(|((a, b), scale)| ((b - a) / scale).abs()).fold(0.0, f64::max);
-    if largest >= FELT * f64::EPSILON { moved } else { far(problem, nudge(1.0) > 1.0) }
-}
-
-/// The start with each number that begins to change moved up, or down, by [some](FAR) roundings of its natural size, if the mode
-/// stays and no guard falls by it.
-pub(crate) fn far<P: Problem>(problem: &P, up: bool) -> P::State<f64> {
-    let (start, scales) = (problem.start(), scales(problem));
-    let mode = problem.initial_mode(0.0, &start);
-    let guards = |y: &P::State<f64>| {
-        let mut g = P::Guards::from_fn(problem.n_guards(), |_| 0.0);
-        problem.guards(mode.clone(), 0.0, y, &mut g);
-        g
-    };
-    let slope_at = |t: f64, y: &P::State<f64>| {
-        let mut slope = y.clone();
-        problem.rhs(mode.clone(), t, y, &mut slope);
-        slope
-    };
-    let (before, slope) = (guards(&start), slope_at(0.0, &start));
-    // What a force that begins at zero moves has no rate at the start.
-    let moment = f64::EPSILON.sqrt() * problem.unit_of_time();
-    let along = |i: usize| start.as_ref()[i] + moment * slope.as_ref()[i];
-    let then = slope_at(moment, &P::State::from_fn(scales.len(), along));
-    let begins = |i: &usize| slope.as_ref()[*i] != 0.0 || then.as_ref()[*i] != 0.0;
-    let by = if up { FAR * f64::EPSILON } else { -FAR * f64::EPSILON };
-    let mut moved = start.clone();
-    for i in (0..scales.len()).filter(begins) {
-        let own = moved.as_ref()[i];
-        moved.as_mut()[i] = own + by * scales[i];
-        let after = guards(&moved);
-        let mut pairs = before.as_ref().iter().zip(after.as_ref());
-        let holds = pairs.all(|(before, after)| *after > 0.0 || after >= before);
-        if !(holds && problem.initial_mode(0.0, &moved) == mode) {
-            moved.as_mut()[i] = own;
-        }
-    }
-    moved
 }
 
 /// The natural sizes of the states.

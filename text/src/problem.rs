@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use deltazero_solvers::{Real, Record, System, Vector};
+use deltazero_study::nudge::{Moment, setting_out};
 use deltazero_study::problem::{
     EndName, Energy, Group, GroupScale, Laws, Power, Problem, Quantity, Role, Touch,
 };
@@ -91,27 +92,17 @@ impl<F: Family> Problem for TextModel<F> {
 
     /// Whether a guard is zero at the start and falls from there: at once, or where it has no rate a moment later.
     fn starts_on_surface(&self) -> bool {
-        let start = self.start();
-        let mode = self.initial_mode(0.0, &start);
-        let slope_at = |t: f64, y: &F::State<f64>| {
-            let mut slope = y.clone();
-            self.rhs(mode, t, y, &mut slope);
-            slope
-        };
-        let along = |t: f64, y: &F::State<f64>, slope: &F::State<f64>| {
+        let mode = self.initial_mode(0.0, &self.start());
+        let moments = setting_out(self, &mode);
+        let [now, then] = moments.each_ref().map(|Moment { t, y, slope }| {
             let (y, f) = (y.as_ref(), slope.as_ref());
             let moving = F::State::<Dual64>::from_fn(y.len(), |i| Dual64::new(y[i], f[i]));
             let mut g = vec![Dual64::from_re(0.0); self.n_guards()];
-            self.guards(mode, Dual64::new(t, 1.0), &moving, &mut g);
+            self.guards(mode, Dual64::new(*t, 1.0), &moving, &mut g);
             g
-        };
-        let (slope, moment) = (slope_at(0.0, &start), f64::EPSILON.sqrt() * self.0.unit_of_time);
-        let (y, f) = (start.as_ref(), slope.as_ref());
-        let later = F::State::<f64>::from_fn(y.len(), |i| y[i] + moment * f[i]);
-        let now = along(0.0, &start, &slope);
-        let then = along(moment, &later, &slope_at(moment, &later));
+        });
         let mut bounds = vec![0.0; now.len()];
-        self.guard_bounds(mode, 0.0, &start, &mut bounds);
+        self.guard_bounds(mode, 0.0, &moments[0].y, &mut bounds);
         now.iter().zip(&then).zip(&bounds).any(|((now, then), bound)| {
             let falls = now.eps < 0.0 || now.eps == 0.0 && then.eps < 0.0;
             now.re.abs() <= *bound && falls
