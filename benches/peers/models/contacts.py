@@ -113,22 +113,37 @@ class BeltOscillator(Model):
 
 class LugreBrake(Model):
     name, t_end, start, mode = "lugre_brake", 0.3, [0.0, 0.1, 0.0], "sliding"
-    modes, shift = ["sliding", "slowing", "forward", "backward"], 1e-17
+    modes = ["sliding", "slowing", "forward", "backward", "backward_slowing", "backward_sliding"]
+    shift = 1e-17
     sigma_0, sigma_1, sigma_2, F_C, F_S, v_S = 1e5, math.sqrt(1e5), 0.4, 1.0, 1.5, 1e-3
     scale, stiff = [0.005, 0.1, 1e-5], None
+    MIRRORED = {"backward": "forward", "backward_slowing": "slowing", "backward_sliding": "sliding"}
 
     def rates(self, mode, t, y, data, f):
         x, v, z = y
-        curve = self.F_C if mode == "sliding" else self.F_C + (self.F_S - self.F_C) * f.exp(-((v / self.v_S) ** 2))
-        z_dot = v - (-v if mode == "backward" else v) / curve * self.sigma_0 * z
+        is_flat, is_back = mode.endswith("sliding"), mode.startswith("backward")
+        curve = self.F_C if is_flat else self.F_C + (self.F_S - self.F_C) * f.exp(-((v / self.v_S) ** 2))
+        z_dot = v - (-v if is_back else v) / curve * self.sigma_0 * z
         return [v, -(self.sigma_0 * z + self.sigma_1 * z_dot + self.sigma_2 * v), z_dot]
 
     def guards(self, mode, t, y, data, f):
         v, v_S = y[1], self.v_S
-        return {"sliding": [v - 6.0 * v_S], "slowing": [v - v_S, 6.0 * v_S - v], "forward": [v, v_S - v], "backward": [-v]}[mode]
+        along = -v if mode.startswith("backward") else v
+        return {
+            "sliding": [along - 6.0 * v_S],
+            "slowing": [along - v_S, 6.0 * v_S - along],
+            "forward": [along, v_S - along],
+        }[self.MIRRORED.get(mode, mode)]
 
     def jump(self, mode, guard, t, y, data):
-        after = {"sliding": ["slowing"], "slowing": ["forward", "sliding"], "forward": ["backward", "slowing"], "backward": ["forward"]}
+        after = {
+            "sliding": ["slowing"],
+            "slowing": ["forward", "sliding"],
+            "forward": ["backward", "slowing"],
+            "backward": ["forward", "backward_slowing"],
+            "backward_slowing": ["backward", "backward_sliding"],
+            "backward_sliding": ["backward_slowing"],
+        }
         return after[mode][guard], y, data
 
 

@@ -105,6 +105,27 @@ fn no_method_passes_over_a_narrow_curve_of_the_brake() {
     }
 }
 
+/// Bristles without damping, which swing back at hundreds of times `v_S`.
+#[test]
+fn no_method_passes_over_a_narrow_curve_where_the_brake_swings_back() {
+    let values = [
+        ("m", 1.17),
+        ("sigma_0", 6.87e4),
+        ("sigma_1", 0.0),
+        ("F_C", 3.59),
+        ("F_S", 5.385),
+        ("v_S", 3.26e-4),
+        ("v_0", 0.113),
+    ];
+    let model = model(BRAKE, &values);
+    let end = Run::by(&model, "vern98", 1e-12, 0.09).y;
+    for method in METHODS {
+        // Measured: 3.8e-9 (radau5). In one mode for all speeds backward taylor was 2.8e-5 off.
+        let off = distance(&model, &Run::by(&model, method, 1e-10, 0.09).y, &end);
+        below(method, off, 3e-8);
+    }
+}
+
 /// Without damping, viscosity and Stribeck's effect `dz/dx = 1 ∓ σ_0 z/F_C`, so that `½ m v² ± F_C (x − z)` is kept.
 #[test]
 fn a_brake_of_bare_bristles_keeps_its_first_integral() {
@@ -117,7 +138,7 @@ fn a_brake_of_bare_bristles_keeps_its_first_integral() {
     let mut worst = 0.0_f64;
     for (t, y) in &run.samples {
         worst = worst.max((integral(y, sign) - kept).abs() / (0.5 * m * v_0 * v_0));
-        let turns = |mode: &str| mode == "backward";
+        let turns = |mode: &str| mode.starts_with("backward");
         let is_turn = |change: &&Change| turns(&change.before) != turns(&change.after);
         if run.changes.iter().any(|change| change.t == *t && is_turn(&change)) {
             sign = -sign;
