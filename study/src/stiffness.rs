@@ -46,7 +46,7 @@ impl<'a, P: Problem> Stiffness<'a, P> {
     pub fn warning(&self) -> Option<Warning> {
         let (rate, h) = self.fastest;
         let message = format!(
-            "{:.0} % of the steps are bound by stability, not by the tolerance: the contact decays at {rate:.1e} 1/s \
+            "{:.0} % of the steps are bound by stability, not by the tolerance: the motion decays at {rate:.1e} 1/s \
              in mode {}, and an explicit step there is at most some {h:.1e} s long; take an implicit method \
              (radau5)",
             100.0 * self.n_bound as f64 / self.n_looks.max(1) as f64,
