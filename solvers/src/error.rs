@@ -102,7 +102,7 @@ pub enum Error {
     },
     /// A guard moves too fast to be followed within a step, or its values are too noisy.
     #[error(
-        "guard {guard} turns too often to be followed in the step of {h:e} from t = {t} in mode {mode}; take smaller steps, or state its rounding bound if it is noise"
+        "guard {guard} turns too often to be followed in the step of {h:e} from t = {t} in mode {mode}; take smaller steps, or, in Rust, state its rounding bound if it is noise"
     )]
     UnresolvedGuard {
         /// Time of the last accepted step.

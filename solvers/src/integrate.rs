@@ -17,8 +17,8 @@ use crate::work::Stats;
 const CHATTER: usize = 16;
 /// What to change where one guard stays violated after its own transition, where transitions within one mode violate
 /// each other's guards, and where modes hand over to each other.
-const UNPROJECTED: &str = "it stays violated after its own transition; put the state on the surface there, or state a larger rounding bound";
-const UNDONE: &str = "transitions within this mode violate each other's guards; let one transition settle them together, or state larger rounding bounds";
+const UNPROJECTED: &str = "it stays violated after its own transition; put the state on the surface there, or, in Rust, state a larger rounding bound";
+const UNDONE: &str = "transitions within this mode violate each other's guards; let one transition settle them together, or, in Rust, state larger rounding bounds";
 const HANDED_OVER: &str =
     "two modes hand over to each other; give the model the sliding or sticking mode between them";
 /// Events are held to accumulate where this many in a row, or twice as many as there are guards, …

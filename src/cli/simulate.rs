@@ -343,10 +343,11 @@ fn contact_line(Simulated { own, .. }: &Simulated<'_>) -> Option<String> {
 
 /// The message of a failed run: where, in which mode, what to try.
 fn failure(parts: &[Simulated<'_>]) -> String {
-    let failed = parts.iter().find_map(|part| Some((&part.part.name, error(part)?)));
-    let Some((name, error)) = failed else { return String::new() };
+    let failed = parts.iter().find_map(|part| Some((part, error(part)?)));
+    let Some((Simulated { part, own, .. }, error)) = failed else { return String::new() };
     let message = error["message"].as_str().unwrap_or_default();
-    format!("{}{message}; what was computed until then is written", place(name))
+    let lines = own.failed_place.as_ref().map_or_else(String::new, |lines| format!("\n{lines}"));
+    format!("{}{message}; what was computed until then is written{lines}", place(&part.name))
 }
 
 fn report_lines(summary: &Value, parts: &[Simulated<'_>], horizon: Option<Horizon>) -> String {

@@ -356,6 +356,11 @@ pub trait Problem: System<Mode: Send + Sync> + Send + Sync {
         None
     }
 
+    /// Where the model is written that `error` of a run is about: lines of a file, to be shown below it. None by default.
+    fn place_of(&self, _error: &Error) -> Option<String> {
+        None
+    }
+
     /// What a run is said to have done that a terminal event ended.
     fn end_name(&self) -> EndName {
         EndName { key: "stopped", words: "stopped" }

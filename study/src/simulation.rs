@@ -122,6 +122,8 @@ pub struct Simulation {
     pub stopped: Option<usize>,
     /// The site that the error is about, where it is about one.
     pub failed_site: Option<usize>,
+    /// Where the model is written that the error of a failed run is about.
+    pub failed_place: Option<String>,
     /// What to know before trusting it.
     pub warnings: Vec<Warning>,
 }
@@ -166,6 +168,7 @@ pub(crate) fn simulate<P: Problem>(
         end: problem.in_brief(&run.y),
         stopped: run.stopped_at().map(|_| stopped_site(problem, &kept)),
         failed_site: failed_site(problem, &run),
+        failed_place: run.outcome.as_ref().err().and_then(|error| problem.place_of(error)),
         warnings,
         run: run.plain(),
     }

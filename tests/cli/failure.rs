@@ -88,3 +88,27 @@ fn a_contact_pressed_beyond_the_range_of_its_law_says_so_before_or_during_the_ru
     assert!(during.contains("penetration δ = ") && during.contains("slip"), "{during}");
     assert!(scratch.json("firm/run.json")["error"]["t"].as_f64() > Some(0.0));
 }
+
+#[test]
+fn a_guard_of_a_text_model_that_fails_is_shown_where_it_is_written() {
+    let scratch = Scratch::new();
+    let model = r#"
+mode = "falling_on_a_floor_of_an_uneven_hall"
+t_end = 1
+[states]
+x = { start = 1 }
+[rates]
+x = "-3"
+[modes.falling_on_a_floor_of_an_uneven_hall]
+events = [{ when = "x + log(x - 0.5) > 9", to = "falling_on_a_floor_of_an_uneven_hall" }]
+"#;
+    std::fs::write(scratch.path("model.toml"), model).unwrap();
+    let ran = scratch.run(&["simulate", "--model", "model.toml", "--out", "out"]);
+    assert_eq!(ran.code, Some(1), "{}", ran.stderr);
+    let error = ran.stderr.split_once("error: guard 0 is not finite").map(|(_, error)| error);
+    let error = error.unwrap_or_else(|| panic!("{}", ran.stderr));
+    let parts = ["in mode falling_on_a_floor_of_an_uneven_hall,", "model.toml:9:21", "^"];
+    for part in parts {
+        assert!(error.contains(part), "no {part:?} in: {error}");
+    }
+}

@@ -16,7 +16,7 @@ use crate::expression::Expression;
 use crate::jacobian::{Jacobian, MOST_NODES};
 use crate::layout::Layout;
 use crate::names::{Meaning, Names};
-use crate::report::{Checked, Complaint};
+use crate::report::{Checked, Complaint, Source};
 use crate::sparsity::{Sparsity, span};
 use crate::system::{Model, Target, TextModel};
 
@@ -28,6 +28,7 @@ pub(crate) struct Compiled {
 
 /// Compiles one part with these values of parameters, to be run to `t_end` [s] if that is known.
 pub(crate) fn compile(
+    source: &Source,
     file: &Declarations,
     names: &Names,
     parameters: Vec<f64>,
@@ -67,6 +68,7 @@ pub(crate) fn compile(
     }
     let first_mode = file.mode.as_ref().map_or(Ok(0), |mode| names.mode(mode))?;
     let model = Model {
+        source: source.clone(),
         part: part.map_or(String::new(), |part| part.name.value.clone()),
         part_number: part.and_then(|part| {
             let own = |other: &PartDeclaration| other.name.value == part.name.value;

@@ -204,7 +204,14 @@ impl ModelFile {
             parameters[i] = *value;
         }
         if self.file.parts.is_empty() {
-            return Ok(vec![compile(&self.file, &self.names, parameters, None, t_end)?]);
+            return Ok(vec![compile(
+                &self.source,
+                &self.file,
+                &self.names,
+                parameters,
+                None,
+                t_end,
+            )?]);
         }
         self.check_shape_of_parts(&parameters)?;
         let parts = self.file.parts.iter();
@@ -230,7 +237,7 @@ impl ModelFile {
             self.check_range(i, *value, name.span)?;
             parameters[i] = *value;
         }
-        compile(&self.file, &self.names, parameters, Some(part), t_end)
+        compile(&self.source, &self.file, &self.names, parameters, Some(part), t_end)
     }
 
     /// Checks that all parts have as many states and observables: their rows stand in one table.

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use deltazero_solvers::{Real, Record, System, Vector};
+use deltazero_solvers::{Error, Real, Record, System, Vector};
 use deltazero_study::nudge::{Moment, setting_out};
 use deltazero_study::problem::{
     EndName, Energy, Group, GroupScale, Laws, Power, Problem, Quantity, Role, Touch,
@@ -13,6 +13,7 @@ use num_dual::Dual64;
 use crate::compile::role;
 use crate::mode::Mode;
 use crate::program::Program;
+use crate::report::Complaint;
 use crate::system::{TextModel, Told};
 use crate::tape::Inputs;
 use crate::vector::Family;
@@ -82,7 +83,7 @@ impl<F: Family> Problem for TextModel<F> {
     }
 
     fn named_modes(&self) -> Vec<String> {
-        self.0.modes.iter().map(|mode| mode.name.clone()).collect()
+        self.0.modes.iter().map(|mode| mode.name.to_owned()).collect()
     }
 
     /// The span of a run where it is shorter than a second.
@@ -159,6 +160,23 @@ impl<F: Family> Problem for TextModel<F> {
         let inputs = Inputs { t, y: y.as_ref(), held: &mode.held };
         self.told(mode).observables.run(&inputs, observables);
         row(0, &all);
+    }
+
+    /// The line of the file where a guard that failed is written.
+    fn place_of(&self, error: &Error) -> Option<String> {
+        let (Error::NonFiniteGuard { mode, guard, .. }
+        | Error::BadGuardBound { mode, guard, .. }
+        | Error::UnresolvedGuard { mode, guard, .. }
+        | Error::Chatter { mode, guard, .. }) = error
+        else {
+            return None;
+        };
+        let mode = self.0.modes.iter().find(|own| own.name == mode)?;
+        let complaint = Complaint::new(
+            mode.transitions.get(*guard)?.at,
+            format!("guard {guard} of the mode `{}`", mode.name),
+        );
+        Some(self.0.source.note(complaint).to_string())
     }
 
     fn end_name(&self) -> EndName {

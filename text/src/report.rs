@@ -118,12 +118,17 @@ pub(crate) struct Source {
 impl Source {
     /// The complaint as an error about this file.
     pub(crate) fn error(&self, complaint: Complaint) -> Report {
-        Report { source: self.clone(), complaint, is_warning: false }
+        Report { source: self.clone(), complaint, level: Level::ERROR }
     }
 
     /// The complaint as a warning about this file.
     pub(crate) fn warning(&self, complaint: Complaint) -> Report {
-        Report { source: self.clone(), complaint, is_warning: true }
+        Report { source: self.clone(), complaint, level: Level::WARNING }
+    }
+
+    /// The complaint as words about a place of this file.
+    pub(crate) fn note(&self, complaint: Complaint) -> Report {
+        Report { source: self.clone(), complaint, level: Level::NOTE }
     }
 }
 
@@ -132,7 +137,7 @@ impl Source {
 pub struct Report {
     source: Source,
     complaint: Complaint,
-    is_warning: bool,
+    level: Level<'static>,
 }
 
 impl Report {
@@ -189,8 +194,7 @@ impl fmt::Display for Report {
         for (span, label) in others {
             snippet = snippet.annotation(place(AnnotationKind::Context, *span, label));
         }
-        let level = if self.is_warning { Level::WARNING } else { Level::ERROR };
-        let mut group = level.primary_title(message.clone()).element(snippet);
+        let mut group = self.level.clone().primary_title(message.clone()).element(snippet);
         if let Some(help) = help {
             group = group.element(Level::HELP.message(help.clone()));
         }

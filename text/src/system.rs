@@ -13,6 +13,7 @@ use crate::jacobian::Jacobian;
 use crate::layout::MOST_HELD;
 use crate::mode::Mode;
 use crate::program::Program;
+use crate::report::{Source, Span};
 use crate::sparsity::{Column, Sparsity};
 use crate::tape::Inputs;
 use crate::vector::{Any, Family, Few};
@@ -27,6 +28,7 @@ pub struct TextModel<F: Family = Any>(pub(crate) Arc<Model>, PhantomData<F>);
 /// What a compiled model is.
 #[derive(Debug)]
 pub(crate) struct Model {
+    pub(crate) source: Source,
     pub(crate) part: String,
     /// Its number, from one, where the file has parts.
     pub(crate) part_number: Option<usize>,
@@ -55,7 +57,7 @@ pub(crate) struct Model {
 /// A mode, compiled.
 #[derive(Debug)]
 pub(crate) struct CompiledMode {
-    pub(crate) name: String,
+    pub(crate) name: &'static str,
     pub(crate) role: ModeRole,
     /// Rates, then guards.
     pub(crate) program: Program,
@@ -85,6 +87,8 @@ pub(crate) struct Told {
 /// What follows an event.
 #[derive(Debug)]
 pub(crate) struct Transition {
+    /// Where its condition is written.
+    pub(crate) at: Span,
     pub(crate) next: Setting,
     /// What follows where such events accumulate.
     pub(crate) rest: Option<Setting>,
@@ -154,7 +158,7 @@ impl Model {
                 *held = kept.value();
             }
         }
-        Mode::new(number, &mode.name, held, from.number)
+        Mode::new(number, mode.name, held, from.number)
     }
 
     /// Sets what is to be set, and returns what follows.
@@ -337,6 +341,6 @@ impl<F: Family> TextModel<F> {
 
     /// The name of a mode of this model.
     pub fn name_of(&self, mode: Mode) -> &str {
-        &self.0.mode(&mode).name
+        self.0.mode(&mode).name
     }
 }

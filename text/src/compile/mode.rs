@@ -7,6 +7,7 @@ use crate::expand::{Expander, Flaw};
 use crate::expression::{Comparison, Relation};
 use crate::graph::Id;
 use crate::layout::MOST_EVENTS;
+use crate::mode::kept_name;
 use crate::names::Meaning;
 use crate::program::Program;
 use crate::report::{Checked, Complaint};
@@ -91,7 +92,7 @@ pub(super) fn mode(
     warn_of_flaws(expander, [&rates, &guards], &at_events, warnings);
     let told = told(expander, number, &rates, observables)?;
     let mode = CompiledMode {
-        name: declared.name.value.clone(),
+        name: kept_name(&declared.name.value),
         role: declared.role,
         program: Program::of_two(&expander.graph, &rates, &guards),
         guards: Program::of(&expander.graph, &guards),
@@ -136,7 +137,7 @@ fn one_event(
     let stays = next.leads_to(here) == here;
     let rest =
         event.rest.as_ref().map(|rest| setting(expander, rest, stays, values)).transpose()?;
-    Ok((guard, Transition { next, rest }))
+    Ok((guard, Transition { at: event.when.left.span.to(event.when.right.span), next, rest }))
 }
 
 /// `b − a` of `a > b`: positive as long as the event has not come.
