@@ -177,6 +177,7 @@ fn spans(config: &Config, setting: &Setting, parts: &[Simulated<'_>]) -> Vec<Spa
     let span = |Simulated { own, .. }: &Simulated<'_>| Span {
         t_end: config.run.t_end,
         reached: own.run.t,
+        is_stopped: own.run.stopped_at().is_some(),
         work: work(setting.method, setting.rtol(), &own.run.stats.work),
     };
     parts.iter().map(span).collect()

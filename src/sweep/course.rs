@@ -112,6 +112,7 @@ impl Course {
         let span = |(_, Brief { run, .. }): &(Part, Brief)| Span {
             t_end: self.t_end,
             reached: run.t,
+            is_stopped: run.stopped_at().is_some(),
             work: work(method, self.setting.rtol(), &run.stats.work),
         };
         let spans: Vec<Span> = self.made.iter().map(span).collect();

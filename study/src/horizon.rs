@@ -59,11 +59,18 @@ pub struct Span {
     pub t_end: f64,
     /// How far the run came [s].
     pub reached: f64,
+    /// Whether an event ended it there.
+    pub is_stopped: bool,
     /// The [work] of the run that it is about, in right-hand sides.
     pub work: f64,
 }
 
 impl Span {
+    /// How far a run goes that this one is compared with [s]: beyond an event that ends this one alone.
+    fn end(&self) -> f64 {
+        if self.is_stopped { self.t_end } else { self.reached }
+    }
+
     /// At most `n` times, and at least half as many, the same ones wherever the run ended: of two that reach 90° each at
     /// a time of its own the horizon is one.
     fn times(&self, n: usize) -> Vec<f64> {
@@ -217,6 +224,8 @@ impl<'a> Pairs<'a> {
 /// A run of a part, and one from a start changed in its last bit.
 struct Pair<'a> {
     part: &'a Part,
+    /// How far the run came that they are compared with [s].
+    reached: f64,
     grid: Grid,
     own: (PartRun, Trace),
     nudged: (PartRun, Trace),
@@ -275,14 +284,15 @@ impl Pair<'_> {
         self.is_whole() || self.lost_by_itself().is_some()
     }
 
-    /// Whether both came to their end.
+    /// Whether both came to their end, or as far as the run.
     fn is_whole(&self) -> bool {
-        let is_whole =
-            |run: &PartRun| matches!(run.outcome, Ok(Outcome::Finished | Outcome::Stopped));
+        let is_whole = |run: &PartRun| {
+            run.t >= self.reached || matches!(run.outcome, Ok(Outcome::Finished | Outcome::Stopped))
+        };
         is_whole(&self.own.0) && is_whole(&self.nudged.0)
     }
 
-    /// Whether both came to their end, or at least to the time `t` [s].
+    /// Whether both came to their end, or as far as the run, or at least to the time `t` [s].
     fn reaches(&self, t: f64) -> bool {
         self.is_whole() || self.own.0.t.min(self.nudged.0.t) >= t
     }
@@ -299,12 +309,11 @@ fn pair<'a>(part: &'a Part, span: Span, threads: usize, stop: &AtomicBool) -> Op
     let mut last = None;
     for setting in settings() {
         let bound = Bound { setting: &setting, most: 0.5 * left, stop };
-        let run =
-            |start: &Start| part.run(&setting, *start, span.reached, &grid, &mut bound.clone());
+        let run = |start: &Start| part.run(&setting, *start, span.end(), &grid, &mut bound.clone());
         let mut runs = in_parallel(&[Start::Exact, Start::Up], threads, run).into_iter();
         let (grid, own, nudged) = (grid.clone(), runs.next()?, runs.next()?);
         let nudged = if own.0.ends_like(&nudged.0) { run(&Start::Far) } else { nudged };
-        let pair = Pair { part, grid, own, nudged };
+        let pair = Pair { part, reached: span.reached, grid, own, nudged };
         let is_settled = pair.is_settled();
         left -= bound.work(&pair.own.0.stats);
         last = Some(pair);
@@ -381,7 +390,11 @@ mod tests {
         let method = Method::named("rk45").unwrap();
         let accuracy = Accuracy::Rtol(1e-9, None);
         let setting = Setting { method, events: Events::Located, accuracy };
-        (Subject { parts }, setting, [Span { t_end: 0.1, reached: 0.1, work: 1e4 }; 2])
+        (
+            Subject { parts },
+            setting,
+            [Span { t_end: 0.1, reached: 0.1, is_stopped: false, work: 1e4 }; 2],
+        )
     }
 
     #[test]
@@ -470,7 +483,8 @@ mod tests {
 
     #[test]
     fn times_are_the_same_wherever_a_run_ends() {
-        let times = |reached| Span { t_end: 14.0, reached, work: 0.0 }.times(1000);
+        let span = |reached| Span { t_end: 14.0, reached, is_stopped: false, work: 0.0 };
+        let times = |reached| span(reached).times(1000);
         let [early, late] = [13.4, 13.5].map(times);
         assert_eq!(early, late[..early.len()]);
         assert_eq!(times(14.0).len(), 1000);

@@ -87,6 +87,24 @@ fn an_event_that_ends_the_run_and_is_lost_is_told_and_missed() {
 }
 
 #[test]
+fn an_event_that_ends_the_run_and_is_not_there_is_told() {
+    let model = |most: f64| {
+        format!(
+            "t_end = 400.0\n[states]\nx = {{ start = 0, scale = 1 }}\nv = 1\n[modes.swing]\n\
+             rates = {{ x = \"v\", v = \"-x\" }}\nevents = [{{ when = \"x > {most}\", stop = true }}]\n"
+        )
+    };
+    // The swings grow by the method's error alone. An event that is early is not made up.
+    for (most, rtol, codes) in
+        [(1.02, "1e-3", &["events"][..]), (0.9, "1e-2", &[]), (0.9, "1e-6", &[])]
+    {
+        let set = format!("solver.rtol={rtol}");
+        let run = simulated(&model(most), &["solver.method=rk45", &set]);
+        assert_eq!((&run["outcome"], warned(&run)), (&"stopped".into(), codes.to_vec()), "{run}");
+    }
+}
+
+#[test]
 fn an_event_that_moves_a_state_or_ends_the_run_takes_the_energy_of_that() {
     let with = |event: &str| {
         format!(

@@ -35,7 +35,7 @@ pub(super) fn events(
     let most = (SHARE * span.work).max(LEAST_WORK);
     let mut bound = Bound { setting: &finer, most, stop };
     let nowhere = Grid::Times(Vec::new());
-    let (run, trace) = part.run(&finer, Start::Exact, span.reached, &nowhere, &mut bound);
+    let (run, trace) = part.run(&finer, Start::Exact, span.end(), &nowhere, &mut bound);
     let changes = super::changes(part, &trace);
     let stopped_at = run.stopped_at();
     Some(TightEvents { until: vec![run.t; changes.len()], changes, stopped_at, by })

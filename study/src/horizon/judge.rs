@@ -70,7 +70,32 @@ impl TightEvents {
             );
             Some(Warning { code: Code::Events, message }.of(&part.sites[site]))
         })
-        .or_else(|| self.goes_on(part, reached).filter(|_| !is_stopped))
+        .or_else(|| match is_stopped {
+            true => self.stops_alone(part, reached),
+            false => self.goes_on(part, reached),
+        })
+    }
+
+    /// The warning that an event ended a run at this time [s], and these go on beyond it, to their end or to another event.
+    fn stops_alone(&self, part: &Part, reached: f64) -> Option<Warning> {
+        let beyond = reached + AT_END * part.unit_of_time;
+        let certain = self.until.iter().copied().fold(f64::INFINITY, f64::min);
+        // Of one that ends them all later, this is the same, early.
+        let until = match self.stopped_at {
+            Some(t) => t - AT_END * part.unit_of_time,
+            None => certain,
+        };
+        let next = self.changes.iter().flatten().map(|change| change.t);
+        let next = next.filter(|t| (beyond..until).contains(t)).reduce(f64::min);
+        let goes_on_to =
+            next.or((self.stopped_at.is_none() && certain > beyond).then_some(certain))?;
+        let message = format!(
+            "an event ended the run at t = {reached:.6e} s, and {} went on to {goes_on_to:.6e} s: it has made that event up, or this \
+             grazes{}; take a tighter tolerance or another method",
+            self.by.name(),
+            self.by.caveat()
+        );
+        Some(Warning { code: Code::Events, message }.of(&part.sites[0]))
     }
 
     /// The warning that a run that reached a time [s] went on beyond the event that ends it.
