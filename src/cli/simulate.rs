@@ -15,7 +15,6 @@ use deltazero_study::horizon::{Horizon, Span, TightRuns, tight_runs};
 use deltazero_study::part::Timing;
 use deltazero_study::run::{Limits, Price, Setting};
 use deltazero_study::selection::work;
-use deltazero_study::setting::Events;
 use deltazero_study::simulation::{Asked, Simulation, SiteMotion};
 use deltazero_study::warning::{Code, Warning, place};
 use deltazero_study::{Part, Subject};
@@ -83,9 +82,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     drop(bar);
     let horizon = tight.as_ref().map(|tight| tight.horizon);
     let mut warnings = warnings(&config, &parts, horizon);
-    if setting.events == Events::Located {
-        warnings.extend(tight.iter().flat_map(|tight| other_events(&subject, &parts, tight)));
-    }
+    warnings.extend(tight.iter().flat_map(|tight| other_events(&subject, &parts, tight)));
     let time = Alone::of(&subject, &setting, &parts, &config, stop);
     let mut summary = run_json(&output, &config, &setting, &parts, &time);
     summary["warnings"] = json!(warnings);
@@ -98,7 +95,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     if args.run.to.json {
         print(&format!("{summary:#}\n"))?;
     } else {
-        print(&report_lines(&summary, &parts, horizon))?;
+        print(&report_lines(&summary, &parts, horizon, stop.load(Ordering::Relaxed)))?;
     }
     warn(&warnings, args.run.to.quiet);
     if !args.run.to.quiet {
@@ -202,11 +199,12 @@ fn written(horizon: Option<Horizon>) -> &'static str {
     }
 }
 
-fn horizon_line(horizon: Option<Horizon>, has_failed: bool) -> String {
+fn horizon_line(horizon: Option<Horizon>, has_failed: bool, is_interrupted: bool) -> String {
     match horizon {
         Some(Horizon::LostAt(t)) => format!("predictable up to {} s\n", as_meant(t)),
         Some(Horizon::WholeRun) if has_failed => "predictable as far as it came\n".to_owned(),
         Some(Horizon::WholeRun) => "predictable to its end\n".to_owned(),
+        Some(Horizon::NotMeasured) if is_interrupted => "horizon not measured\n".to_owned(),
         Some(Horizon::NotMeasured) => {
             "horizon not measured: no tight run came to the end at a few times the work\n"
                 .to_owned()
@@ -277,13 +275,15 @@ fn run_json(
         "batch": time.batch,
         "counts": counts,
         "work_by_phase": WorkByPhase::new(&work),
-        "contacts": parts.iter().flat_map(contact_rows).collect::<Vec<_>>(),
         "outcome": outcome(parts),
         "error": parts.iter().find_map(error),
     });
     all[format!("{end_name}_s")] = parts.iter().filter_map(reached).collect();
     if let Some(balance) = balance {
         all["energy"] = json!(balance);
+    }
+    if parts.iter().any(|part| part.own.contacts.is_some()) {
+        all["contacts"] = parts.iter().flat_map(contact_rows).collect();
     }
     all
 }
@@ -309,7 +309,7 @@ fn error(Simulated { part, own, too_long }: &Simulated<'_>) -> Option<Value> {
     Some(row.into())
 }
 
-/// The contacts of each site of a part, in short.
+/// The contacts of each site of a part, in short; none where the model tells of none.
 fn contact_rows(Simulated { part, own, .. }: &Simulated<'_>) -> Vec<Value> {
     let row = |(site, contacts): (usize, &Vec<_>)| {
         let mut row = json!(ContactSummary::of(contacts.iter()));
@@ -318,8 +318,7 @@ fn contact_rows(Simulated { part, own, .. }: &Simulated<'_>) -> Vec<Value> {
         }
         row
     };
-    let none = || vec![Vec::new(); part.sites.len()];
-    own.contacts.clone().unwrap_or_else(none).iter().enumerate().map(row).collect()
+    own.contacts.iter().flatten().enumerate().map(row).collect()
 }
 
 /// The contacts of a part in a line; none where there are none.
@@ -351,7 +350,12 @@ fn failure(parts: &[Simulated<'_>]) -> String {
     format!("{}{message}; what was computed until then is written{lines}", place(&part.name))
 }
 
-fn report_lines(summary: &Value, parts: &[Simulated<'_>], horizon: Option<Horizon>) -> String {
+fn report_lines(
+    summary: &Value,
+    parts: &[Simulated<'_>],
+    horizon: Option<Horizon>,
+    is_interrupted: bool,
+) -> String {
     let counts = &summary["counts"];
     let counted = |key: &str, thing| count_of(counts[key].as_u64().unwrap_or(0), thing);
     let mut text = format!(
@@ -373,7 +377,7 @@ fn report_lines(summary: &Value, parts: &[Simulated<'_>], horizon: Option<Horizo
         text += &contact_line(part).unwrap_or_default();
     }
     let has_failed = parts.iter().any(|part| error(part).is_some());
-    text += &horizon_line(horizon, has_failed);
+    text += &horizon_line(horizon, has_failed, is_interrupted);
     match summary["warnings"].as_array().map_or(0, Vec::len) {
         0 => {}
         n => text += &format!("{}, in run.json\n", count_of(n, "warning")),

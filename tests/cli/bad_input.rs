@@ -44,7 +44,7 @@ fn a_bad_file_is_refused_with_file_line_key_value_and_a_way_out() {
         ("[solver]\nmethod = \"rk46\"\n", 2, &["solver.method = \"rk46\"", "did you mean \"rk4"]),
         ("[run]\nsample = 1e-12\n", 2, &["run.sample = 1e-12", "raise run.sample"]),
         ("[run\n", 1, &["expected `]`"]),
-        ("a = 1\na = 2\n", 2, &["duplicate key"]),
+        ("a = 1\na = 2\n", 2, &["a stands here a second time"]),
     ];
     let scratch = Scratch::new();
     for (text, line, parts) in cases {
@@ -80,8 +80,8 @@ fn a_file_that_cannot_be_read_is_refused_by_name() {
     let scratch = Scratch::new();
     fs::create_dir(scratch.path("dir.toml")).unwrap();
     fs::write(scratch.path("latin1.toml"), b"# comment\n# caf\xe9\n").unwrap();
-    refused(&scratch, &["missing.toml"], &["missing.toml: cannot read"]);
-    refused(&scratch, &["dir.toml"], &["dir.toml: cannot read"]);
+    refused(&scratch, &["missing.toml"], &["missing.toml: cannot be read"]);
+    refused(&scratch, &["dir.toml"], &["dir.toml: cannot be read"]);
     refused(&scratch, &["latin1.toml"], &["latin1.toml:2: ", "not UTF-8"]);
 }
 

@@ -161,7 +161,7 @@ fn what_is_wrong_with_a_model_or_its_values_is_said_with_its_place() {
         (&["--model", &file, "--set", "solver.rtoll=1"], &["did you mean \"solver.rtol\""]),
         (&["--model", &file, "--set", "K=-1"], &["--set K=-1", "out of range", "greater than 0"]),
         (&["--model", &file, "--set", "bays=3"], &["bays"]),
-        (&["--model", "none.toml"], &["none.toml", "cannot read"]),
+        (&["--model", "none.toml"], &["none.toml", "cannot be read"]),
     ] {
         let ran = scratch.run(&[&["simulate"][..], args].concat());
         assert_eq!(ran.code, Some(2), "{args:?}: {}", ran.stderr);

@@ -360,7 +360,7 @@ fn bad_usage_of_a_sweep_is_refused() {
     }
     let ran = scratch.run(&["sweep", "missing.toml"]);
     assert!(
-        ran.code == Some(2) && ran.stderr.contains("missing.toml: cannot read"),
+        ran.code == Some(2) && ran.stderr.contains("missing.toml: cannot be read"),
         "{}",
         ran.stderr
     );

@@ -128,7 +128,7 @@ fn a_sweep_goes_on_without_the_file_of_its_model_and_another_model_is_refused() 
     assert_eq!(scratch.sweep("out", &["--merge"]), whole);
     let ran = scratch.run(&["sweep", "plan.toml", "--out", "elsewhere"]);
     assert_eq!(ran.code, Some(2));
-    assert!(ran.stderr.contains("stop.toml: cannot read"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("stop.toml: cannot be read"), "{}", ran.stderr);
 }
 
 #[test]
@@ -166,7 +166,7 @@ fn a_plan_that_does_not_go_with_its_model_is_refused_with_its_place() {
         assert!(ran.code == Some(2) && ran.stderr.contains(&told), "{}", ran.stderr);
     }
     let said = scratch.refused(&format!("model = \"none.toml\"\n{axis}"));
-    assert!(said.contains("none.toml: cannot read"), "{said}");
+    assert!(said.contains("none.toml: cannot be read"), "{said}");
     fs::write(scratch.path("stop.toml"), scratch.text("stop.toml").replacen("K*x", "k*x", 1))
         .unwrap();
     let said = scratch.refused(&format!("{model}{axis}"));

@@ -417,7 +417,7 @@ fn asked() -> Setting {
 
 fn horizon(config: &Config, work: f64) -> Horizon {
     let subject = config.mechanism.subject(config);
-    let span = Span { t_end: config.run.t_end, reached: config.run.t_end, work };
+    let span = Span { t_end: config.run.t_end, reached: config.run.t_end, is_stopped: false, work };
     tight_runs(&subject, &asked(), &vec![span; subject.parts.len()], &RUNNING).horizon
 }
 
@@ -439,9 +439,9 @@ fn a_motion_that_costs_too_much_to_follow_is_not_measured() {
     let config = Config::table1().unwrap();
     let subject = config.mechanism.subject(&config);
     assert_eq!(horizon(&config, 0.0), Horizon::WholeRun);
-    let spans = [Span { t_end: 1e3, reached: 1e3, work: 0.0 }; 2];
+    let spans = [Span { t_end: 1e3, reached: 1e3, is_stopped: false, work: 0.0 }; 2];
     let measured = |spans, stop| tight_runs(&subject, &asked(), spans, &stop).horizon;
     assert_eq!(measured(&spans, AtomicBool::new(true)), Horizon::NotMeasured);
-    let failed_at_once = [Span { t_end: 2.0, reached: 0.0, work: 0.0 }; 2];
+    let failed_at_once = [Span { t_end: 2.0, reached: 0.0, is_stopped: false, work: 0.0 }; 2];
     assert_eq!(measured(&failed_at_once, AtomicBool::new(false)), Horizon::NotMeasured);
 }

@@ -135,6 +135,11 @@ impl ModelFile {
         &self.parameters
     }
 
+    /// Whether this is the name of a state, or of a vector of them.
+    pub fn has_state(&self, name: &str) -> bool {
+        self.file.states.iter().any(|state| state.name.value == name)
+    }
+
     /// The end of the runs that it gives [s].
     pub fn t_end(&self) -> Option<f64> {
         self.file.t_end

@@ -40,7 +40,7 @@ impl fmt::Display for Place {
 #[non_exhaustive]
 pub enum ConfigError {
     /// The file cannot be read.
-    #[error("{}: cannot read the configuration: {reason}", path.display())]
+    #[error("{}: cannot be read: {reason}", path.display())]
     Unreadable {
         /// The file, as it was named by the user.
         path: PathBuf,
@@ -89,6 +89,16 @@ pub enum ConfigError {
         key: Box<str>,
         /// The most similar one, if one is similar.
         nearest: Option<Box<str>>,
+    },
+    /// A state of the model.
+    #[error(
+        "{place}: \"{key}\" is a state of the model, and parameters are what is set; let a parameter be its start"
+    )]
+    StateOfModel {
+        /// Where.
+        place: Place,
+        /// The state.
+        key: Box<str>,
     },
     /// A key that exists, but not for one joint.
     #[error("{place}: {key} cannot differ for one joint; {CAN_DIFFER}")]
@@ -236,6 +246,7 @@ impl ConfigError {
         let (place, key, value) = match self {
             Self::UnknownKey { place, key, .. }
             | Self::NotOfModel { place, key, .. }
+            | Self::StateOfModel { place, key }
             | Self::NotPerJoint { place, key } => (place, &**key, ""),
             Self::WrongType { place, key, value, .. }
             | Self::OutOfRange { place, key, value, .. }

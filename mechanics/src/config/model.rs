@@ -107,6 +107,11 @@ impl Model {
         self.file.is_of_shape(&parameter.name)
     }
 
+    /// Whether this is the name of a state.
+    pub(super) fn has_state(&self, name: &str) -> bool {
+        self.file.has_state(name)
+    }
+
     /// Names of the parameters.
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         self.file.parameters().iter().map(|parameter| parameter.name.as_str())

@@ -112,12 +112,18 @@ impl<'a> Source<'a> {
     }
 
     fn syntax(&self, error: &toml::de::Error) -> ConfigError {
+        let span = error.span().unwrap_or_default();
         let message = error.message().trim_end_matches(", expected nothing");
-        let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
-        ConfigError::Syntax {
-            place: self.place(error.span().map_or(0, |span| span.start)),
-            message: message.into(),
+        let mut message = message.split_whitespace().collect::<Vec<_>>().join(" ");
+        if message == "duplicate key" {
+            let key = excerpt(self.text.get(span.clone()).unwrap_or_default());
+            message = format!("{key} stands here a second time; leave one of the two out");
+        } else if message.starts_with("string values must be quoted")
+            || message.starts_with("invalid")
+        {
+            message += "; a number has no unit beside it, as in 1.5e8, and a word stands in quotes";
         }
+        ConfigError::Syntax { place: self.place(span.start), message: message.into() }
     }
 
     /// The entries in the order of the text.

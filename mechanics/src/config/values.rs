@@ -259,10 +259,13 @@ impl Values {
         if self.model.is_some() && names_in(path).is_some() && SETTINGS.contains(&path) {
             return not_a_key(path, given);
         }
+        let (place, key) = (given.place.clone(), excerpt(path).into());
+        if model.has_state(path) {
+            return ConfigError::StateOfModel { place, key };
+        }
         let settings = keys().filter(|key| is_of_runs(key));
         let names = model.names().chain(settings.map(|key| key.path));
         let nearest = nearest_of(path, names.map(str::to_owned).collect());
-        let (place, key) = (given.place.clone(), excerpt(path).into());
         ConfigError::NotOfModel { place, key, nearest: nearest.map(Into::into) }
     }
 

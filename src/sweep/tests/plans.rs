@@ -108,7 +108,7 @@ fn a_wrong_plan_is_refused_with_file_line_key_value_and_a_way_out() {
     }
     let base = "config = \"base.toml\"\n[[axis]]\nkey = \"bays\"\nvalues = [1]\n";
     let error = scratch.sweep(base, &[]).err().unwrap().to_string();
-    assert!(error.contains("base.toml: cannot read"), "{error}");
+    assert!(error.contains("base.toml: cannot be read"), "{error}");
     scratch.write("base.toml", "[contact]\nstifness = 3\n");
     let error = scratch.sweep(base, &[]).err().unwrap().to_string();
     assert!(error.contains("base.toml:2: ") && error.contains("did you mean"), "{error}");

@@ -48,10 +48,10 @@ fn lines_are_counted_as_editors_do() {
 #[test]
 fn a_file_that_cannot_be_read_is_named() {
     let message = Config::load(Some(Path::new("no/such.toml")), &[]).unwrap_err().to_string();
-    assert!(message.starts_with("no/such.toml: cannot read the configuration: "), "{message}");
+    assert!(message.starts_with("no/such.toml: cannot be read: "), "{message}");
     let directory = std::env::temp_dir();
     let message = Config::load(Some(&directory), &[]).unwrap_err().to_string();
-    let start = format!("{}: cannot read the configuration: ", directory.display());
+    let start = format!("{}: cannot be read: ", directory.display());
     assert!(message.starts_with(&start), "{message}");
 }
 
@@ -66,11 +66,18 @@ fn a_file_that_is_not_utf8_is_refused_with_its_line() {
 
 #[test]
 fn a_syntax_error_names_its_line() {
-    let quoted = "string values must be quoted, expected literal string";
+    let quoted = "string values must be quoted, expected literal string; a number has no unit beside it, as in 1.5e8, \
+                  and a word stands in quotes";
     assert_eq!(refusal("reading = 'pin'\nbays ="), format!("bad.toml:2: {quoted}"));
     assert_eq!(refusal("reading = pin"), format!("bad.toml:1: {quoted}"));
-    assert_eq!(refusal("bays = 1\n\nbays = 1"), "bad.toml:3: duplicate key");
-    assert_eq!(refusal("contact.law = 'power'\n[contact]"), "bad.toml:2: duplicate key");
+    assert_eq!(
+        refusal("bays = 1\n\nbays = 1"),
+        "bad.toml:3: bays stands here a second time; leave one of the two out"
+    );
+    assert_eq!(
+        refusal("contact.law = 'power'\n[contact]"),
+        "bad.toml:2: contact stands here a second time; leave one of the two out"
+    );
     assert_eq!(refusal("\n[contact"), "bad.toml:2: unclosed table, expected `]`");
     assert_eq!(refusal("study.rtol = [1,\n"), "bad.toml:1: unclosed array, expected `]`");
 }

@@ -222,11 +222,13 @@ fn an_assignment_needs_a_key_and_a_value() {
     }
     assert_eq!(
         set_refusal("contact.stiffness=1e"),
-        "--set contact.stiffness=1e: invalid exponent, expected digits"
+        "--set contact.stiffness=1e: invalid exponent, expected digits; a number has no unit beside it, as in 1.5e8, and \
+         a word stands in quotes"
     );
     assert_eq!(
         set_refusal("study.methods=[rk4]"),
-        "--set study.methods=[rk4]: string values must be quoted, expected literal string"
+        "--set study.methods=[rk4]: string values must be quoted, expected literal string; a number has no unit beside \
+         it, as in 1.5e8, and a word stands in quotes"
     );
     assert_eq!(
         set_refusal("drive.m1=1\n[contact]"),
