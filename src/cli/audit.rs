@@ -59,7 +59,7 @@ pub(super) fn run(args: &AuditArgs, stop: &AtomicBool) -> Result<(), Failure> {
 /// Refuses what an audit, which integrates each joint as a block of six states, cannot have.
 fn one_bay(config: Config) -> Result<Config, Failure> {
     let refused = |what: &str| {
-        let way_out = "an audit takes one bay, without bristles; `simulate`, `study`, `recommend` \
+        let way_out = "an audit takes one bay, without bristles; `simulate`, `study`, `recommend`, `sweep` \
                        and `regimes` take it";
         Err(Failure::Usage(format!("{what}: {way_out}")))
     };

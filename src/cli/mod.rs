@@ -162,8 +162,13 @@ fn default_only(config: Config, why: &str) -> Result<Config, Failure> {
     if MECHANISMS.first().is_some_and(|default| default.name == name) {
         return Ok(config);
     }
+    // Models from files stand in no list.
+    let given = match MECHANISMS.iter().any(|entry| entry.name == name) {
+        true => format!("mechanism = {name}"),
+        false => "--model".to_owned(),
+    };
     let way_out = "`simulate`, `study`, `recommend`, `sweep` and `regimes --axis` take it";
-    Err(Failure::Usage(format!("mechanism = {name}: {why}; {way_out}")))
+    Err(Failure::Usage(format!("{given}: {why}; {way_out}")))
 }
 
 /// What an interrupted command leaves.

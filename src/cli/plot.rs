@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 use deltazero::figures::Drawing;
 use deltazero::figures::sweep::{self, Asked, PlotError};
 use deltazero::sweep::results::{Results, ResultsError};
@@ -13,12 +13,13 @@ use serde_json::json;
 use super::{Failure, print, say};
 
 #[derive(Args)]
+#[command(group = ArgGroup::new("what").required(true).args(["x", "sobol"]))]
 pub(super) struct PlotArgs {
     /// Directory of a finished sweep
     #[arg(value_name = "DIR")]
     dir: PathBuf,
     /// Column of runs.csv to the right; a wrong name lists them
-    #[arg(long, value_name = "COL", required_unless_present = "sobol")]
+    #[arg(long, value_name = "COL")]
     x: Option<String>,
     /// Column upwards
     #[arg(long, value_name = "COL")]
@@ -27,7 +28,7 @@ pub(super) struct PlotArgs {
     #[arg(long, value_name = "COL")]
     color: Option<String>,
     /// Main and total Sobol indices of a column, of a plan with sampling = "saltelli"
-    #[arg(long, value_name = "COL", conflicts_with_all = ["x", "y", "color"])]
+    #[arg(long, value_name = "COL", conflicts_with_all = ["y", "color"])]
     sobol: Option<String>,
     /// Write FILE-STEM.png and FILE-STEM.svg; the default is a name of the columns in DIR/figures. One that ends with / is a
     /// directory for files of that name
