@@ -488,3 +488,51 @@ fn each_bay_has_the_contacts_of_its_own_joint() {
         assert!(relative.abs() < 9e-5, "{relative:e} of {by_steps} N s");
     }
 }
+
+/// The end of a run with these settings; none where they are refused.
+fn end_of(sets: &[&str]) -> Option<(Config, Vec<Vec<f64>>)> {
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+    let config = Config::load(None, &sets).ok()?;
+    let (_, run) = run(&config, &located("rk45", 1e-6));
+    let ends = run.trajectories.iter().map(|own| own.samples.last().unwrap().y.to_vec());
+    let ends = ends.collect();
+    Some((config, ends))
+}
+
+#[test]
+fn what_is_said_to_change_nothing_changes_nothing_and_all_else_something() {
+    let contact = [
+        "contact.stiffness=2e7",
+        "contact.exponent=1.2",
+        "contact.damping=400",
+        "contact.restitution=0.6",
+        "contact.impact_speed_floor=1e-2",
+        "contact.young_modulus=1e11",
+        "contact.poisson_ratio=0.2",
+        "contact.length=0.01",
+        "contact.curvature=external",
+    ];
+    let friction = [
+        "friction.coefficient=0.2",
+        "friction.static_coefficient=0.3",
+        "friction.stribeck_speed=1e-4",
+        "friction.regularisation_speed=3e-5",
+        "friction.dead_ratio=0.5",
+        "friction.bristle_stiffness=2e5",
+        "friction.bristle_damping=30",
+        "friction.viscosity=0.5",
+    ];
+    let of_contact =
+        ContactLaw::WORDS.iter().map(|word| (format!("contact.law={word}"), &contact[..]));
+    let of_friction = ["coulomb", "stribeck", "tanh", "ambrosio", "threlfall", "lugre"];
+    let of_friction = of_friction.map(|word| (format!("friction.law={word}"), &friction[..]));
+    for (law, keys) in of_contact.chain(of_friction) {
+        let usual = ["run.t_end=0.1", "run.sample=0.1", &law];
+        let (_, before) = end_of(&usual).unwrap();
+        for key in keys {
+            let Some((config, after)) = end_of(&[&usual[..], &[key]].concat()) else { continue };
+            let is_unused = config.warnings().iter().any(|warning| warning.code == Code::Unused);
+            assert_eq!(is_unused, before == after, "{law}, {key}");
+        }
+    }
+}

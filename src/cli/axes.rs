@@ -56,7 +56,7 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
         config.regimes.threads = usize::from(threads);
     }
     note_left_out(&config, &config.contest.events, args.run.to.quiet);
-    warn(&config.mechanism.warnings(&config), args.run.to.quiet);
+    warn(&config.warnings(), args.run.to.quiet);
 
     let chunks = contests::chunks(&dir, &output, RECORD, subjects.len())?;
     let subject = |site: u64| subjects[site as usize].clone();

@@ -111,7 +111,7 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
 
 /// What to know before trusting a run of these parts.
 fn warnings(config: &Config, parts: &[Simulated<'_>], horizon: Option<Horizon>) -> Vec<Warning> {
-    let mut all = config.mechanism.warnings(config);
+    let mut all = config.warnings();
     if let Some(Horizon::LostAt(t)) = horizon {
         let end = parts.iter().map(|part| part.own.run.t).fold(0.0, f64::max);
         let message = format!(

@@ -73,7 +73,7 @@ pub(super) fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         config.study.threads = usize::from(threads);
     }
     note_left_out(&config, &config.study.events, args.run.to.quiet);
-    warn(&config.mechanism.warnings(&config), args.run.to.quiet);
+    warn(&config.warnings(), args.run.to.quiet);
     let bar = Bar::new(args.run.to.quiet);
     let known = unfinished_rows(&output, args.run.to.quiet);
     let reference = match reference(&output, &config, stop, args.run.to.quiet) {

@@ -77,7 +77,7 @@ pub fn recommend(
         accuracy,
         &rules(config),
         limits(config, stop),
-        config.mechanism.warnings(config),
+        config.warnings(),
         progress,
     )
 }

@@ -28,6 +28,8 @@ pub enum Code {
     Penetration,
     /// A quantity computed from the states that is no number somewhere.
     NotANumber,
+    /// A value that changes nothing.
+    Unused,
     /// An explicit method on a contact that damps so strongly that stability bounds its steps.
     Stiff,
 }
@@ -52,6 +54,7 @@ impl Code {
             Self::Dissipation => "dissipation",
             Self::Penetration => "penetration",
             Self::NotANumber => "not_a_number",
+            Self::Unused => "unused",
             Self::Stiff => "stiff",
         }
     }

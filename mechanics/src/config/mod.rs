@@ -36,6 +36,7 @@ mod print;
 mod schema;
 mod together;
 pub mod toml_source;
+mod unused;
 mod values;
 mod variants;
 
@@ -46,6 +47,7 @@ use std::ops::{Deref, DerefMut};
 use std::path::Path;
 
 use deltazero_study::setting::Events;
+use deltazero_study::warning::Warning;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -168,6 +170,13 @@ impl Config {
         all.retain(|name, _| JOINTS.contains(&name.as_str()) || used(name) || is_own(name));
         let mut all = Value::Object(all);
         all.sort_all_objects();
+        all
+    }
+
+    /// What to know before trusting a run of it.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let mut all = unused::unused(self);
+        all.extend(self.mechanism.warnings(self));
         all
     }
 

@@ -1,0 +1,129 @@
+//! Keys of joints that a law does not have: a value of theirs changes nothing.
+
+use deltazero_study::warning::{Code, Warning};
+use serde_json::Value;
+
+use super::{Config, find, json};
+use crate::keys::{FrictionLaw, JOINTS, JointConfig};
+use crate::laws::Relation;
+
+/// Whether the law of a joint has a key.
+type Has = fn(&JointConfig) -> bool;
+
+/// Keys that only some laws have.
+const OF_SOME: &[(&str, Has)] = &[
+    ("contact.stiffness", |joint| !joint.contact.law.is_of_cylinders()),
+    ("contact.exponent", |joint| !joint.contact.law.is_of_cylinders()),
+    ("contact.damping", |joint| !joint.contact.law.has_memory()),
+    ("contact.restitution", |joint| joint.contact.law.has_memory()),
+    ("contact.impact_speed_floor", |joint| joint.contact.law.has_memory()),
+    ("contact.young_modulus", |joint| joint.contact.law.is_of_cylinders()),
+    ("contact.poisson_ratio", |joint| joint.contact.law.is_of_cylinders()),
+    ("contact.length", |joint| matches!(joint.contact.law.relation, Relation::Line(_))),
+    ("contact.curvature", |joint| joint.contact.law.is_of_cylinders()),
+    ("friction.static_coefficient", falls_from_rest),
+    ("friction.stribeck_speed", falls_from_rest),
+    ("friction.regularisation_speed", is_regularised),
+    ("friction.dead_ratio", |joint| joint.friction.law == FrictionLaw::Ambrosio),
+    ("friction.bristle_stiffness", has_bristles),
+    ("friction.bristle_damping", has_bristles),
+    ("friction.viscosity", has_bristles),
+];
+
+fn falls_from_rest(joint: &JointConfig) -> bool {
+    matches!(joint.friction.law, FrictionLaw::Stribeck | FrictionLaw::Lugre)
+}
+
+fn is_regularised(joint: &JointConfig) -> bool {
+    use FrictionLaw::{Ambrosio, Tanh, Threlfall};
+    matches!(joint.friction.law, Tanh | Ambrosio | Threlfall)
+}
+
+fn has_bristles(joint: &JointConfig) -> bool {
+    joint.friction.law == FrictionLaw::Lugre
+}
+
+/// Warnings of keys of the mechanism that have another value than by default, which the law of their joint does not have.
+pub(super) fn unused(config: &Config) -> Vec<Warning> {
+    let entry = config.mechanism.entry;
+    let Ok(default) = Config::load(None, &[format!("mechanism={}", entry.name)]) else {
+        return Vec::new();
+    };
+    let [one, two] = &config.joints;
+    let n = if entry.has_two_joints && one != two { 2 } else { 1 };
+    let own = OF_SOME.iter().filter(|(path, _)| find(path).is_some_and(|key| entry.has(key)));
+    let own: Vec<_> = own.collect();
+    let of_joint = |i: usize| {
+        let joint = &config.joints[i];
+        let [given, usual] = [joint, &default.joints[i]].map(json);
+        let of_key = move |(path, has): &(&str, Has)| {
+            let value = value_of(&given, path);
+            (!has(joint) && value != value_of(&usual, path)).then(|| {
+                let key = if n == 2 { format!("{}.{path}", JOINTS[i]) } else { (*path).to_owned() };
+                warning(&key, value, joint)
+            })
+        };
+        own.iter().copied().filter_map(of_key)
+    };
+    (0..n).flat_map(of_joint).collect()
+}
+
+fn warning(key: &str, value: &Value, joint: &JointConfig) -> Warning {
+    let law = match key.contains("contact.") {
+        true => format!("contact.law = {}", joint.contact.law),
+        false => format!("friction.law = {}", joint.friction.law),
+    };
+    let message = format!(
+        "{key} = {value} changes nothing: {law} does not have it; `deltazero laws` tells what each is of"
+    );
+    Warning { code: Code::Unused, message }
+}
+
+/// What a joint has for a key.
+fn value_of<'a>(joint: &'a Value, path: &str) -> &'a Value {
+    path.split('.').fold(joint, |value, name| &value[name])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(sets: &[&str]) -> Vec<String> {
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        let warnings = unused(&Config::load(None, &sets).unwrap());
+        warnings.into_iter().map(|warning| warning.message).collect()
+    }
+
+    #[test]
+    fn a_key_that_the_law_does_not_have_is_told_where_it_has_another_value() {
+        assert_eq!(told(&[]), [] as [&str; 0]);
+        let damped = told(&["contact.law=hunt_crossley", "contact.damping=900"]);
+        assert!(
+            damped.len() == 1
+                && damped[0]
+                    .starts_with("contact.damping = 900.0 changes nothing: contact.law = hunt"),
+            "{damped:?}"
+        );
+        assert_eq!(told(&["contact.damping=900", "joint2.contact.stiffness=1e8"]), [] as [&str; 0]);
+        let second = told(&["joint2.contact.restitution=0.5"]);
+        assert!(
+            second.len() == 1 && second[0].starts_with("joint2.contact.restitution"),
+            "{second:?}"
+        );
+        let rough = told(&["friction.viscosity=0.1", "friction.regularisation_speed=1e-3"]);
+        assert_eq!(rough.len(), 2, "{rough:?}");
+        assert_eq!(told(&["friction.law=lugre", "friction.viscosity=0.1"]), [] as [&str; 0]);
+    }
+
+    #[test]
+    fn defaults_of_each_mechanism_are_no_reason_to_warn() {
+        for entry in crate::mechanisms::MECHANISMS {
+            assert_eq!(
+                told(&[&format!("mechanism={}", entry.name)]),
+                [] as [&str; 0],
+                "{}",
+                entry.name
+            );
+        }
+    }
+}
