@@ -29,10 +29,10 @@ use crate::units::Unit;
 /// Formulas within each other that are looked through.
 const DEEPEST: usize = 300;
 
-/// Checks the units of a file, if it gives any.
-pub(crate) fn check_units(file: &Declarations, names: &Names) -> Checked<()> {
+/// Checks the units of a file, if it gives any. Returns what is to be warned of.
+pub(crate) fn check_units(file: &Declarations, names: &Names) -> Checked<Vec<Complaint>> {
     if !units(file).any(|unit| Unit::parse(&unit.value).is_some()) {
-        return Ok(());
+        return Ok(Vec::new());
     }
     let mut check = Check::new(file, names, None);
     check.columns = units_of_columns(file);
@@ -49,7 +49,7 @@ pub(crate) fn check_units(file: &Declarations, names: &Names) -> Checked<()> {
         check.known.clear();
         check.mode(mode)?;
     }
-    Ok(())
+    Ok(check.doubts)
 }
 
 struct Check<'a> {
@@ -63,6 +63,8 @@ struct Check<'a> {
     /// Names of indices, which are numbers.
     indices: Vec<&'a str>,
     depth: usize,
+    /// Numbers that are taken to convert units, and hardly do.
+    doubts: Vec<Complaint>,
 }
 
 /// Warns of units that are not read: nothing is checked with them.
@@ -91,7 +93,8 @@ fn parsed(unit: Option<&At<String>>) -> Known {
 impl<'a> Check<'a> {
     fn new(file: &'a Declarations, names: &'a Names, mode: Option<usize>) -> Self {
         let (known, columns) = (HashMap::new(), HashMap::new());
-        Self { file, names, mode, known, columns, indices: Vec::new(), depth: 0 }
+        let (indices, doubts) = (Vec::new(), Vec::new());
+        Self { file, names, mode, known, columns, indices, depth: 0, doubts }
     }
 
     fn of_state(&self, state: usize) -> Known {
@@ -159,7 +162,7 @@ impl<'a> Check<'a> {
     fn comparison(&mut self, comparison: &'a Comparison) -> Checked<()> {
         let Comparison { left, right, .. } = comparison;
         let sides = [(self.unit(left)?, left.span), (self.unit(right)?, right.span)];
-        same(sides, "these are compared").map(|_| ())
+        self.same(sides, "these are compared").map(|_| ())
     }
 
     /// Checks a value that a state is set to.
@@ -191,7 +194,23 @@ impl<'a> Check<'a> {
 
     fn expect(&mut self, formula: &'a Expression, unit: Known, what: &str) -> Checked<()> {
         let found = self.unit(formula)?;
-        expected(found, unit, formula.span, what)
+        self.expected(found, unit, formula.span, what)
+    }
+
+    fn expected(&mut self, found: Known, unit: Known, span: Span, what: &str) -> Checked<()> {
+        self.doubts.extend(found.doubt(unit, span));
+        expected(found, unit, span, what)
+    }
+
+    fn same(&mut self, sides: [(Known, Span); 2], what: &str) -> Checked<Known> {
+        let [(a, _), (b, span)] = sides;
+        self.doubts.extend(a.doubt(b, span));
+        same(sides, what)
+    }
+
+    fn added(&mut self, a: Known, b: Known, spans: [Span; 2]) -> Checked<Known> {
+        self.doubts.extend(a.doubt(b, spans[1]));
+        added(a, b, spans)
     }
 
     fn unit(&mut self, formula: &'a Expression) -> Checked<Known> {
@@ -212,7 +231,7 @@ impl<'a> Check<'a> {
             Kind::Chain(first, rest) => self.chain(first, rest),
             Kind::Power(base, exponent) => {
                 let power = self.unit(exponent)?;
-                expected(power, Known::ONE, exponent.span, "an exponent")?;
+                self.expected(power, Known::ONE, exponent.span, "an exponent")?;
                 Ok(self.unit(base)?.power(power))
             }
             Kind::Call(name, arguments) => self.call(name, arguments),
@@ -224,7 +243,7 @@ impl<'a> Check<'a> {
                 let (condition, yes, no) = &**choice;
                 self.comparison(condition)?;
                 let sides = [(self.unit(yes)?, yes.span), (self.unit(no)?, no.span)];
-                same(sides, "these are two cases of one value")
+                self.same(sides, "these are two cases of one value")
             }
         }
     }
@@ -258,7 +277,7 @@ impl<'a> Check<'a> {
         let name = &definition.name.value;
         let of_column = self.columns.get(name.as_str()).copied();
         let given = parsed(definition.unit.as_ref().or(of_column));
-        let fits = expected(found, given, definition.value.span, &format!("`{name}`"));
+        let fits = self.expected(found, given, definition.value.span, &format!("`{name}`"));
         fits.map_err(|complaint| match (&definition.unit, of_column) {
             (None, Some(unit)) => complaint.and(unit.span, "the unit of its column in tables"),
             _ => complaint,
@@ -291,8 +310,8 @@ impl<'a> Check<'a> {
         for (operator, next) in rest {
             let own = self.unit(next)?;
             unit = match operator {
-                Operator::Add => added(unit, own, [span, next.span])?,
-                Operator::Subtract => match added(unit, own, [span, next.span])? {
+                Operator::Add => self.added(unit, own, [span, next.span])?,
+                Operator::Subtract => match self.added(unit, own, [span, next.span])? {
                     Known::Number(_) => {
                         Known::Number(unit.value().zip(own.value()).map(|(a, b)| a - b))
                     }
@@ -315,7 +334,7 @@ impl<'a> Check<'a> {
             ("sqrt", [(unit, _)]) => Ok(unit.power(Known::Number(Some(0.5)))),
             ("abs", [(Known::Number(x), _)]) => Ok(Known::Number(x.map(f64::abs))),
             ("abs", [(unit, _)]) => Ok(*unit),
-            ("min" | "max", [a, b]) => same([*a, *b], "these stand in one function"),
+            ("min" | "max", [a, b]) => self.same([*a, *b], "these stand in one function"),
             ("hypot", [a, b]) => strictly_same([*a, *b], "these stand in one function"),
             ("atan2", [a, b]) => {
                 Ok(strictly_same([*a, *b], "these stand in one function")?.power(Known::ZERO))
@@ -324,7 +343,7 @@ impl<'a> Check<'a> {
                 let what = format!("the argument of `{name}`");
                 let must = if name == "sign" { Known::Open } else { Known::ONE };
                 for (unit, span) in &units {
-                    expected(*unit, must, *span, &what)?;
+                    self.expected(*unit, must, *span, &what)?;
                 }
                 let is_number = units.iter().all(|(unit, _)| matches!(unit, Known::Number(_)));
                 Ok(if is_number { Known::Number(None) } else { Known::ONE })

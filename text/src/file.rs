@@ -100,10 +100,10 @@ impl ModelFile {
         let mut checked =
             Self { source: source.clone(), file, names, parameters, warnings: Vec::new() };
         let of_parts = checked.compiled(&[], checked.file.t_end)?;
-        check_units(&checked.file, &checked.names)?;
+        let doubts = check_units(&checked.file, &checked.names)?;
         let of_parts = of_parts.into_iter().flat_map(|part| part.warnings);
         let of_units = contact_units(&checked.file, &checked.names).into_iter();
-        let of_units = of_units.chain(unread_units(&checked.file));
+        let of_units = of_units.chain(unread_units(&checked.file)).chain(doubts);
         checked.warnings = of_parts.chain(of_units).collect();
         checked.warnings.sort_by_key(|warning| warning.place());
         checked.warnings.dedup_by_key(|warning| warning.place());

@@ -76,6 +76,22 @@ impl Known {
         a.factor_over(b).is_some_and(|ratio| ratio == 1.0 || n != 1.0 || m != 1.0)
     }
 
+    /// Where both [fit](Self::fits) by numbers alone, and these are nearer to one than to the factor that converts: a warning.
+    pub(super) fn doubt(self, other: Self, span: Span) -> Option<Complaint> {
+        let (Self::Unit(a, n), Self::Unit(b, m)) = (self, other) else { return None };
+        let ratio = a.factor_over(b).filter(|ratio| *ratio != 1.0)?;
+        let number = n / m;
+        let off = |from: f64| libm::log(number / from).abs();
+        (number != 1.0 && off(ratio) > off(1.0)).then(|| {
+            let [number, ratio] = [number, ratio].map(|x| in_short(rounded_to(x, 6)));
+            let message = format!(
+                "a factor of {ratio} converts one side to the unit of the other, and the numbers here make {number}"
+            );
+            Complaint::new(span, message)
+                .help("write the factor, or make a number that does not convert a parameter with its `unit`, `1` where it has none")
+        })
+    }
+
     /// What both are, which [fit](Self::fits).
     pub(super) fn or(self, other: Self) -> Self {
         match (self, other) {

@@ -184,6 +184,34 @@ fn a_number_may_convert_one_scale_to_another() {
 }
 
 #[test]
+fn a_number_far_from_the_factor_that_converts_is_warned_of() {
+    let warned = |right: &str| {
+        let warnings = file(&with_right(right)).warnings();
+        warnings.iter().map(ToString::to_string).collect::<String>()
+    };
+    // With w in mm/s, and an angle in degrees.
+    for right in [
+        "0.001*w/t",
+        "w/1000/t",
+        "w/(2000*t)",
+        "0.02*w/t",
+        "v/t*sin(phi*pi/180)",
+        "2*F/m",
+        "F/m + 1e-3*w/t",
+    ] {
+        assert_eq!(warned(right), "", "{right}");
+    }
+    for right in ["2*w/t", "1000*w/t", "F/m + 2*w/t", "v/t*sin(2*phi)"] {
+        assert!(warned(right).contains("the numbers here make"), "{right}: {}", warned(right));
+    }
+    let conditions = [("x > 2*w*t", 1), ("x > 0.002*w*t", 0), ("w > 2*v", 1), ("2000*v < w", 0)];
+    for (when, n) in conditions {
+        let tables = format!("[[modes.a.events]]\nwhen = \"{when}\"\nto = \"a\"\n");
+        assert_eq!(file(&with_units("v = 0", &tables)).warnings().len(), n, "{when}");
+    }
+}
+
+#[test]
 fn a_number_that_is_to_have_a_unit_is_told_with_its_sign_and_in_a_unit_that_fits() {
     let help = "a parameter `{ value = 0.25, unit = \"m s^-2\" }` has one";
     let said = said_of_units("F/m - 0.25");
