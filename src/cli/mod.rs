@@ -120,7 +120,7 @@ impl ConfigFrom {
 /// Where results go, and what is said of them.
 #[derive(Args)]
 struct ResultsTo {
-    /// Directory for the results
+    /// Directory for the results; by default deltazero-out for a study, a folder in it for other commands
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Overwrite a directory that holds the results of another configuration or plan
