@@ -190,6 +190,8 @@ fn an_event_at_the_end_asked_for_is_refused_and_found_beyond() {
     let event = beyond.advance(1.1).unwrap().unwrap();
     assert!(event.t.contains(1.0) && event.t.width() < 1e-14 && event.after.is_none());
     assert!(beyond.advance(2.0).unwrap().is_none());
+    let (left, y) = (Interval::from(1.0) - beyond.t(), beyond.state()[0]);
+    assert!(left.is_in(y) && y.width() < 1e-14, "{y:?} at {}", beyond.t());
 }
 
 /// A mass at rest between a wall on each side that is met at once, or a wall whose next mode hangs on the sign of a

@@ -196,7 +196,7 @@ impl<'p, P: System> Enclosure<'p, P> {
     }
 
     /// Bounds of the states at [`t`](Self::t). Right after an event they are those that the new mode leads to its own
-    /// states from.
+    /// states from; after a terminal one, those that the old mode leads to there, as if it had not ended.
     pub fn state(&self) -> Vec<Interval> {
         self.set.hull()
     }
@@ -272,7 +272,10 @@ impl<'p, P: System> Enclosure<'p, P> {
         let passage = fall.pass(&self.field, &set)?;
         let before = self.field.mode.clone();
         let after = match passage.next {
-            Next::Stop => None,
+            Next::Stop => {
+                self.set = set;
+                None
+            }
             Next::Mode((mode, set)) => {
                 self.set = set;
                 self.field.mode = mode.clone();
