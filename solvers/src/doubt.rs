@@ -32,6 +32,11 @@ pub enum Doubt {
         "the right-hand side or the guards branch on a number that differs among the states that are possible"
     )]
     Branch,
+    /// The mode may begin before or after the time asked for.
+    #[error(
+        "the mode begins with an event that may be before or after the time asked for; a later one may be reached"
+    )]
+    Begin,
     /// A guard that is zero at the start of a phase is not shown to rise.
     #[error("guard {guard} is about zero where the mode begins, and is not shown to rise")]
     Rise {

@@ -245,3 +245,50 @@ fn events_in_either_order_and_undecided_transitions_are_refused() {
     let start = gudermann(2.0 * 0.25_f64.tan().atanh() - 0.07);
     assert_eq!(next(false, start), Err(Doubt::Transition { guard: 0 }));
 }
+
+/// A fall that an instability makes uncertain, and what follows: `ẏ₁ = y₁ + sin t − cos t` from zero is `−sin t`. Where
+/// `30 − t − sin t` falls below zero the state rises by a hundred, unless it is reset by the range that a value is in.
+struct Uncertain {
+    by_range: bool,
+}
+
+impl System for Uncertain {
+    type Mode = bool;
+    type State<S: Real> = [S; 2];
+    type Guards<S: Real> = [S; 1];
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 2]) -> bool {
+        false
+    }
+
+    fn rhs<S: Real>(&self, _has_risen: bool, t: S, y: &[S; 2], dydt: &mut [S; 2]) {
+        let (sin, cos) = t.sin_cos();
+        *dydt = [S::cst(-1.0), y[1] + sin - cos];
+    }
+
+    fn guards<S: Real>(&self, has_risen: bool, _t: S, y: &[S; 2], g: &mut [S; 1]) {
+        *g = [if has_risen { S::cst(1.0) } else { y[0] + y[1] }];
+    }
+
+    fn transition<S: Real>(&self, _: bool, _guard: usize, _t: S, y: &mut [S; 2]) -> Next<bool> {
+        let is_high = self.by_range && y[1].value() > 0.675;
+        y[0] = if is_high { y[0] } else { y[0] + 100.0 };
+        Next::Mode(true)
+    }
+}
+
+#[test]
+fn a_mode_is_not_claimed_before_it_has_surely_begun() {
+    let system = Uncertain { by_range: false };
+    let mut enclosure = Enclosure::new(&system, false, 0.0, &[30.0, 0.0], tolerance(2)).unwrap();
+    let event = enclosure.advance(40.0).unwrap().unwrap();
+    // t + sin t = 30 at 30.6749….
+    assert!(event.t.contains(30.675) && event.t.width() > 1e-3, "{event:?}");
+    for to in [enclosure.t().next_up(), event.t.hi()] {
+        let early = enclosure.advance(to).err();
+        assert!(matches!(early, Some(Error::NotProven { doubt: Doubt::Begin, .. })), "{early:?}");
+    }
+    assert!(enclosure.advance(enclosure.t() + 0.1).unwrap().is_none());
+    let fallen = Interval::from(130.0) - enclosure.t();
+    assert!(fallen.is_in(enclosure.state()[0]), "{fallen:?}: {:?}", enclosure.state());
+}

@@ -185,7 +185,8 @@ impl<'p, P: System> Enclosure<'p, P> {
         Ok(Self { field, t, set, tolerance, h, begun, is_over: false, n_steps: 0 })
     }
 
-    /// The time to which it is computed. After an event it is near the event's, and may be within its bounds.
+    /// The time to which it is computed. After an event it is near the event's, and may be within its bounds; the next
+    /// time that can be reached is beyond these.
     pub fn t(&self) -> f64 {
         self.t
     }
@@ -232,11 +233,16 @@ impl<'p, P: System> Enclosure<'p, P> {
 
     /// One step, at most to the time `to`. A step that is too long for something to be shown is halved.
     fn step(&mut self, to: f64) -> Result<Option<ProvenEvent<P::Mode>>, Doubt> {
-        let back = self.begun.unwrap_or(0.0);
-        let (mut h, mut doubt) = (self.h.min(to - self.t), Doubt::NoBox);
+        let (t, back) = (self.t, self.begun.unwrap_or(0.0));
+        // The mode is that of the end of a step only where it has surely begun by then.
+        let has_begun = |end: f64| (Interval::from(end) - t).lo() > back;
+        if !has_begun(to) {
+            return Err(Doubt::Begin);
+        }
+        let (mut h, mut doubt) = (self.h.max(2.0 * back).min(to - t), Doubt::NoBox);
         for _ in 0..SHORTEST {
             let end = if self.t + h >= to { to } else { self.t + h };
-            if end <= self.t {
+            if !has_begun(end) {
                 break;
             }
             let span = (Interval::from(end) - self.t).hull(Interval::from(-back));
