@@ -292,3 +292,16 @@ fn a_mode_is_not_claimed_before_it_has_surely_begun() {
     let fallen = Interval::from(130.0) - enclosure.t();
     assert!(fallen.is_in(enclosure.state()[0]), "{fallen:?}: {:?}", enclosure.state());
 }
+
+#[test]
+fn a_reset_that_hangs_on_a_range_is_refused_where_that_is_undecided() {
+    // y₁ = −sin t = 0.67502 at the event, to some 0.02, and its range begins at 0.675.
+    let system = Uncertain { by_range: true };
+    let mut enclosure = Enclosure::new(&system, false, 0.0, &[30.0, 0.0], tolerance(2)).unwrap();
+    let refused = enclosure.advance(40.0).err();
+    let doubt = Doubt::Transition { guard: 0 };
+    assert!(
+        matches!(&refused, Some(Error::NotProven { doubt: found, .. }) if *found == doubt),
+        "{refused:?}"
+    );
+}

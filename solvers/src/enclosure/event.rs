@@ -124,14 +124,14 @@ impl Fall {
                 };
                 let point = points(&middle.iter().map(|y| y.mid()).collect::<Vec<_>>());
                 let away: Vec<_> = middle.iter().zip(&point).map(|(y, p)| *y - *p).collect();
-                let of_point = reset.of_point(&point);
-                let moved = reset.derivative(&before, &away);
+                let of_point = reset.of_point(&point)?;
+                let moved = reset.derivative(&before, &away)?;
                 let center = of_point.iter().zip(moved).map(|(y, d)| *y + d).collect();
-                let columns: Vec<_> = columns
-                    .iter()
-                    .zip(&delays)
-                    .map(|(column, delay)| back(reset.derivative(&before, column), *delay))
-                    .collect();
+                let column = |(column, delay): (&Vec<Interval>, &Interval)| {
+                    reset.derivative(&before, column).map(|column| back(column, *delay))
+                };
+                let columns: Vec<_> =
+                    columns.iter().zip(&delays).map(column).collect::<Result<_, _>>()?;
                 let image = set.image(&back(center, delay), &columns);
                 Next::Mode((mode, image.ok_or(Doubt::NoBox)?))
             }
@@ -149,7 +149,8 @@ struct Reset<'a, 'p, P: System> {
 }
 
 impl<P: System> Reset<'_, '_, P> {
-    /// What follows, and the states after it, for every state of the box: it must be the same mode for all.
+    /// What follows, and the states after it, for every state of the box: it must be the same mode for all, by the same
+    /// formulas.
     fn all(&self, y: &[Interval]) -> Result<(Next<P::Mode>, Vec<Interval>), Doubt> {
         let undecided = Doubt::Transition { guard: self.guard };
         let by = |allowed| {
@@ -162,28 +163,36 @@ impl<P: System> Reset<'_, '_, P> {
             (!watch.is_undecided()).then_some((next, after))
         };
         match (by(Allowed::SignsLow), by(Allowed::SignsHigh)) {
-            (Some((low, after)), Some((high, _))) if low == high => Ok((low, after)),
+            (Some(low), Some(high)) if low == high => Ok(low),
             _ => Err(undecided),
         }
     }
 
     /// The state after it, of one state of a box on which it is decided.
-    fn of_point(&self, y: &[Interval]) -> Vec<Interval> {
-        self.derived(y, &vec![Interval::ZERO; y.len()]).into_iter().map(|y| y.re).collect()
+    fn of_point(&self, y: &[Interval]) -> Result<Vec<Interval>, Doubt> {
+        let derived = self.derived(y, &vec![Interval::ZERO; y.len()])?;
+        Ok(derived.into_iter().map(|[y, _]| y).collect())
     }
 
     /// The derivative of the state after it along `direction`, for every state of the box.
-    fn derivative(&self, y: &[Interval], direction: &[Interval]) -> Vec<Interval> {
-        self.derived(y, direction).into_iter().map(|y| y.eps).collect()
+    fn derivative(&self, y: &[Interval], direction: &[Interval]) -> Result<Vec<Interval>, Doubt> {
+        let derived = self.derived(y, direction)?;
+        Ok(derived.into_iter().map(|[_, derivative]| derivative).collect())
     }
 
-    /// The states after it with their derivatives. A state at which nothing is decided otherwise than in `all`.
-    fn derived(&self, y: &[Interval], direction: &[Interval]) -> Vec<Tangent<Interval>> {
-        let watch = Watch::new(Allowed::SignsLow);
-        let of = |x| Watched::new(x, &watch);
-        let mut at = P::State::from_fn(y.len(), |i| Tangent::new(of(y[i]), of(direction[i])));
-        let t = Tangent::constant(of(self.t));
-        self.field.problem.transition(self.field.mode.clone(), self.guard, t, &mut at);
-        at.as_ref().iter().map(|y| Tangent::new(y.re.x, y.eps.x)).collect()
+    /// The states after it with their derivatives, of a box on which it is decided in `all`. A value at whose ends other
+    /// formulas hold may have led to the same states there.
+    fn derived(&self, y: &[Interval], direction: &[Interval]) -> Result<Vec<[Interval; 2]>, Doubt> {
+        let by = |allowed| -> Vec<[Interval; 2]> {
+            let watch = Watch::new(allowed);
+            let of = |x| Watched::new(x, &watch);
+            let mut at = P::State::from_fn(y.len(), |i| Tangent::new(of(y[i]), of(direction[i])));
+            let t = Tangent::constant(of(self.t));
+            self.field.problem.transition(self.field.mode.clone(), self.guard, t, &mut at);
+            at.as_ref().iter().map(|y| [y.re.x, y.eps.x]).collect()
+        };
+        let low = by(Allowed::SignsLow);
+        let is_same = low == by(Allowed::SignsHigh);
+        is_same.then_some(low).ok_or(Doubt::Transition { guard: self.guard })
     }
 }

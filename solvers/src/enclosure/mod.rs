@@ -50,8 +50,9 @@
 //!   refused; a number made of constants alone is not watched.
 //! - Transitions that decide by the *signs* of values, or by which of some ranges one value is in, and otherwise only
 //!   store values in the mode. A sign that is not the same for all states that are possible is refused, and so is a mode
-//!   that is not the same by the lower bounds of the values and by the upper ones. A comparison of two values with each
-//!   other is not watched, but [`min`](crate::Real::min) and [`max`](crate::Real::max) are, which compare by a sign.
+//!   or a state that is not the same by the lower bounds of the values and by the upper ones. A range between two others
+//!   from which the same follows is not watched, nor is a comparison of two values with each other, but
+//!   [`min`](crate::Real::min) and [`max`](crate::Real::max) are, which compare by a sign.
 //! - The promise of [`System::transition`] that every guard of the new mode is at or above
 //!   zero: a guard that is about zero where a mode begins is taken not to be below it, and is then shown to rise.
 //!   Whether a model keeps that promise in exact arithmetic is for its author to say.
