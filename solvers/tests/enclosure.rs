@@ -305,3 +305,16 @@ fn a_reset_that_hangs_on_a_range_is_refused_where_that_is_undecided() {
         "{refused:?}"
     );
 }
+
+of_state!(OfConstants, 2, |_t, _y| {
+    let third = S::cst(1.0) / 3.0;
+    let sign = if third.value() > 0.0 { S::cst(1.0) } else { S::cst(-1.0) };
+    [third.max(S::cst(0.5)) + (-third).abs().min(S::cst(0.25)), sign]
+});
+
+#[test]
+fn decisions_on_constants_are_those_of_their_signs() {
+    let y = at_end(&Smooth { rhs: OfConstants, guard: Never }, [0.0, 0.0], 1.0).unwrap();
+    assert!(y[0].contains(0.75) && y[1].contains(1.0), "{y:?}");
+    assert!(y[0].width() < 1e-14 && y[1].width() < 1e-14, "{y:?}");
+}

@@ -265,9 +265,10 @@ impl Real for Interval {
         Self::from(x)
     }
 
-    /// The number itself; NaN where it is not one number, so that no decision is taken on a part of the interval.
+    /// The number itself; one of its numbers where they are all of one sign, by which a constant such as a third is decided on
+    /// (what differs among states is watched); NaN where neither is so.
     fn value(self) -> f64 {
-        if self.is_point() { self.lo } else { f64::NAN }
+        if self.is_point() || !self.contains(0.0) { self.mid() } else { f64::NAN }
     }
 
     /// The root of a number; all numbers where the interval reaches below zero.
@@ -477,6 +478,7 @@ mod tests {
         assert_eq!(Interval::from(f64::MAX) * 2.0, Interval::new(f64::MAX, f64::INFINITY));
         assert_eq!(Interval::WHOLE * 0.0, zero);
         assert!((Interval::WHOLE - Interval::WHOLE).contains(3.0));
-        assert!(Interval::new(1.0, 2.0).value().is_nan());
+        assert!(about_zero.value().is_nan() && Interval::WHOLE.value().is_nan());
+        assert!(Interval::new(-2.0, -1.0).value() < 0.0 && (one / 3.0).value() > 0.0);
     }
 }

@@ -47,7 +47,7 @@
 //!   and models that use `exp`, `ln`, `powf`, hyperbolic functions or arcs are refused.
 //! - A right-hand side and guards that use no other scalar than the one given, and no hidden state. Where one branches on
 //!   the [value](crate::Real::value) of a number that is not the same for all states that are possible, the model is
-//!   refused; a number made of constants alone is not watched.
+//!   refused. A number made of constants alone is not watched: its sign is known, unless rounding hides it.
 //! - Transitions that decide by the *signs* of values, or by which of some ranges one value is in, and otherwise only
 //!   store values in the mode. A sign that is not the same for all states that are possible is refused, and so is a mode
 //!   or a state that is not the same by the lower bounds of the values and by the upper ones. A range between two others

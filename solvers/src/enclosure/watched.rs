@@ -103,12 +103,11 @@ impl Real for Watched<'_> {
             _ if self.x.is_point() => self.x.lo(),
             Some(Allowed::SignsLow) if !self.x.contains(0.0) => self.x.lo(),
             Some(Allowed::SignsHigh) if !self.x.contains(0.0) => self.x.hi(),
-            _ => {
-                if let Some(watch) = self.watch {
-                    watch.is_undecided.set(true);
-                }
+            Some(_) => {
+                self.watch.inspect(|watch| watch.is_undecided.set(true));
                 f64::NAN
             }
+            None => self.x.value(),
         }
     }
 
