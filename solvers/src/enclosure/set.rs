@@ -23,9 +23,10 @@ pub(super) struct Set {
 
 impl Set {
     /// The one state `y`; `scale` are sizes of the states that are comparable. They are rounded to powers of two, by
-    /// which products are exact.
+    /// which products are exact, and which no product with an entry of an axis makes subnormal.
     pub(super) fn point(y: &[f64], scale: &[f64]) -> Self {
-        let scale: Vec<f64> = scale.iter().map(|s| libm::exp2(libm::log2(*s).round())).collect();
+        let power = |s: &f64| libm::log2(*s).round().clamp(-FARTHEST_SCALE, FARTHEST_SCALE);
+        let scale: Vec<f64> = scale.iter().map(|s| libm::ldexp(1.0, power(s) as i32)).collect();
         let axis = |j| (0..y.len()).map(|i| if i == j { scale[i] } else { 0.0 }).collect();
         Self {
             center: y.to_vec(),
@@ -77,6 +78,8 @@ pub(super) fn along(x: &[Interval], columns: &[Vec<Interval>], r: &[Interval]) -
 
 /// Entries of axes below this are zero, so that no product with a scale underflows.
 const NO_ENTRY: f64 = 1e-60;
+/// Largest power of two of a scale, and of its reciprocal.
+const FARTHEST_SCALE: f64 = 800.0;
 /// Share of a column that must be left after the axes before it are taken off, for an axis along it.
 const LEAST_REST: f64 = 1e-8;
 /// Largest norm of the inverse of axes of length one that are kept.
@@ -240,6 +243,21 @@ mod tests {
         // No wider than twice what it must be in the first state.
         let least = (0..3).map(|j| columns[j][0].mag() * set.r[j].width()).sum::<f64>();
         assert!(image[0].width() < 2.0 * least, "{:?} for {least}", image[0]);
+    }
+
+    #[test]
+    fn scales_near_the_smallest_numbers_lose_no_state() {
+        let mut set = Set::point(&[0.0; 2], &[1e-320; 2]);
+        let unit = set.scale[0];
+        set.r = vec![Interval::within(1e-15 / unit); 2];
+        let columns =
+            [[0.6, 0.8], [-0.8, 0.6]].map(|c| c.map(|x| Interval::from(x * unit)).to_vec());
+        let image = set.image(&[Interval::ZERO; 2], &columns).unwrap().hull();
+        let exact = along(&[Interval::ZERO; 2], &columns, &set.r);
+        for (image, exact) in image.iter().zip(exact) {
+            // A corner of the box, by the same products.
+            assert!(image.mag() >= exact.mag() * (1.0 - 1e-14), "{image:?} for {exact:?}");
+        }
     }
 
     #[test]
