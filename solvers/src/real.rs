@@ -10,6 +10,7 @@ mod shortcuts;
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Sub};
 
+pub(crate) use elementary::ArcTangent;
 pub use shortcuts::{Divisor, Function, Functions, Length, Shortcuts, Turning};
 pub(crate) use shortcuts::{length_of_values, less_turning_of_values, turning_of_values};
 
@@ -151,7 +152,7 @@ pub trait Real:
     /// The angle of the point `(x, y)` in radians from −π to π, where this number is `y`. Of the origin it is that of
     /// `f64::atan2` for an `f64`, and NaN for what has a derivative.
     fn atan2(self, x: Self) -> Self {
-        let [angle] = Self::all_outlined([self, x], &elementary::ArcTangent);
+        let [angle] = Self::all_outlined([self, x], &ArcTangent);
         angle
     }
 

@@ -318,3 +318,11 @@ fn decisions_on_constants_are_those_of_their_signs() {
     assert!(y[0].contains(0.75) && y[1].contains(1.0), "{y:?}");
     assert!(y[0].width() < 1e-14 && y[1].width() < 1e-14, "{y:?}");
 }
+
+#[test]
+fn a_guard_with_an_arc_of_constants_is_refused() {
+    of_state!(BelowArc, 1, |_t, y| [-y[0] + S::cst(1.0).atan2(S::cst(3.0))]);
+    // The function of libm is not bounded.
+    let found = doubt(Smooth { rhs: Oscillation, guard: BelowArc }, [0.0, 1.0], 1.0);
+    assert_eq!(found, Some(Doubt::Rise { guard: 0 }));
+}

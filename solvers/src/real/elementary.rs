@@ -89,7 +89,7 @@ fn is_extended<S: Real>() -> bool {
 /// With φ₀ the angle of the values in f64, the rest `φ − φ₀ = atan z`, `z = (y cos φ₀ − x sin φ₀)/(x cos φ₀ + y sin φ₀)`, is
 /// zero up to rounding, so that a short series gives it: one term of a number, and half as many as there are orders of a Taylor
 /// series.
-pub(super) struct ArcTangent;
+pub(crate) struct ArcTangent;
 
 impl Functions<2, 1> for ArcTangent {
     fn of<S: Real>(&self, [y, x]: [S; 2]) -> [S; 1] {

@@ -8,7 +8,7 @@ use super::coefficient::Coefficient;
 use super::recurrence::{self, LARGEST_PRODUCT};
 use super::rows::{Row, Table};
 use crate::real::{
-    Divisor, Function, Functions, Length, Real, Shortcuts, Turning, length_of_values,
+    ArcTangent, Divisor, Function, Functions, Length, Real, Shortcuts, Turning, length_of_values,
     less_turning_of_values, turning_of_values,
 };
 
@@ -258,6 +258,15 @@ impl<B: Coefficient> Real for Series<'_, B> {
         }
         let (c, c_k) = table.outlined(|table| Self::power(table, (row, self.coefficient), p));
         Self { place: Some(Place { table, row: c }), coefficient: c_k }
+    }
+
+    /// Of constants it is that of their numbers, which may be intervals.
+    fn atan2(self, x: Self) -> Self {
+        if self.place.is_none() && x.place.is_none() {
+            return Self::constant(Real::atan2(self.coefficient, x.coefficient));
+        }
+        let [angle] = Self::all_outlined([self, x], &ArcTangent);
+        angle
     }
 }
 
