@@ -272,12 +272,12 @@ enum Toy {
     /// Guard 0 is far below zero here.
     Passing,
     After,
-    /// Remembers a state.
+    /// Remembers a state or a time.
     Carrying(f64),
 }
 
 struct Toys {
-    next: fn([f64; 2]) -> Toy,
+    next: fn(f64, [f64; 2]) -> Toy,
     /// Rate of the second guard.
     second: f64,
 }
@@ -307,9 +307,9 @@ impl System for Toys {
         *bounds = [1e-15; 2];
     }
 
-    fn transition<S: Real>(&self, mode: Toy, _guard: usize, _t: S, y: &mut [S; 2]) -> Next<Toy> {
+    fn transition<S: Real>(&self, mode: Toy, _guard: usize, t: S, y: &mut [S; 2]) -> Next<Toy> {
         if mode == Toy::Before {
-            return Next::Mode((self.next)(y.map(Real::value)));
+            return Next::Mode((self.next)(t.value(), y.map(Real::value)));
         }
         y[0] = y[0] * 3.0 + y[1];
         Next::Mode(Toy::After)
@@ -317,7 +317,10 @@ impl System for Toys {
 }
 
 /// A run of the toy from `[1, 0.5]` to 1.5, along both states.
-fn toy(next: fn([f64; 2]) -> Toy, second: f64) -> (Result<Outcome, Error>, Traced<Toy>, Vec<f64>) {
+fn toy(
+    next: fn(f64, [f64; 2]) -> Toy,
+    second: f64,
+) -> (Result<Outcome, Error>, Traced<Toy>, Vec<f64>) {
     let toys = Toys { next, second };
     let directions = vec![[1.0, 0.0], [0.0, 1.0]];
     let system = Sensitive::new(&toys, directions, tolerance(1e-8, 2)).unwrap();
@@ -329,7 +332,7 @@ fn toy(next: fn([f64; 2]) -> Toy, second: f64) -> (Result<Outcome, Error>, Trace
 
 #[test]
 fn two_events_at_one_instant_by_a_jump_are_one_map() {
-    let (end, mode, y) = toy(|_| Toy::Passing, 0.0);
+    let (end, mode, y) = toy(|_, _| Toy::Passing, 0.0);
     assert_eq!((end, mode.mode), (Ok(Outcome::Finished), Toy::After));
     // x = 3·0 + p − p (t − x₀) after the event at t = x₀.
     // Measured: 1.3e-15.
@@ -349,11 +352,13 @@ fn events_without_derivatives_are_errors_that_say_why() {
         assert!(y[0].abs() < 1e-14, "the event has been passed: {y:?}");
     };
     let continuous = "branches there";
-    refused(|y| Toy::Carrying(y[1]), 0.0, Lost::Mode { guard: 0 }, continuous);
-    let branches = |[_, p]: [f64; 2]| if p > 0.5 { Toy::Passing } else { Toy::After };
+    refused(|_, y| Toy::Carrying(y[1]), 0.0, Lost::Mode { guard: 0 }, continuous);
+    // The state at the event is zero from every start, only the time differs.
+    refused(|t, _| Toy::Carrying(t), 0.0, Lost::Mode { guard: 0 }, continuous);
+    let branches = |_, [_, p]: [f64; 2]| if p > 0.5 { Toy::Passing } else { Toy::After };
     refused(branches, 0.0, Lost::Mode { guard: 0 }, continuous);
     // Numbers that do not depend on the state may be carried.
-    assert_eq!(toy(|_| Toy::Carrying(7.0), 0.0).0, Ok(Outcome::Finished));
+    assert_eq!(toy(|_, _| Toy::Carrying(7.0), 0.0).0, Ok(Outcome::Finished));
 }
 
 /// A spring `ÿ = −y` that is let go at 1 passes zero at the speed 1: up to there it loses a tenth of the speed, and beyond a half.
@@ -395,9 +400,51 @@ fn a_transition_that_branches_within_the_tolerance_has_no_derivatives() {
     }
 }
 
+/// `ẋ = a x + 1.3 + 0.3 cos t` up to 0.6, from where on `ẋ = 0` from the root of the time.
+struct ByTime {
+    a: f64,
+}
+
+impl System for ByTime {
+    type Mode = bool;
+    type State<S: Real> = [S; 1];
+    type Guards<S: Real> = [S; 1];
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 1]) -> bool {
+        true
+    }
+
+    fn rhs<S: Real>(&self, rises: bool, t: S, &[x]: &[S; 1], dydt: &mut [S; 1]) {
+        *dydt = [if rises { x * self.a + t.cos() * 0.3 + 1.3 } else { S::cst(0.0) }];
+    }
+
+    fn guards<S: Real>(&self, rises: bool, _t: S, &[x]: &[S; 1], g: &mut [S; 1]) {
+        *g = [if rises { -x + 0.6 } else { S::cst(1.0) }];
+    }
+
+    fn transition<S: Real>(&self, _: bool, _: usize, t: S, y: &mut [S; 1]) -> Next<bool> {
+        *y = [t.sqrt()];
+        Next::Mode(false)
+    }
+}
+
+#[test]
+fn a_state_that_is_set_by_the_time_of_an_event_has_derivatives() {
+    for k in 0..20 {
+        let model = ByTime { a: -0.5 + 0.05 * f64::from(k) };
+        let system = Sensitive::new(&model, vec![[1.0]], tolerance(1e-9, 1)).unwrap();
+        let mut run = Integration::new(&system, 0.0, system.start(0.0, &[0.0]).unwrap());
+        run.run(1.0, &mut by_rk45(&system), &mut ()).unwrap();
+        // x = √t after the event at t.
+        let [x, dx, dt] = run.point.y[..] else { panic!("one direction") };
+        assert!(dt < -0.1, "{dt}");
+        at_most("by the start", (dx - dt / (2.0 * x)).abs(), 1e-15);
+    }
+}
+
 #[test]
 fn guards_that_fall_together_have_no_derivatives() {
-    let toys = Toys { next: |_| Toy::Before, second: 1.0 };
+    let toys = Toys { next: |_, _| Toy::Before, second: 1.0 };
     let (end, mode, _) = toy(toys.next, toys.second);
     assert!(end.is_err());
     assert!(matches!(mode.lost, Some(Lost::Together { .. })), "{mode:?}");
@@ -450,7 +497,7 @@ fn the_limit_of_events_that_accumulate_has_no_derivatives() {
 
 #[test]
 fn a_switch_without_change_of_slope_or_state_changes_no_derivative() {
-    let toys = Toys { next: |_| Toy::Carrying(0.0), second: 0.0 };
+    let toys = Toys { next: |_, _| Toy::Carrying(0.0), second: 0.0 };
     let directions = vec![[0.3, 0.7], [-0.2, 0.1]];
     let system = Sensitive::new(&toys, directions, tolerance(1e-8, 2)).unwrap();
     let mut y = system.start(0.0, &[0.0, 0.5]).unwrap();

@@ -219,8 +219,9 @@ impl<'a, P: System> Sensitive<'a, P> {
         let mode = self.problem.initial_mode(t, y);
         let mut all = y.as_ref().to_vec();
         for (index, direction) in self.directions.iter().enumerate() {
-            let near = self.near(y, direction);
-            if near.iter().any(|y| self.problem.initial_mode(t, y) != mode) {
+            let scale = self.scale(y.as_ref(), direction.as_ref());
+            let mode_of = |scale| self.problem.initial_mode(t, &moved(y, direction, scale));
+            if [-scale, scale].into_iter().any(|scale| mode_of(scale) != mode) {
                 let allowed = "the modes of starts within the tolerance along it must be equal";
                 return Err(Error::BadArgument { name: "direction", value: index as f64, allowed });
             }
@@ -270,22 +271,19 @@ impl<'a, P: System> Sensitive<'a, P> {
         y[n + direction * (n + 1) + n]
     }
 
-    /// Two states on both sides of `y` along `change`, as far as the tolerance allows; `y` itself where it does not
-    /// change.
-    fn near(&self, y: &P::State<f64>, change: &P::State<f64>) -> [P::State<f64>; 2] {
-        let (y, change) = (y.as_ref(), change.as_ref());
-        let scale = self.scale(y, change);
-        [-scale, scale].map(|scale| Vector::from_fn(y.len(), |i| y[i] + scale * change[i]))
-    }
-
-    /// The largest multiple of `change` that is within the tolerance at `y`; zero where there is no change.
+    /// The largest multiple of `change` that is within the tolerance at `y`; infinite where there is no change.
     fn scale(&self, y: &[f64], change: &[f64]) -> f64 {
         let changes = change.iter().enumerate().filter(|(_, change)| **change != 0.0);
-        let scale = changes.fold(f64::INFINITY, |scale, (i, change)| {
+        changes.fold(f64::INFINITY, |scale, (i, change)| {
             scale.min(self.tolerance.allowed(i, y) / change.abs())
-        });
-        if scale.is_finite() { scale } else { 0.0 }
+        })
     }
+}
+
+/// The state `y + scale change`, which is `y` where there is no change.
+fn moved<Y: Vector<f64>>(y: &Y, change: &Y, scale: f64) -> Y {
+    let (y, change) = (y.as_ref(), change.as_ref());
+    Vector::from_fn(y.len(), |i| if change[i] == 0.0 { y[i] } else { y[i] + scale * change[i] })
 }
 
 /// The states of a model with derivatives: `y + ε dy`.

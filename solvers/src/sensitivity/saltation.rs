@@ -1,7 +1,7 @@
 //! Derivatives across an event, and the events that have none.
 
 use super::tangent::Tangent;
-use super::{Lost, Sensitive, Traced, along};
+use super::{Lost, Sensitive, Traced, along, moved};
 use crate::real::Real;
 use crate::system::{Next, System, Vector};
 
@@ -198,7 +198,7 @@ impl<P: System> Sensitive<'_, P> {
         let n = event.y.as_ref().len();
         let is_same = |change: &[f64]| {
             let (dt, dy) = event.moved(timing, change);
-            let scale = self.scale(event.y.as_ref(), dy.as_ref());
+            let scale = self.scale_at(&event, change, (dt, &dy));
             let after = event.after(dt, &dy);
             let is_near = |y: &[f64]| {
                 (0..n).zip(after.as_ref()).all(|(i, after)| {
@@ -206,12 +206,26 @@ impl<P: System> Sensitive<'_, P> {
                     (y[i] - after.re).abs() <= BRANCH * moved
                 })
             };
-            self.near(&event.y, &dy).into_iter().zip([-scale, scale]).all(|(y, scale)| {
-                let (same, y) = event.next(t + scale * dt, y);
+            [-scale, scale].into_iter().all(|scale| {
+                let (same, y) = event.next(t + scale * dt, moved(&event.y, &dy, scale));
                 same == *next && is_near(y.as_ref())
             })
         };
         if y[n..].chunks_exact(n + 1).all(is_same) { Ok(timing) } else { Err(Lost::Mode { guard }) }
+    }
+
+    /// The largest multiple of a `change` of the state before an event that is within the tolerance there, and at the event,
+    /// whose time and state it changes by `(dt, dy)`. Where it changes the time alone, the multiple that does so by rounding.
+    fn scale_at(
+        &self,
+        event: &Instant<'_, P, f64>,
+        change: &[f64],
+        (dt, dy): (f64, &P::State<f64>),
+    ) -> f64 {
+        let y = event.y.as_ref();
+        let scale = self.scale(y, &change[..y.len()]).min(self.scale(y, dy.as_ref()));
+        let of_time = if dt == 0.0 { 0.0 } else { f64::EPSILON * (event.t / dt).abs() };
+        if scale.is_finite() { scale } else { of_time }
     }
 
     /// The error of the guard that the tolerance of the states allows, and its rounding:
