@@ -31,7 +31,7 @@ const STORM_OF_RUN: f64 = 1e-12;
 /// An integration of one system: its present point and the work done so far.
 ///
 /// After an error both are valid, and are those of the last accepted step. It may be gone on with, by the same or by another
-/// method; the options of a single run are simpler said to [`Run`](crate::Run).
+/// method, also where a recorder interrupted it: at a step that landed on an event, after the transition. The options of a single run are simpler said to [`Run`](crate::Run).
 ///
 /// ```
 /// # use deltazero_solvers::problems::BouncingBall;
@@ -133,13 +133,24 @@ impl<'a, P: System> Integration<'a, P> {
     ) -> Result<Option<Outcome>, Error> {
         match end {
             PhaseEnd::EndOfTime => Ok(Some(Outcome::Finished)),
-            PhaseEnd::Interrupted => Ok(Some(Outcome::Interrupted)),
-            PhaseEnd::Guard(guard) => {
-                let Point { t, y, mode } = &mut self.point;
-                let at = Instant { t: *t, y, mode };
-                self.transitions.switch(self.problem, at, guard, &mut self.stats, record)
+            PhaseEnd::Interrupted { landed_on: None } => Ok(Some(Outcome::Interrupted)),
+            // The run goes on after the event, so that its guard is not violated there.
+            PhaseEnd::Interrupted { landed_on: Some(guard) } => {
+                Ok(self.switch(guard, record)?.or(Some(Outcome::Interrupted)))
             }
+            PhaseEnd::Guard(guard) => self.switch(guard, record),
         }
+    }
+
+    /// Makes the transitions at the present point, where `guard` fell.
+    fn switch(
+        &mut self,
+        guard: usize,
+        record: &mut dyn Record<P>,
+    ) -> Result<Option<Outcome>, Error> {
+        let Point { t, y, mode } = &mut self.point;
+        let at = Instant { t: *t, y, mode };
+        self.transitions.switch(self.problem, at, guard, &mut self.stats, record)
     }
 }
 
@@ -248,7 +259,7 @@ impl<P: System> Transitions<P> {
             let before = at.point();
             let after = problem.transition(at.mode.clone(), guard, at.t, at.y);
             let mut outcome = enter(&mut at, (guard, before), after, stats, record)?;
-            if outcome.is_none()
+            if outcome != Some(Outcome::Stopped)
                 && let Some(span) = self.storm(at.t.value())
             {
                 let before = at.point();
@@ -258,7 +269,8 @@ impl<P: System> Transitions<P> {
                     return Err(Error::EventStorm { t, n: self.n_storm, span, mode });
                 };
                 *at.y = Vector::from_fn(y.as_ref().len(), |i| B::cst(y.as_ref()[i]));
-                outcome = enter(&mut at, (guard, before), Next::Mode(limit), stats, record)?;
+                let limit = enter(&mut at, (guard, before), Next::Mode(limit), stats, record)?;
+                outcome = outcome.or(limit);
             }
             if outcome.is_some() {
                 return Ok(outcome);

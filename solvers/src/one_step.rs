@@ -344,7 +344,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             record.step(&Accepted { mode, step, landed_on, proposed, stats })
         };
         if go_on.is_break() {
-            return Some(PhaseEnd::Interrupted);
+            return Some(PhaseEnd::Interrupted { landed_on });
         }
         if landed_on.is_none() {
             self.method.advance();

@@ -32,7 +32,10 @@ pub enum PhaseEnd {
     /// Just past the surface of this guard.
     Guard(usize),
     /// Where the recorder asked for the end of the run.
-    Interrupted,
+    Interrupted {
+        /// The guard whose surface this is just past, if it is.
+        landed_on: Option<usize>,
+    },
 }
 
 /// A method applied to one system.

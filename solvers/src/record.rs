@@ -194,7 +194,8 @@ pub const REJECTIONS_A_LOOK: u64 = 64;
 
 /// Sees, in order, every accepted step that it [needs](Record::needs) and every event, each once; is [told](Record::passed)
 /// of every accepted step that it does not see; and is called now and then while attempts are
-/// [rejected](Record::rejected). [`ControlFlow::Break`] ends the run as [`Interrupted`](crate::Outcome::Interrupted).
+/// [rejected](Record::rejected). [`ControlFlow::Break`] ends the run as [`Interrupted`](crate::Outcome::Interrupted); after a
+/// step that landed on an event, that event is shown first.
 ///
 /// ```
 /// # use deltazero_solvers::problems::BouncingBall;

@@ -228,6 +228,11 @@
 //! `crossings::a_terminal_event_stops_the_run`. heyoka: a callback that returns false. CVODE,
 //! diffsol: every root returns to the caller (diffsol's `solve` goes on where a reset is given).
 //!
+//! **Broken off by a recorder.** After a step that lands on an event its transition is still made, so the run that goes on
+//! begins in the next mode; events accumulate over the runs of one integration.
+//! `recorder::a_run_that_is_broken_off_at_each_landing_passes_its_events`,
+//! `recorder::a_run_that_is_broken_off_at_each_event_comes_to_rest`.
+//!
 //! **Backward in time.** The same rules; inside stays positive, whichever way time runs.
 //! `backward::events_are_located_backward_in_time`,
 //! `backward::a_start_on_the_surface_counts_the_same_backward`,

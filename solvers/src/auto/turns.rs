@@ -106,7 +106,7 @@ where
                     self.pilot.give_up();
                     Turn::Explicit { h: None }
                 }
-                (Ok(PhaseEnd::Interrupted), Some(next)) => next,
+                (Ok(PhaseEnd::Interrupted { .. }), Some(next)) => next,
                 (end, _) => return end.map(ControlFlow::Break),
             };
         }
@@ -154,7 +154,7 @@ where
             let mut leg = self.turns.explicit_leg(*problem, *record, stats);
             let end = self.explicit.solve_phase(problem, point, t_end, stats, &mut leg);
             turn = match (end, leg.over(stats)) {
-                (Ok(PhaseEnd::Interrupted), Some(next)) => next,
+                (Ok(PhaseEnd::Interrupted { .. }), Some(next)) => next,
                 (end, _) => return end,
             };
         }

@@ -206,7 +206,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
             solver.arrive(self.t1, &mut point.t, &mut self.phase, stats);
             self.is_stale = true;
             let go_on = record.passed(self.t1, stats);
-            return go_on.is_break().then_some(PhaseEnd::Interrupted);
+            return go_on.is_break().then_some(PhaseEnd::Interrupted { landed_on: None });
         }
         self.unload(lane, steps);
         let Self { own, phase, .. } = self;

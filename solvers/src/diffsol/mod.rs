@@ -157,7 +157,7 @@ impl<P: System> DiffsolSolver<P> {
         let proposed = None;
         let go_on = record.step(&Accepted { mode, step: &step, landed_on, proposed, stats });
         Ok(match landed_on {
-            _ if go_on.is_break() => PhaseEnd::Interrupted,
+            _ if go_on.is_break() => PhaseEnd::Interrupted { landed_on },
             Some(guard) => PhaseEnd::Guard(guard),
             None => PhaseEnd::EndOfTime,
         })
@@ -214,7 +214,7 @@ impl<P: System> DiffsolSolver<P> {
             let SolverStep { t1, y1, slope1, .. } = step;
             (point.t, point.y, slope0) = (t1, y1, slope1);
             match landed_on {
-                _ if go_on.is_break() => return Ok(Some(PhaseEnd::Interrupted)),
+                _ if go_on.is_break() => return Ok(Some(PhaseEnd::Interrupted { landed_on })),
                 Some(guard) => return Ok(Some(PhaseEnd::Guard(guard))),
                 None if at_end => return Ok(Some(PhaseEnd::EndOfTime)),
                 None if stepper.is_outgrown() => return Ok(None),

@@ -41,7 +41,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         let smaller = self.controller.halved(h);
         let resolved = smaller.filter(|smaller| point.t + 0.1 * smaller != point.t);
         phase.h = resolved.ok_or_else(error)?;
-        Ok(go_on.is_break().then_some(PhaseEnd::Interrupted))
+        Ok(go_on.is_break().then_some(PhaseEnd::Interrupted { landed_on: None }))
     }
 
     /// Counts a rejected step, and makes the next attempt one of size `smaller`; it is an error where time does not
@@ -60,7 +60,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             return Err(underflow(point, smaller));
         }
         phase.h = smaller;
-        Ok(go_on.is_break().then_some(PhaseEnd::Interrupted))
+        Ok(go_on.is_break().then_some(PhaseEnd::Interrupted { landed_on: None }))
     }
 
     /// Chooses the size of the next step if that is still [due](PhaseState::due). Under adaptive control this is the

@@ -128,6 +128,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         check_span(self.t().value(), t_end)?;
         record.begin(&self.point(), t_end)?;
         let mut guard = self.transitions.begin(self.problem, &self.point(), t_end)?;
+        let mut is_interrupted = false;
         loop {
             if let Some(guard) = guard {
                 let (t, y) = (self.t(), &mut self.method.step.y[0]);
@@ -143,11 +144,14 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
                     return Ok(outcome);
                 }
             }
-            match self.phase(t_end, record)? {
-                PhaseEnd::EndOfTime => return Ok(Outcome::Finished),
-                PhaseEnd::Interrupted => return Ok(Outcome::Interrupted),
-                PhaseEnd::Guard(fallen) => guard = Some(fallen),
+            if is_interrupted {
+                return Ok(Outcome::Interrupted);
             }
+            (guard, is_interrupted) = match self.phase(t_end, record)? {
+                PhaseEnd::EndOfTime => return Ok(Outcome::Finished),
+                PhaseEnd::Interrupted { landed_on } => (landed_on, true),
+                PhaseEnd::Guard(fallen) => (Some(fallen), false),
+            };
         }
     }
 
@@ -163,7 +167,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         self.watch.begin(problem, mode.clone(), point.t, &point.y, &slope);
         while self.t().value() != t_end {
             if self.take_step(t_end, record)?.is_break() {
-                return Ok(PhaseEnd::Interrupted);
+                return Ok(PhaseEnd::Interrupted { landed_on: None });
             }
             let landed_on = self.locate()?;
             self.stats.n_accepted += 1;
@@ -172,7 +176,7 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
             let go_on = record.step(&accepted);
             self.method.go_on();
             match landed_on {
-                _ if go_on.is_break() => return Ok(PhaseEnd::Interrupted),
+                _ if go_on.is_break() => return Ok(PhaseEnd::Interrupted { landed_on }),
                 Some(guard) => return Ok(PhaseEnd::Guard(guard)),
                 None => {}
             }

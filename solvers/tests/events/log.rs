@@ -75,7 +75,7 @@ impl<M> Log<M> {
     }
 }
 
-fn flow(go_on: bool) -> ControlFlow<()> {
+pub(crate) fn flow(go_on: bool) -> ControlFlow<()> {
     if go_on { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
 }
 

@@ -2,13 +2,15 @@
 
 use std::ops::ControlFlow;
 
-use deltazero_solvers::problems::{BouncingBall, SpringStop};
+use deltazero_solvers::problems::{BouncingBall, BouncingMode, SpringStop};
+use deltazero_solvers::taylor::ExtendedIntegration;
 use deltazero_solvers::{
-    Accepted, Blind, Event, Grid, Integration, Needs, Outcome, Record, Trajectory, Unblind,
+    Accepted, Blind, Error, Event, Grid, Integration, Needs, Outcome, Record, System, Tolerance,
+    Trajectory, Unblind,
 };
 
 use crate::common::{at_most, iterates, steps_itself};
-use crate::log::{Log, Setting, settings};
+use crate::log::{Log, Setting, flow, settings};
 use crate::script::chain;
 
 #[test]
@@ -51,6 +53,67 @@ fn a_recorder_may_break_off_at_a_step_or_an_event_and_the_run_can_go_on() {
             assert!(times.len() == 2 && (times[0] - 0.7).abs() < 1e-13, "{name}: {times:?}");
             assert!(log.steps.windows(2).all(|pair| pair[0].1 == pair[1].0), "{name}");
         }
+    }
+}
+
+/// Breaks at each step that lands on an event, or at each event.
+struct Each {
+    landing: bool,
+}
+
+impl<P: System> Record<P> for Each {
+    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
+        flow(!self.landing || accepted.landed_on.is_none())
+    }
+
+    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
+        flow(self.landing)
+    }
+}
+
+/// How often `run` is interrupted until it is over.
+fn interruptions(name: &str, mut run: impl FnMut() -> Result<Outcome, Error>) -> u64 {
+    for n in 0..400 {
+        match run() {
+            Ok(Outcome::Interrupted) => {}
+            end => {
+                assert_eq!(end, Ok(Outcome::Finished), "{name}");
+                return n;
+            }
+        }
+    }
+    panic!("{name}: it does not end")
+}
+
+#[test]
+fn a_run_that_is_broken_off_at_each_landing_passes_its_events() {
+    let ball = BouncingBall { restitution: 0.7, gravity: 9.8, height: 1.0 };
+    for (method, control) in settings() {
+        let mut integration = Integration::new(&ball, 0.0, ball.start());
+        let mut solver = method.solver(&ball, control).unwrap();
+        let n = interruptions(method.name, || {
+            integration.run(2.0, &mut *solver, &mut Each { landing: true })
+        });
+        assert_eq!((n, integration.stats.n_events), (4, 4), "{}", method.name);
+    }
+    let tolerance = Tolerance { rtol: 1e-20, atol: vec![1e-20; 2] };
+    let mut run = ExtendedIntegration::new(&ball, 0.0, &ball.start(), tolerance);
+    let n = interruptions("extended", || run.run(2.0, &mut Each { landing: true }));
+    assert_eq!((n, run.stats.n_events), (4, 4));
+}
+
+#[test]
+fn a_run_that_is_broken_off_at_each_event_comes_to_rest() {
+    let ball = BouncingBall { restitution: 0.7, gravity: 9.8, height: 1.0 };
+    for (method, control) in settings() {
+        let mut integration = Integration::new(&ball, 0.0, ball.start());
+        let mut solver = method.solver(&ball, control).unwrap();
+        // Measured: 158, and 133 for bdf.
+        interruptions(method.name, || {
+            integration.run(4.0, &mut *solver, &mut Each { landing: false })
+        });
+        let at_rest = (BouncingMode::Rest, [0.0, 0.0]);
+        assert_eq!((integration.point.mode, integration.point.y), at_rest, "{}", method.name);
     }
 }
 
