@@ -90,11 +90,11 @@ pub enum Lost {
         rate: f64,
     },
     /// The guard fell together with another one, or right after an event or the start: their order may change within
-    /// the tolerance, and with it the solution. A guard that a transition leaves far below zero is no such case; it
-    /// switches at the time of that transition.
+    /// the tolerance, and with it the solution, also where the transition of one cancels the other. A guard that a
+    /// transition leaves far below zero is no such case; it switches at the time of that transition.
     #[error("guard {guard} falls together with another event or the start")]
     Together {
-        /// Index of the guard that fell last.
+        /// Index of the guard that fell last, or would have.
         guard: usize,
     },
     /// A change within the tolerance leads to another mode, or to a state far off. Either the transition branches there, or the

@@ -45,8 +45,13 @@ impl<'p, P: System, S: Real> Instant<'p, P, S> {
 
     /// The derivative of the guard along `(dt, dy)`.
     fn guard_along(&self, dt: S, dy: &[S]) -> S {
+        self.guards_along(dt, dy).as_ref()[self.guard].eps
+    }
+
+    /// All guards, with their derivatives along `(dt, dy)`.
+    fn guards_along(&self, dt: S, dy: &[S]) -> P::Guards<Tangent<S>> {
         let y = along::<P, S>(self.y.as_ref(), dy);
-        guard(self.problem, self.mode, self.guard, Tangent::new(self.t, dt), &y).eps
+        guards(self.problem, self.mode, Tangent::new(self.t, dt), &y)
     }
 
     /// The changes of the time and of the state of the event, `δt` and `δy⁻ + f⁻ δt`, by those before it.
@@ -75,17 +80,22 @@ impl<P: System> Instant<'_, P, f64> {
         let slope = slope(self.problem, self.mode, Tangent::new(self.t, 1.0), &y);
         let y = along::<P, Tangent<f64>>(y.as_ref(), slope.as_ref());
         let t = Tangent::new(Tangent::new(self.t, 1.0), Tangent::constant(1.0));
-        guard(self.problem, self.mode, self.guard, t, &y).eps.eps
+        guards(self.problem, self.mode, t, &y).as_ref()[self.guard].eps.eps
     }
 
-    fn value(&self) -> f64 {
-        guard(self.problem, self.mode, self.guard, self.t, &self.y)
+    /// Whether errors of the guard up to `error` leave its rate what it is.
+    fn crosses(&self, error: f64) -> bool {
+        self.bend().abs() * error < TOUCH * self.rate * self.rate
     }
 
-    fn rounding_bound(&self) -> f64 {
+    fn values(&self) -> P::Guards<f64> {
+        guards(self.problem, self.mode, self.t, &self.y)
+    }
+
+    fn rounding_bounds(&self) -> P::Guards<f64> {
         let mut bounds = Vector::from_fn(self.problem.n_guards(), |_| 0.0);
         self.problem.guard_bounds(self.mode.clone(), self.t, &self.y, &mut bounds);
-        bounds.as_ref()[self.guard]
+        bounds
     }
 
     /// What follows an event at another time and state, and the state then.
@@ -100,17 +110,10 @@ fn slope<P: System, S: Real>(problem: &P, mode: &P::Mode, t: S, y: &P::State<S>)
     slope
 }
 
-/// The value of the guard with this index.
-fn guard<P: System, S: Real>(
-    problem: &P,
-    mode: &P::Mode,
-    index: usize,
-    t: S,
-    y: &P::State<S>,
-) -> S {
+fn guards<P: System, S: Real>(problem: &P, mode: &P::Mode, t: S, y: &P::State<S>) -> P::Guards<S> {
     let mut g = Vector::from_fn(problem.n_guards(), |_| S::cst(0.0));
     problem.guards(mode.clone(), t, y, &mut g);
-    g.as_ref()[index]
+    g
 }
 
 impl<P: System> Sensitive<'_, P> {
@@ -178,19 +181,22 @@ impl<P: System> Sensitive<'_, P> {
         next: &Next<P::Mode>,
     ) -> Result<Timing, Lost> {
         let event = Instant::new(self.problem, &traced.mode, guard, t, self.model_state(y));
-        let error = self.error_of_guard(&event);
+        let errors = self.errors_of_guards(&event);
+        let error = errors.as_ref()[guard];
         let timing = if t == traced.since {
-            if event.value() >= -error {
+            if event.values().as_ref()[guard] >= -error {
                 return Err(Lost::Together { guard });
             }
             Timing::Jump
         } else {
             let rate = event.rate;
-            let is_crossing = event.bend().abs() * error < TOUCH * rate * rate;
-            if !is_crossing {
+            if !event.crosses(error) {
                 return Err(Lost::Touch { guard, rate });
             }
             if (t - traced.since).abs() * rate.abs() <= error {
+                return Err(Lost::Together { guard });
+            }
+            if let Some(guard) = self.falls_beside(&event, &errors) {
                 return Err(Lost::Together { guard });
             }
             Timing::Crossing
@@ -228,16 +234,28 @@ impl<P: System> Sensitive<'_, P> {
         if scale.is_finite() { scale } else { of_time }
     }
 
-    /// The error of the guard that the tolerance of the states allows, and its rounding:
+    /// Another guard that falls within its error of the surface, and would be the event of a solution beside this one.
+    fn falls_beside(&self, event: &Instant<'_, P, f64>, errors: &P::Guards<f64>) -> Option<usize> {
+        let (g, errors) = (event.values(), errors.as_ref());
+        let is_near = |&j: &usize| j != event.guard && g.as_ref()[j].abs() <= errors[j];
+        (0..errors.len()).filter(is_near).find(|&j| {
+            let other = Instant::new(self.problem, event.mode, j, event.t, event.y.clone());
+            other.rate * event.rate > 0.0 && other.crosses(errors[j])
+        })
+    }
+
+    /// The errors of the guards that the tolerance of the states allows, and their rounding:
     /// `bound + Σ_i |∂g/∂y_i| (atol_i + rtol |y_i|)`.
-    fn error_of_guard(&self, event: &Instant<'_, P, f64>) -> f64 {
+    fn errors_of_guards(&self, event: &Instant<'_, P, f64>) -> P::Guards<f64> {
         let (n, span) = (event.y.as_ref().len(), self.problem.guard_span());
-        let of_states = |j| {
+        let mut errors = event.rounding_bounds();
+        for j in 0..span.min(n) {
             let error =
                 |i| if i % span == j { self.tolerance.allowed(i, event.y.as_ref()) } else { 0.0 };
-            event.guard_along(0.0, &(0..n).map(error).collect::<Vec<_>>()).abs()
-        };
-        event.rounding_bound() + (0..span.min(n)).map(of_states).sum::<f64>()
+            let g = event.guards_along(0.0, &(0..n).map(error).collect::<Vec<_>>());
+            errors.as_mut().iter_mut().zip(g.as_ref()).for_each(|(sum, g)| *sum += g.eps.abs());
+        }
+        errors
     }
 }
 
