@@ -33,6 +33,8 @@
 //! assert_eq!(check(&Decay, &(), 0.0, &[1.0]), Err(breach));
 //! ```
 
+mod values;
+
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 
@@ -44,19 +46,10 @@ use crate::record::{Accepted, Event, Needs, Record};
 use crate::sensitivity::Tangent;
 use crate::system::{System, Vector, differentiated, differentiated_by_time};
 use crate::taylor::expand::{Expansion, begins_with_rhs};
+use values::{BITS, check_transition};
 
 /// Two ways to one number agree to this fraction of it, or to the second fraction of the terms that it is a sum of.
 const AGREE: [f64; 2] = [1e-6, 1e-11];
-/// A difference quotient agrees to the first fraction of the derivative, or the second of the terms that it is a sum of. A number
-/// without a derivative is missing altogether.
-const NEAR: [f64; 2] = [0.1, 1e-4];
-/// Difference quotients that differ by more than this fraction of what is to be told tell nothing.
-const SURE: f64 = 0.1;
-/// Sums are taken to be rounded by this many last bits of their terms.
-const BITS: f64 = 100.0;
-/// Steps of the difference quotients, as fractions of the time in which slopes or their rates change by their size. A part of a
-/// slope may change faster than that.
-const STEPS: [f64; 5] = [1e-4, 1e-6, 1e-8, 1e-10, 1e-12];
 /// Number of phases of a run that are checked.
 const PHASES: u32 = 8;
 
@@ -135,6 +128,35 @@ pub enum Breach {
         /// By the derivative.
         derivative: f64,
     },
+    /// The same in a guard.
+    #[error(
+        "guard {guard} changes by {change:e} a unit of time along the solution, and by {derivative:e} by its derivative; a number that \
+         was taken by Real::value has no derivative: decide by it, and compute with the number itself"
+    )]
+    ValueOfGuard {
+        /// The guard.
+        guard: usize,
+        /// By a difference quotient.
+        change: f64,
+        /// By the derivative.
+        derivative: f64,
+    },
+    /// The same in a transition.
+    #[error(
+        "state {state} after the transition of guard {guard} changes by {change:e} a unit of time along the solution, and by \
+         {derivative:e} by its derivative; a number that was taken by Real::value has no derivative: decide by it, and compute with the \
+         number itself"
+    )]
+    ValueOfTransition {
+        /// The guard.
+        guard: usize,
+        /// The state.
+        state: usize,
+        /// By a difference quotient.
+        change: f64,
+        /// By the derivative.
+        derivative: f64,
+    },
 }
 
 /// Whether `problem` keeps what it promises, in `mode` at `(t, y)`. What is not a finite number there is passed over.
@@ -189,7 +211,7 @@ pub fn check<P: System>(
         *size = size.max(derivatives.first.as_ref()[i].abs()) + (by_time.as_ref()[i] * t).abs();
     }
     place.check_series(&derivatives, &jacobian, &sizes)?;
-    place.check_values(&derivatives, &jacobian, &sizes)
+    place.check_values(derivatives, &jacobian, sizes)
 }
 
 /// The entries of a Jacobian by row and column.
@@ -334,71 +356,10 @@ impl<P: System> Place<'_, P> {
         }
         Ok(())
     }
-
-    /// Compares the derivatives of the slopes along the solution with difference quotients ahead, where a number that was taken by
-    /// its value is one that changes; the slopes are sums of terms of these `sizes`.
-    fn check_values(
-        &self,
-        of: &Derivatives<P::State<f64>>,
-        jacobian: &Entries,
-        sizes: &P::State<f64>,
-    ) -> Result<(), Breach> {
-        let Some(time) = of.shortest_time(self.y) else { return Ok(()) };
-        let terms = sizes_of_product(jacobian, &of.first);
-        let quotients = STEPS.map(|part| self.quotients(&of.first, part * time));
-        for (state, derivative) in of.second.as_ref().iter().enumerate() {
-            let change = quotients[0].as_ref()[state];
-            let off = (change - derivative).abs();
-            let terms = NEAR[1] * terms.as_ref()[state];
-            // What is rounded tells nothing, but for the longest step.
-            let missing = STEPS.iter().zip(&quotients).enumerate().all(|(k, (part, quotient))| {
-                let quotient = quotient.as_ref()[state];
-                let rounded = BITS * f64::EPSILON * sizes.as_ref()[state] / (part * time);
-                if k > 0 && rounded > SURE * off {
-                    return true;
-                }
-                let size = NEAR[0] * derivative.abs().max(quotient.abs());
-                (quotient - derivative).abs() > size.max(terms).max(rounded)
-                    && (quotient - change).abs() <= SURE * off
-            });
-            if missing {
-                return Err(Breach::Value { state, change, derivative: *derivative });
-            }
-        }
-        Ok(())
-    }
-
-    /// What the slopes change by a unit of time along the straight line with the slope `first`, from three values `h` apart.
-    fn quotients(&self, first: &P::State<f64>, h: f64) -> P::State<f64> {
-        let (y, first) = (self.y.as_ref(), first.as_ref());
-        let [once, twice] = [h, 2.0 * h].map(|h| {
-            let ahead = P::State::<f64>::from_fn(y.len(), |i| y[i] + h * first[i]);
-            let mut slope = ahead.clone();
-            self.problem.rhs(self.mode.clone(), self.t + h, &ahead, &mut slope);
-            slope
-        });
-        let (once, twice) = (once.as_ref(), twice.as_ref());
-        Vector::from_fn(y.len(), |i| (4.0 * once[i] - twice[i] - 3.0 * first[i]) / (2.0 * h))
-    }
 }
 
-impl<Y: Vector<f64>> Derivatives<Y> {
-    /// The shortest time in which a slope or its rate changes by its size, or, where none changes, a state `y`; `None` where
-    /// nothing does.
-    fn shortest_time(&self, y: &Y) -> Option<f64> {
-        shortest(&[(&self.first, &self.second), (&self.second, &self.third)])
-            .or_else(|| shortest(&[(y, &self.first)]))
-    }
-}
-
-/// The shortest time in which an entry of these changes by its size at its rate.
-fn shortest<Y: Vector<f64>>(with_rates: &[(&Y, &Y)]) -> Option<f64> {
-    let each = with_rates.iter().flat_map(|(a, rates)| a.as_ref().iter().zip(rates.as_ref()));
-    let times = each.map(|(a, rate)| (a / rate).abs()).filter(|time| *time > 0.0);
-    Some(times.fold(f64::INFINITY, f64::min)).filter(|time| time.is_finite())
-}
-
-/// A recorder that [checks](check) a model in the first phases of a run, after the first step of each.
+/// A recorder that [checks](check) a model in the first phases of a run, after the first step of each, and the transitions between
+/// them for numbers that were taken by [`Real::value`].
 ///
 /// ```
 /// use deltazero_solvers::contracts::{Breach, Checked};
@@ -465,7 +426,12 @@ impl<P: System> Record<P> for Checked<'_, P> {
         ControlFlow::Continue(())
     }
 
-    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
+    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
+        if self.n_left > 0
+            && let Err(breach) = check_transition(self.problem, event)
+        {
+            self.breach.get_or_insert((event.t, event.before.clone(), breach));
+        }
         self.n_left = self.n_left.saturating_sub(1);
         self.begins = self.n_left > 0;
         ControlFlow::Continue(())

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::system::Next;
-use crate::{Control, Grid, Integration, Method, Tolerance, Trajectory};
+use crate::{Control, Grid, Integration, Method, Run, Tolerance, Trajectory};
 
 /// What a model does not keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -162,6 +162,63 @@ fn a_run_tells_when_a_promise_was_not_kept() {
         let mut integration = Integration::new(&ring, 0.0, START);
         integration.run(1.0, &mut *solver, &mut record).unwrap();
         assert_eq!(record.1.breach().is_none(), is_kept);
+    }
+}
+
+/// A spring `ẋ = v, v̇ = −x` that is met at 0.6 and thrown back with 0.8 of its speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Thrown {
+    Rightly,
+    /// By a guard or a transition that took a number by its value.
+    ByGuard,
+    ByTransition,
+}
+
+impl System for Thrown {
+    type Mode = bool;
+    type State<S: Real> = [S; 2];
+    type Guards<S: Real> = [S; 2];
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 2]) -> bool {
+        true
+    }
+
+    fn rhs<S: Real>(&self, _: bool, _t: S, &[x, v]: &[S; 2], dydt: &mut [S; 2]) {
+        *dydt = [v, -x];
+    }
+
+    fn guards<S: Real>(&self, rises: bool, t: S, &[x, _]: &[S; 2], g: &mut [S; 2]) {
+        let t = if *self == Self::ByGuard { S::cst(t.value()) } else { t };
+        // The other one bends at x = 0.3.
+        *g = [if rises { -x + 0.6 } else { S::cst(1.0) }, (t - 0.5) * (t - 0.5) + (x - 0.3).abs()];
+    }
+
+    fn transition<S: Real>(&self, _: bool, _: usize, _t: S, y: &mut [S; 2]) -> Next<bool> {
+        let v = if *self == Self::ByTransition { S::cst(y[1].value()) } else { y[1] };
+        y[1] = (-v * 0.8).min(S::cst(0.0));
+        Next::Mode(false)
+    }
+}
+
+#[test]
+fn a_value_in_a_guard_or_a_transition_is_told() {
+    for (thrown, guard) in [(Thrown::Rightly, None), (Thrown::ByGuard, Some(1))] {
+        for y in [[0.2, 0.7], [0.3, 0.7], [-1e-6, 1e-3]] {
+            let found = check(&thrown, &true, 0.1, &y).err();
+            let told = found.as_ref().map(|breach| match breach {
+                Breach::ValueOfGuard { guard, .. } => *guard,
+                other => panic!("{other}"),
+            });
+            assert_eq!(told, guard, "{y:?}: {found:?}");
+        }
+    }
+    for (thrown, is_kept) in [(Thrown::Rightly, true), (Thrown::ByTransition, false)] {
+        assert_eq!(check(&thrown, &true, 0.1, &[0.3, 0.7]), Ok(()));
+        let mut checked = Checked::new(&thrown);
+        Run::of(&thrown, [0.0, 1.0]).tolerance(1e-8, 1e-8).record(&mut checked).to(1.5).unwrap();
+        let breach = checked.breach().map(|(.., breach)| breach);
+        let is_told = matches!(breach, Some(Breach::ValueOfTransition { guard: 0, state: 1, .. }));
+        assert_eq!((breach.is_none(), is_told), (is_kept, !is_kept), "{breach:?}");
     }
 }
 
