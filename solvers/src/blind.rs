@@ -15,7 +15,8 @@ use crate::work::Stats;
 /// guards only the one that [ends](ModeOfState::end) a run remains.
 ///
 /// A step whose stages lie on both sides of a surface has order one or two, whatever the method. Runs with
-/// [located](crate::integrate) events are compared with this baseline.
+/// [located](crate::integrate) events are compared with this baseline. It has no [sensitivities](crate::Sensitive), because
+/// nothing carries a derivative across a switch.
 ///
 /// ```
 /// use deltazero_solvers::problems::SpringStop;
@@ -50,6 +51,8 @@ impl<P: ModeOfState> System for Blind<'_, P> {
 
     // Code for each order, of all modes in one function, would be too much.
     const IS_TRACED: bool = true;
+
+    const IS_BLIND: bool = true;
 
     fn dim(&self) -> usize {
         self.0.dim()

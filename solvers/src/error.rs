@@ -212,6 +212,11 @@ pub enum Error {
         /// What the method needs.
         needs: &'static str,
     },
+    /// Sensitivities were asked of a system that [reads its mode off the state](System::IS_BLIND).
+    #[error(
+        "no derivatives go through the switches of a system that reads its mode off the state; take the system that locates them"
+    )]
+    BlindSensitivities,
     /// A solver of the library `diffsol` stopped with an error.
     #[error(
         "diffsol stopped at t = {t} in mode {mode}: {message}; raise rtol, or use an explicit method"

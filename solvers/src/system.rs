@@ -134,6 +134,10 @@ pub trait System {
     /// better traced. With double-double numbers every system is.
     const IS_TRACED: bool = !<Self::State<f64> as Vector<f64>>::IS_SHORT;
 
+    /// Whether the right-hand side reads its mode off the state, as that of a [`Blind`](crate::Blind) system. A step goes over its
+    /// switches, so it has no [sensitivities](crate::Sensitive).
+    const IS_BLIND: bool = false;
+
     /// Number of continuous states, at least one: by default the length of [`State`](Self::State), which an array has in
     /// its type. A model whose states are in a `Vec` must tell it.
     fn dim(&self) -> usize {

@@ -10,8 +10,8 @@ use deltazero_solvers::one_step::OneStepSolver;
 use deltazero_solvers::problems::{BeltOscillator, BouncingBall, BouncingMode};
 use deltazero_solvers::sensitivity::{Lost, Traced};
 use deltazero_solvers::{
-    Control, Error, Integration, METHODS, Method, Next, Outcome, PhaseSolver, Real, Sensitive,
-    System, Tolerance,
+    Blind, Control, Error, Integration, METHODS, Method, Next, Outcome, PhaseSolver, Real,
+    Sensitive, System, Tolerance,
 };
 
 /// A ball with restitution and gravity as states: `[y, v, e, g]`. It stops at guard 1, which is time left.
@@ -515,7 +515,7 @@ fn a_switch_without_change_of_slope_or_state_changes_no_derivative() {
 }
 
 #[test]
-fn a_start_between_two_modes_is_refused() {
+fn a_start_between_two_modes_and_a_blind_system_are_refused() {
     let model = BeltOscillator {
         mass: 2.0,
         stiffness: 50.0,
@@ -529,6 +529,9 @@ fn a_start_between_two_modes_is_refused() {
     // At the speed of the belt: a change of the velocity leads to slip.
     let refused = system.start(0.0, &model.start).unwrap_err();
     assert!(matches!(refused, Error::BadArgument { name: "direction", value: 1.0, .. }));
+    let blind = Blind(&model);
+    let refused = Sensitive::new(&blind, vec![[1.0, 0.0]], tolerance(1e-8, 2)).unwrap_err();
+    assert_eq!(refused, Error::BlindSensitivities);
     assert!(Sensitive::new(&model, vec![], tolerance(1e-8, 2)).is_err());
     assert!(Sensitive::new(&model, vec![[0.0; 2]], tolerance(1e-8, 3)).is_err());
 }

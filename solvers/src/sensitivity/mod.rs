@@ -193,12 +193,15 @@ impl<'a, P: System> Sensitive<'a, P> {
     ///
     /// # Errors
     /// [`Error::BadTolerance`]; [`Error::BadArgument`] where there is no direction, or one has another number of
-    /// entries than there are states.
+    /// entries than there are states; [`Error::BlindSensitivities`] of a [`Blind`](crate::Blind) system.
     pub fn new(
         problem: &'a P,
         directions: Vec<P::State<f64>>,
         tolerance: Tolerance,
     ) -> Result<Self, Error> {
+        if P::IS_BLIND {
+            return Err(Error::BlindSensitivities);
+        }
         let n = problem.dim();
         tolerance.check(n)?;
         let lengths = directions.iter().map(|direction| direction.as_ref().len());
