@@ -245,6 +245,11 @@ pub trait System {
     /// evaluates them once for each column. For others it first finds which states each slope depends on at this state,
     /// by one evaluation for each 64 states. It then gives these entries alone, and evaluates columns without a common
     /// row together.
+    ///
+    /// Each entry is given once: entries given twice are not added.
+    ///
+    /// # Panics
+    /// A run panics where `i` or `j` is not that of a state; [`contracts::check`](crate::contracts::check) tells of it.
     fn jacobian(
         &self,
         mode: Self::Mode,

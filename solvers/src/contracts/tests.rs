@@ -10,6 +10,8 @@ enum Broken {
     Nothing,
     Together,
     Jacobian,
+    /// An entry of a state that is not there.
+    Outside,
     TimeDerivative,
     GuardSpan,
     Length,
@@ -72,6 +74,9 @@ impl System for Ring {
     }
 
     fn jacobian(&self, (): (), t: f64, y: &[f64; 6], mut entry: impl FnMut(usize, usize, f64)) {
+        if self.is(Broken::Outside) {
+            entry(0, 6, 1.0);
+        }
         let is_wrong = self.is(Broken::Jacobian);
         differentiated(self, (), t, y, |i, j, d| {
             if !(is_wrong && [i, j] == [5, 2]) {
@@ -104,6 +109,8 @@ fn a_promise_that_is_not_kept_is_told() {
     assert_eq!(breach(Broken::Together), Some(Breach::Together));
     let found = breach(Broken::Jacobian);
     assert!(matches!(found, Some(Breach::Jacobian { entry: [5, 2], told: 0.0, .. })), "{found:?}");
+    let outside = Breach::Jacobian { entry: [0, 6], told: 1.0, derivative: 0.0 };
+    assert_eq!(breach(Broken::Outside), Some(outside));
     let found = breach(Broken::TimeDerivative);
     assert!(matches!(found, Some(Breach::TimeDerivative { state: 3, told: 0.0, .. })), "{found:?}");
     let span = Breach::GuardSpan { guard: 1, states: [0, 1] };
