@@ -70,7 +70,8 @@ pub trait Real:
     /// derivative is meant to be zero may be so written, such as a step function.
     fn value(self) -> f64;
 
-    /// Square root; NaN below zero.
+    /// Square root; NaN below zero. At zero its slope is infinite, and zero where that of the number is: of a constant, or of a
+    /// sum of squares at rest.
     fn sqrt(self) -> Self;
 
     /// Sine and cosine of an angle in radians.
@@ -117,7 +118,7 @@ pub trait Real:
     /// Natural logarithm; NaN below zero.
     fn ln(self) -> Self;
 
-    /// `selfᵃ` for a base of at least zero.
+    /// `selfᵃ` for a base of at least zero. Its slope at zero is that of a [root](Self::sqrt) where a is below one.
     fn powf(self, a: f64) -> Self;
 
     /// Hyperbolic sine.
@@ -135,12 +136,12 @@ pub trait Real:
         self.outlined(&elementary::Tanh)
     }
 
-    /// Arc sine, in radians from −π/2 to π/2; NaN beyond ±1. At ±1 its slope is not a number.
+    /// Arc sine, in radians from −π/2 to π/2; NaN beyond ±1. At ±1 its slope is not a number, unless that of the number is zero.
     fn asin(self) -> Self {
         self.atan2(elementary::leg(self))
     }
 
-    /// Arc cosine, in radians from 0 to π; NaN beyond ±1. At ±1 its slope is not a number.
+    /// Arc cosine, in radians from 0 to π; NaN beyond ±1. At ±1 its slope is not a number, unless that of the number is zero.
     fn acos(self) -> Self {
         elementary::leg(self).atan2(self)
     }

@@ -229,7 +229,7 @@ fn a_value_in_a_guard_or_a_transition_is_told() {
     }
 }
 
-/// `ẏ = b + sin(100 t)`, and a guard that is the root of what is zero.
+/// `ẏ = b + sin(100 t)`, and a guard of roots that have no slope at zero.
 struct Ripple(f64);
 
 impl System for Ripple {
@@ -244,7 +244,7 @@ impl System for Ripple {
     }
 
     fn guards<S: Real>(&self, (): (), _t: S, y: &[S; 3], g: &mut [S; 1]) {
-        *g = [(y[1] * y[1] + y[2] * y[2]).sqrt() + 1.0];
+        *g = [y[1].sqrt() + y[2].sqrt() + 1.0];
     }
 
     fn guard_span(&self) -> usize {

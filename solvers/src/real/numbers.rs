@@ -87,7 +87,8 @@ impl Real for Dual64 {
 
     fn sqrt(self) -> Self {
         let root = self.re.sqrt();
-        Self::new(root, self.eps / (2.0 * root))
+        let rests = root == 0.0 && self.eps == 0.0;
+        Self::new(root, if rests { 0.0 } else { self.eps / (2.0 * root) })
     }
 
     fn sin_cos(self) -> (Self, Self) {
@@ -105,13 +106,30 @@ impl Real for Dual64 {
     }
 
     fn powf(self, a: f64) -> Self {
-        Self::new(libm::pow(self.re, a), a * libm::pow(self.re, a - 1.0) * self.eps)
+        let rests = self.re == 0.0 && (self.eps == 0.0 || a == 0.0);
+        let eps = if rests { 0.0 } else { a * libm::pow(self.re, a - 1.0) * self.eps };
+        Self::new(libm::pow(self.re, a), eps)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sensitivity::Tangent;
+
+    /// Functions that are steep at zero, of a number there.
+    fn steep<S: Real>(x: S) -> [S; 6] {
+        let one = x * x + 1.0;
+        [x.sqrt(), (x * x).sqrt(), x.powf(0.5), x.powf(0.0), one.asin(), one.acos()]
+    }
+
+    #[test]
+    fn what_rests_at_zero_has_the_slope_zero() {
+        assert_eq!(steep(Dual64::cst(0.0)).map(|x| x.eps), [0.0; 6]);
+        assert_eq!(steep(Tangent::<f64>::cst(0.0)).map(|x| x.eps), [0.0; 6]);
+        let [root, of_square, power, one, ..] = steep(Dual64::new(0.0, 1.0)).map(|x| x.eps);
+        assert_eq!([root, of_square, power, one], [f64::INFINITY, 0.0, f64::INFINITY, 0.0]);
+    }
 
     #[test]
     fn dual_derivatives_agree_with_closed_forms() {

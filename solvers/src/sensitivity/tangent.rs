@@ -77,7 +77,8 @@ impl<S: Real> Real for Tangent<S> {
 
     fn sqrt(self) -> Self {
         let root = self.re.sqrt();
-        Self::new(root, self.eps / (root * 2.0))
+        let rests = root.value() == 0.0 && self.eps.value() == 0.0;
+        Self::new(root, if rests { self.eps * 0.0 } else { self.eps / (root * 2.0) })
     }
 
     fn sin_cos(self) -> (Self, Self) {
@@ -95,7 +96,9 @@ impl<S: Real> Real for Tangent<S> {
     }
 
     fn powf(self, a: f64) -> Self {
-        Self::new(self.re.powf(a), self.re.powf(a - 1.0) * self.eps * a)
+        let rests = self.re.value() == 0.0 && (self.eps.value() == 0.0 || a == 0.0);
+        let eps = if rests { self.eps * 0.0 } else { self.re.powf(a - 1.0) * self.eps * a };
+        Self::new(self.re.powf(a), eps)
     }
 }
 

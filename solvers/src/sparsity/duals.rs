@@ -116,7 +116,8 @@ impl Real for Duals {
 
     fn sqrt(self) -> Self {
         let root = self.re.sqrt();
-        Self::new(root, |k| self.eps[k] / (2.0 * root))
+        let rests = |k: usize| root == 0.0 && self.eps[k] == 0.0;
+        Self::new(root, |k| if rests(k) { 0.0 } else { self.eps[k] / (2.0 * root) })
     }
 
     fn sin_cos(self) -> (Self, Self) {
@@ -135,7 +136,8 @@ impl Real for Duals {
 
     fn powf(self, a: f64) -> Self {
         let slope = a * Real::powf(self.re, a - 1.0);
-        Self::new(Real::powf(self.re, a), |k| slope * self.eps[k])
+        let rests = |k: usize| self.re == 0.0 && (self.eps[k] == 0.0 || a == 0.0);
+        Self::new(Real::powf(self.re, a), |k| if rests(k) { 0.0 } else { slope * self.eps[k] })
     }
 }
 
