@@ -43,7 +43,7 @@ pub enum Error {
         "step fell to {h:e} at t = {t} in mode {mode}; that is beyond f64 here: raise rtol, atol or the fixed step"
     )]
     StepUnderflow {
-        /// Time of the last accepted step.
+        /// Time of the last accepted step, or the end of the run where that does not resolve a fixed step.
         t: f64,
         /// Step size that was asked for.
         h: f64,

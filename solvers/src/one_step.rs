@@ -205,7 +205,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         if let &Control::Fixed(h) = self.controller.control()
             && t_end + h == t_end
         {
-            return Err(underflow(point, h));
+            let t = if point.t + h == point.t { point.t } else { t_end };
+            return Err(underflow(t, &point.mode, h));
         }
         self.method.restart(problem, mode.clone(), point.t, &point.y, stats);
         check_finite(point, self.method.step().slope0())?;

@@ -57,7 +57,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         if point.t + 0.1 * smaller == point.t {
             check_finite(point, self.method.step().y1())?;
             check_finite(point, self.method.error())?;
-            return Err(underflow(point, smaller));
+            return Err(underflow(point.t, &point.mode, smaller));
         }
         phase.h = smaller;
         Ok(go_on.is_break().then_some(PhaseEnd::Interrupted { landed_on: None }))

@@ -1,5 +1,7 @@
 //! The state of a phase between two attempts of a step.
 
+use std::fmt::Debug;
+
 use crate::error::Error;
 use crate::point::Point;
 use crate::record::Record;
@@ -39,7 +41,7 @@ impl PhaseState {
         let last = (self.t_end - point.t).abs() <= self.stretch * self.h.abs();
         let t1 = if last { self.t_end } else { point.t + self.h };
         if t1 == point.t {
-            return Err(underflow(point, self.h));
+            return Err(underflow(point.t, &point.mode, self.h));
         }
         // The size is the difference of the rounded times, so that t and y stay consistent.
         Ok(Some((t1, t1 - point.t)))
@@ -54,8 +56,7 @@ pub(crate) struct PhaseContext<'a, P: System> {
     pub(crate) record: &'a mut dyn Record<P>,
 }
 
-/// [`Error::StepUnderflow`] for a step of size `h` from `point` that is below the resolution of the time.
-pub(super) fn underflow<P: System>(point: &Point<P>, h: f64) -> Error {
-    let mode = format!("{:?}", point.mode);
-    Error::StepUnderflow { t: point.t, h, mode }
+/// [`Error::StepUnderflow`] for a step of size `h` that is below the resolution of the time `t`.
+pub(super) fn underflow(t: f64, mode: &impl Debug, h: f64) -> Error {
+    Error::StepUnderflow { t, h, mode: format!("{mode:?}") }
 }
