@@ -31,6 +31,9 @@ impl Grid {
     /// `t = spacing · k` for `k = 1 … ⌊t_end/spacing + 1e-9⌋`, for a run from zero to `t_end`; every accepted step if
     /// `spacing` is zero. Where `t_end` is below zero, so is the spacing. The last time is `t_end` itself where rounding
     /// would put it beyond.
+    ///
+    /// # Panics
+    /// Where there are more times than memory holds, as up to an infinite `t_end`.
     pub fn uniform(spacing: f64, t_end: f64) -> Self {
         if spacing == 0.0 {
             return Self::Steps;
