@@ -227,6 +227,10 @@ impl<P: System> Record<P> for Trajectory<P::State<f64>, P::Mode> {
             }
             before = t;
         }
+        if *t0 == t_end && times.get(self.next) == Some(t0) {
+            self.samples.push(Sample { t: *t0, mode: mode.clone(), y: y.clone() });
+            self.next += 1;
+        }
         Ok(())
     }
 

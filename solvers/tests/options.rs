@@ -100,6 +100,23 @@ fn a_run_without_a_time_to_start_or_to_end_is_refused() {
     }
 }
 
+#[test]
+fn a_run_of_no_length_keeps_a_sample_of_its_start() {
+    // It lies on the floor, and is thrown up before the first step.
+    let (t, y) = (0.5, [-0.1, -1.0]);
+    for method in METHODS {
+        let mut solver = method.solver(&BALL, control(method)).unwrap();
+        let mut run = Integration::new(&BALL, t, y);
+        let mut samples = Trajectory::on(Grid::Times(vec![t, 0.6]));
+        for t_end in [t, 0.6] {
+            run.run(t_end, &mut *solver, &mut samples).unwrap();
+        }
+        let [first, last] = &samples.samples[..] else { panic!("{}", method.name) };
+        assert_eq!((first.t, first.y), (t, [0.0, 0.5]), "{}", method.name);
+        assert_eq!((last.t, last.y), (0.6, run.point.y), "{}", method.name);
+    }
+}
+
 /// A clock without any state.
 struct Clock;
 
