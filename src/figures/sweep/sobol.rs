@@ -42,14 +42,19 @@ impl Point {
         at.collect::<Vec<_>>().join(", ")
     }
 
-    /// What the main indices leave to interactions.
+    /// What the main indices leave to interactions, where their intervals together tell it.
     pub(crate) fn finding(&self) -> String {
         let sum: f64 = self.keys.iter().map(|own| own.main.value).sum();
+        let [low, high] =
+            [0, 1].map(|end| self.keys.iter().map(|own| own.main.interval[end]).sum::<f64>());
         let most = self.keys.iter().max_by(|a, b| a.total.value.total_cmp(&b.total.value));
         let most = most.map_or_else(String::new, |own| {
             format!("{} explains most (total {:.2})", own.key, own.total.value)
         });
         let rest = match sum {
+            ..ADDITIVE if high >= 1.0 || high - low > 1.0 => {
+                "too few samples to tell whether there are interactions"
+            }
             ..ADDITIVE => "the rest to 1 is in interactions",
             ..=SURPLUS => "so the keys act nearly one by one",
             _ => "and what is above 1 is the error of few samples",
@@ -150,4 +155,32 @@ fn panel(point: &Point, (low, high): (f64, f64)) -> LineChart {
     }
     chart.series.push(Series::line("", INTERVAL, intervals));
     chart
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A point whose keys have these main indices with their intervals.
+    fn point(mains: &[(f64, [f64; 2])]) -> Point {
+        let of_key = |&(value, interval): &(f64, [f64; 2])| {
+            let index = Index { value, interval };
+            OfKey { key: "K".to_owned(), main: index, total: index }
+        };
+        let keys = mains.iter().map(of_key).collect();
+        Point { at: Vec::new(), samples: 8, left_out: 0, keys }
+    }
+
+    #[test]
+    fn interactions_are_told_only_where_the_intervals_exclude_that_there_are_none() {
+        for (mains, rest) in [
+            (&[(0.3, [0.2, 0.4]), (0.4, [0.3, 0.5])][..], "0.70, the rest to 1 is in interactions"),
+            (&[(-0.01, [-0.1, 0.1])], "-0.01, the rest to 1 is in interactions"),
+            (&[(0.91, [0.35, 1.9]), (0.0, [0.0, 0.0])], "0.91, too few samples to tell"),
+            (&[(0.08, [-0.38, 0.59]), (-1.6, [-2.76, -0.49])], "-1.52, too few samples to tell"),
+        ] {
+            let finding = point(mains).finding();
+            assert!(finding.contains(rest), "no {rest:?} in: {finding}");
+        }
+    }
 }
