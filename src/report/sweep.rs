@@ -258,6 +258,10 @@ pub(super) fn explained(sobol: &Sobol) -> String {
     match &sobol.points[..] {
         [] => "It has no indices: it does not vary, or too few samples have it in all their runs."
             .to_owned(),
-        points => points.iter().map(point).collect::<Vec<_>>().join(" "),
+        points => {
+            let mut text: Vec<String> = points.iter().map(point).collect();
+            text.extend(Some(sobol.gaps()).filter(|gaps| !gaps.is_empty()));
+            text.join(" ")
+        }
     }
 }

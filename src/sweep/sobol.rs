@@ -14,8 +14,10 @@ use super::sensitivity::{Index, LEAST_SAMPLES, indices};
 pub struct Sobol {
     /// The column.
     pub column: String,
-    /// The points of the grid, those without indices left out.
+    /// The points of the grid that have indices.
     pub points: Vec<Point>,
+    /// Those that have none.
+    pub without: Vec<Without>,
     /// Runs that did not come to their end.
     pub failed: u64,
 }
@@ -31,6 +33,17 @@ pub struct Point {
     pub left_out: u64,
     /// What each key explains.
     pub keys: Vec<OfKey>,
+}
+
+/// A point of the grid without indices: of fewer samples than [`LEAST_SAMPLES`], or of a column that does not vary there.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Without {
+    /// Each axis with its value there.
+    pub at: Vec<(String, serde_json::Value)>,
+    /// Samples that have the value in all their runs.
+    pub samples: u64,
+    /// Samples that lack it in one.
+    pub left_out: u64,
 }
 
 /// The indices of a key.
@@ -64,8 +77,12 @@ impl Sobol {
     /// A sweep without the design for them, or a column that is not there or not of numbers.
     pub fn of_each(results: &Results, columns: &[&str]) -> Result<Vec<Self>, ResultsError> {
         let random = design(&results.plan).ok_or(ResultsError::NoDesign)?;
-        let empty =
-            |column: &&str| Self { column: (*column).to_owned(), points: Vec::new(), failed: 0 };
+        let empty = |column: &&str| Self {
+            column: (*column).to_owned(),
+            points: Vec::new(),
+            without: Vec::new(),
+            failed: 0,
+        };
         let mut all: Vec<Self> = columns.iter().map(empty).collect();
         let (mut values, n) = (vec![Vec::new(); columns.len()], random.n_runs() as usize);
         let mut run = 0;
@@ -74,7 +91,10 @@ impl Sobol {
                 sobol.failed += u64::from(status != OK);
                 values.push(number(&sobol.column, text)?.filter(|_| status == OK));
                 if values.len() == n {
-                    sobol.points.extend(self::point(results, random, run / n as u64, values));
+                    match self::point(results, random, run / n as u64, values) {
+                        Ok(point) => sobol.points.push(point),
+                        Err(without) => sobol.without.push(without),
+                    }
                     values.clear();
                 }
             }
@@ -100,21 +120,30 @@ fn number(column: &str, text: &str) -> Result<Option<f64>, ResultsError> {
 }
 
 /// The indices at the grid point number `point`, if there are any.
-fn point(results: &Results, random: &Random, point: u64, values: &[Option<f64>]) -> Option<Point> {
+fn point(
+    results: &Results,
+    random: &Random,
+    point: u64,
+    values: &[Option<f64>],
+) -> Result<Point, Without> {
     let n_keys = random.keys.len();
-    let samples = values.chunks(saltelli::runs(n_keys) as usize);
-    let whole = samples.filter_map(|sample| sample.iter().copied().collect::<Option<Vec<f64>>>());
+    let of_sample = values.chunks(saltelli::runs(n_keys) as usize);
+    let whole = of_sample.filter_map(|sample| sample.iter().copied().collect::<Option<Vec<f64>>>());
     let whole: Vec<f64> = whole.flatten().collect();
-    let n = whole.len() as u64 / saltelli::runs(n_keys);
+    let samples = whole.len() as u64 / saltelli::runs(n_keys);
+    let left_out = random.samples - samples;
+    let mut places = Vec::new();
+    results.plan.indices(point * random.n_runs(), &mut places);
+    let axes = results.plan.axes.iter().zip(places);
+    let at = axes.map(|(axis, i)| (axis.key.clone(), axis.values.at(i))).collect();
+    let Some(indices) = indices(&whole, n_keys) else {
+        return Err(Without { at, samples, left_out });
+    };
     let of_key = |(draw, own): (&super::plan::Draw, super::sensitivity::Indices)| OfKey {
         key: draw.key.clone(),
         main: own.main,
         total: own.total,
     };
-    let keys = random.keys.iter().zip(indices(&whole, n_keys)?).map(of_key).collect();
-    let mut places = Vec::new();
-    results.plan.indices(point * random.n_runs(), &mut places);
-    let axes = results.plan.axes.iter().zip(places);
-    let at = axes.map(|(axis, i)| (axis.key.clone(), axis.values.at(i))).collect();
-    Some(Point { at, samples: n, left_out: random.samples - n, keys })
+    let keys = random.keys.iter().zip(indices).map(of_key).collect();
+    Ok(Point { at, samples, left_out, keys })
 }

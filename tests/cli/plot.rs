@@ -201,3 +201,20 @@ fn sobol_indices_of_a_key_are_its_own() {
     let ran = scratch.plot(&["--sobol", "bay1_joint1_t_s"]);
     assert!(ran.code == Some(2) && ran.stderr.contains("it does not vary"), "{}", ran.stderr);
 }
+
+#[test]
+fn a_grid_point_without_sobol_indices_is_told_with_its_reason() {
+    let plan = "[[axis]]\nkey = \"study.max_rhs\"\nvalues = [1_000_000, 10]\n".to_owned();
+    let scratch = Scratch::with_sweep(&(plan + &SALTELLI.replace("= 64", "= 8")));
+    let gap = "No indices at 1 of 2 grid points: study.max_rhs = 10 (0 whole samples of 8 needed).";
+    let ran = scratch.plot(&["--sobol", "work_j"]);
+    let (table, caption) = ran.stdout.split_once("\nMain and total").unwrap();
+    for text in [table, caption] {
+        assert!(text.contains(gap), "{}{}", ran.stdout, ran.stderr);
+    }
+    let left_out = "left out for want of a value: 8 samples (32 runs failed)";
+    assert!(caption.contains(left_out), "{caption}");
+    scratch.succeed(&["report", "out", "--y", "work_j", "--quiet"]);
+    let page = scratch.text("out/sweep.html");
+    assert_eq!(page.matches("(0 whole samples of 8 needed)").count(), 2, "{page}");
+}

@@ -7,8 +7,8 @@ use deltazero_study::digits::count_of;
 
 use super::field::short;
 use super::{Drawing, PlotError};
-use crate::sweep::sensitivity::Index;
-use crate::sweep::sobol::{OfKey, Point, Sobol};
+use crate::sweep::sensitivity::{Index, LEAST_SAMPLES};
+use crate::sweep::sobol::{OfKey, Point, Sobol, Without};
 
 /// Sum of the main indices from which on interactions are no more than their error.
 const ADDITIVE: f64 = 0.95;
@@ -31,15 +31,48 @@ pub fn file_name(column: &str) -> String {
     format!("sobol_of_{column}")
 }
 
+/// A point of the grid by its values.
+fn place(at: &[(String, serde_json::Value)]) -> String {
+    let value = |value: &serde_json::Value| match value {
+        serde_json::Value::String(word) => word.clone(),
+        other => other.as_f64().map_or_else(|| other.to_string(), short),
+    };
+    let at = at.iter().map(|(key, own)| format!("{key} = {}", value(own)));
+    at.collect::<Vec<_>>().join(", ")
+}
+
+impl Without {
+    /// Where it is on the grid, and why it has no indices.
+    fn reason(&self) -> String {
+        let why = match self.samples < LEAST_SAMPLES as u64 {
+            true => format!("{} of {LEAST_SAMPLES} needed", count_of(self.samples, "whole sample")),
+            false => "it does not vary".to_owned(),
+        };
+        format!("{} ({why})", place(&self.at))
+    }
+}
+
+impl Sobol {
+    /// Which points of the grid have no indices, and why; empty where all have them.
+    pub(crate) fn gaps(&self) -> String {
+        let n = self.without.len();
+        if n == 0 {
+            return String::new();
+        }
+        let reasons: Vec<String> = self.without.iter().map(Without::reason).collect();
+        let of = self.points.len() + n;
+        format!(
+            "No indices at {n} of {}: {}.",
+            count_of(of as u64, "grid point"),
+            reasons.join("; ")
+        )
+    }
+}
+
 impl Point {
     /// Where it is on the grid.
     pub(crate) fn title(&self) -> String {
-        let value = |value: &serde_json::Value| match value {
-            serde_json::Value::String(word) => word.clone(),
-            other => other.as_f64().map_or_else(|| other.to_string(), short),
-        };
-        let at = self.at.iter().map(|(key, own)| format!("{key} = {}", value(own)));
-        at.collect::<Vec<_>>().join(", ")
+        place(&self.at)
     }
 
     /// What the main indices leave to interactions, where their intervals together tell it.
@@ -84,6 +117,9 @@ pub fn table(sobol: &Sobol) -> String {
         }
         let _ = writeln!(text, "\n{}\n", point.finding());
     }
+    if !sobol.without.is_empty() {
+        let _ = writeln!(text, "{}\n", sobol.gaps());
+    }
     text
 }
 
@@ -109,7 +145,8 @@ pub fn drawing(sobol: &Sobol) -> Result<Drawing, PlotError> {
     let samples = || sobol.points.iter().map(|point| point.samples);
     let (least, most) = (samples().min().unwrap_or(0), samples().max().unwrap_or(0));
     let up_to = if least < most { format!("{least} to ") } else { String::new() };
-    let left_out: u64 = sobol.points.iter().map(|point| point.left_out).sum();
+    let left_out = sobol.points.iter().map(|point| point.left_out);
+    let left_out: u64 = left_out.chain(sobol.without.iter().map(|own| own.left_out)).sum();
     let mut caption = format!(
         "Main and total Sobol indices of {}, lines: 95 % intervals, from {up_to}{}",
         sobol.column,
@@ -124,7 +161,7 @@ pub fn drawing(sobol: &Sobol) -> Result<Drawing, PlotError> {
         let at = if title.is_empty() { String::new() } else { format!("{title}: ") };
         let _ = write!(caption, ". {at}{}", point.finding().trim_end_matches('.'));
     }
-    caption.push('.');
+    let caption = [caption + ".", sobol.gaps()].join(" ").trim_end().to_owned();
     let size = match n {
         1 => Size::SINGLE,
         _ => Size { width: 1000, height: 120 + 320 * u32::try_from(rows).unwrap_or(1) },
