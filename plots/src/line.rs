@@ -48,14 +48,14 @@ pub struct Upright {
     pub label: String,
 }
 
-/// Bars that stand on zero, or on the lower end of a logarithmic axis.
+/// Bars from zero, or from the lower end of a logarithmic axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bars {
     /// What the legend says; empty for no entry.
     pub label: String,
     /// Index into the palette.
     pub color: usize,
-    /// Both sides and the top of each.
+    /// Both sides of each, and the value that it goes to.
     pub bars: Vec<((f64, f64), f64)>,
 }
 

@@ -37,15 +37,12 @@ impl View {
         (left < right).then(|| Rect { left: at(left), right: at(right), ..self.plot })
     }
 
-    /// The visible part of a bar that stands on zero, or on the lower end of a logarithmic axis.
-    pub(crate) fn bar(&self, sides: (f64, f64), top: f64) -> Option<Rect> {
+    /// The visible part of a bar from zero, or from the lower end of a logarithmic axis, to a value above or below.
+    pub(crate) fn bar(&self, sides: (f64, f64), value: f64) -> Option<Rect> {
         let clamped = |at: f64| self.plot.at((0.0, at.clamp(0.0, 1.0))).1;
-        let base = self.y.fraction(0.0).unwrap_or(0.0);
-        let rect = Rect {
-            top: clamped(self.y.fraction(top)?),
-            bottom: clamped(base),
-            ..self.band(sides)?
-        };
+        let base = clamped(self.y.fraction(0.0).unwrap_or(0.0));
+        let end = clamped(self.y.fraction(value)?);
+        let rect = Rect { top: end.min(base), bottom: end.max(base), ..self.band(sides)? };
         (rect.top < rect.bottom).then_some(rect)
     }
 

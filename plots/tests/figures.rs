@@ -1,8 +1,8 @@
 //! What every figure keeps to, seen from outside.
 
 use deltazero_plots::{
-    Axis, Band, Cells, Cloud, Error, Figure, Group, Guide, Heatmap, Histogram, Level, LineChart,
-    Marker, Note, Orbit, Panel, Ribbon, Series, Size, StepHistory, StepLook, Upright,
+    Axis, Band, Bars, Cells, Cloud, Error, Figure, Group, Guide, Heatmap, Histogram, Level,
+    LineChart, Marker, Note, Orbit, Panel, Ribbon, Series, Size, StepHistory, StepLook, Upright,
 };
 
 fn chart(points: Vec<(f64, f64)>) -> LineChart {
@@ -186,6 +186,17 @@ fn a_histogram_has_a_bar_for_each_count_above_zero() {
     // Of each of the two groups.
     assert_eq!(fills(vec![1.0, 2.0, 3.0]) - fills(vec![1.0, 0.0, 3.0]), 2);
     assert!(svg(vec![1.0]).contains("group 1"));
+}
+
+#[test]
+fn a_bar_below_zero_hangs_from_it() {
+    let fills = |value: f64| {
+        let bars = vec![Bars { bars: vec![((0.0, 1.0), value)], ..Bars::default() }];
+        let y = Axis::linear("index").within(-2.0, 2.0);
+        let svg = Figure::single("", LineChart { bars, y, ..LineChart::default() }).svg().unwrap();
+        svg.matches("<polygon").count()
+    };
+    assert_eq!([1.6, -1.6].map(|value| fills(value) - fills(0.0)), [1, 1]);
 }
 
 #[test]
