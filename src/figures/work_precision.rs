@@ -25,7 +25,7 @@ pub(super) fn against_time(table: &WorkPrecision) -> Drawing {
     let caption = format!(
         "Error e against the shortest time of each run; down and left is better. {cheapest}\
          Filled: events located; hollow: event-blind. Times depend on the machine, their ratios less.{}",
-        not_drawn(table)
+        not_drawn(n_exact(table), "e")
     );
     let figure = Figure { size: Size::WIDE, ..Figure::single("Work and precision: time", chart) };
     Drawing { name: "work_precision_time", caption, figure }
@@ -41,7 +41,7 @@ pub(super) fn against_rhs(table: &WorkPrecision) -> Drawing {
          counted. {} of {} runs have missed or spurious events, which e alone hardly shows.{}",
         located_wrong.count(),
         table.rows.len(),
-        not_drawn(table)
+        not_drawn(n_exact(table), "e")
     );
     let figure = Figure {
         size: Size::WIDE,
@@ -50,11 +50,16 @@ pub(super) fn against_rhs(table: &WorkPrecision) -> Drawing {
     Drawing { name: "work_precision_rhs", caption, figure }
 }
 
-/// How many runs a scale of logarithms has no place for; empty where it has one for each.
-fn not_drawn(table: &WorkPrecision) -> String {
-    match table.rows.iter().filter(|row| row.e == Some(0.0)).count() {
+/// How many runs have no error at all.
+fn n_exact(table: &WorkPrecision) -> usize {
+    table.rows.iter().filter(|row| row.e == Some(0.0)).count()
+}
+
+/// That a scale of logarithms has no place for `n` runs, of which this is zero; empty where there are none.
+fn not_drawn(n: usize, zero: &str) -> String {
+    match n {
         0 => String::new(),
-        n => format!(" Not drawn, having e = 0: {}.", count_of(n, "run")),
+        n => format!(" Not drawn, having {zero} = 0: {}.", count_of(n, "run")),
     }
 }
 
@@ -63,18 +68,25 @@ pub fn chosen_axes(table: &WorkPrecision, x: &str, y: &str) -> Option<Drawing> {
     let (x, y) = (Column::named(x)?, Column::named(y)?);
     let at = |row: &Row| (x.value)(row).number().zip((y.value)(row).number());
     let chart = chart(table, Axis::log(x.label()), Axis::log(y.label()), at);
-    let shown = table.rows.iter().filter_map(|row| Some((row, at(row)?)));
-    let lowest = shown.filter(|(_, (_, y))| *y > 0.0).min_by(|a, b| a.1.1.total_cmp(&b.1.1));
-    let finding = lowest.map_or_else(
-        || "No run has both".to_owned(),
-        |(row, (at_x, at_y))| {
+    let all: Vec<(&Row, (f64, f64))> =
+        table.rows.iter().filter_map(|row| Some((row, at(row)?))).collect();
+    let lowest = all.iter().filter(|(_, (_, y))| *y >= 0.0).min_by(|a, b| a.1.1.total_cmp(&b.1.1));
+    let finding = match lowest {
+        None => "No run has both".to_owned(),
+        Some((_, (_, 0.0))) => {
+            let n = all.iter().filter(|(_, (_, y))| *y == 0.0).count();
+            format!("Lowest: {} = 0, of {}", y.name, count_of(n, "run"))
+        }
+        Some((row, (at_x, at_y))) => {
             let (method, events, setting) = (&row.method, row.events, row.setting());
             let (x, y) = (x.name, y.name);
             format!("Lowest: {method} {events}, {setting}, {y} = {at_y:.1e} at {x} = {at_x:.1e}")
-        },
-    );
+        }
+    };
+    let n_zero = all.iter().filter(|(_, (x, y))| *x == 0.0 || *y == 0.0).count();
+    let not_drawn = not_drawn(n_zero, &format!("{} or {}", y.name, x.name));
     let caption = format!(
-        "{} ({}) against {} ({}). {finding}. Chosen by study.y and study.x.",
+        "{} ({}) against {} ({}). {finding}.{not_drawn} Chosen by study.y and study.x.",
         y.name, y.about, x.name, x.about
     );
     let title = format!("{} against {}", y.name, x.name);

@@ -360,6 +360,13 @@ fn any_two_columns_of_numbers_are_axes_of_a_figure() {
     let drawing = figures::chosen_axes(&table, "e_l2", "peak_force_error").unwrap();
     drawing.figure.svg().unwrap();
     assert!(drawing.caption.contains("Lowest: rk45 located, rtol 1e-8"), "{}", drawing.caption);
+    assert!(!drawing.caption.contains("Not drawn"), "{}", drawing.caption);
+    // An explicit method has no Jacobians, and a scale of logarithms no place for none.
+    let caption = figures::chosen_axes(&table, "e", "n_jac").unwrap().caption;
+    let n = table.rows.iter().filter(|row| row.e.is_some()).count();
+    let told =
+        format!("Lowest: n_jac = 0, of {n} runs. Not drawn, having n_jac or e = 0: {n} runs.");
+    assert!(n > 1 && caption.contains(&told), "{caption}");
 }
 
 #[test]
