@@ -3,7 +3,7 @@
 use deltazero_plots::{Axis, Figure, Group, Histogram};
 use deltazero_study::quantile::quantile;
 
-use super::field::{Field, Levels, MOST_CLASSES, short};
+use super::field::{Levels, MOST_CLASSES, short};
 use super::{Data, Drawing, PlotError};
 
 /// Fewest and most bins of equal width, or of equal ratio.
@@ -37,7 +37,7 @@ pub(super) fn drawing(data: &Data<'_>) -> Result<Drawing, PlotError> {
     let mut sorted: Vec<f64> = places.iter().copied().filter(|x| shown(*x)).collect();
     let marks = TOLD.map(|(part, name)| (quantile(&mut sorted, part).unwrap_or(f64::NAN), name));
     let bins = match axis.names.len() {
-        0 => bins(x, &sorted),
+        0 => bins(&sorted, x.is_log()),
         n => (0..n).map(|i| (i as f64 - 0.5, i as f64 + 0.5)).collect(),
     };
     let mut counts = vec![vec![0.0; bins.len()]; classes.names.len()];
@@ -72,12 +72,12 @@ pub(super) fn drawing(data: &Data<'_>) -> Result<Drawing, PlotError> {
 }
 
 /// Bins of equal widths, or of equal ratios on a logarithmic axis; for a few whole numbers one each.
-fn bins(x: &Field<'_>, sorted: &[f64]) -> Vec<(f64, f64)> {
+fn bins(sorted: &[f64], is_log: bool) -> Vec<(f64, f64)> {
     let (Some(low), Some(high)) = (sorted.first().copied(), sorted.last().copied()) else {
         return Vec::new();
     };
     let is_whole = sorted.iter().all(|x| x.fract() == 0.0) && high - low < MOST_WHOLE;
-    if is_whole && !x.is_log() {
+    if is_whole && !is_log {
         let n = (high - low) as u64;
         return (0..=n).map(|i| low + i as f64).map(|at| (at - 0.5, at + 0.5)).collect();
     }
@@ -88,10 +88,24 @@ fn bins(x: &Field<'_>, sorted: &[f64]) -> Vec<(f64, f64)> {
     let n = (sorted.len() as f64).sqrt().ceil().clamp(BINS.0, BINS.1);
     let at = |i: u64| {
         let part = i as f64 / n;
-        match x.is_log() {
-            true => low * libm::pow(high / low, part),
+        match is_log {
+            // Not by the ratio of both ends, which may be larger than any number.
+            true => libm::pow(low, 1.0 - part) * libm::pow(high, part),
             false => low + part * (high - low),
         }
     };
     (0..n as u64).map(|i| (at(i), at(i + 1))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bins_reach_over_more_decades_than_a_number_has() {
+        let bins = bins(&[1e-275, 1.0, 1e265], true);
+        assert_eq!(bins.first().map(|bin| bin.0), Some(1e-275));
+        assert_eq!(bins.last().map(|bin| bin.1), Some(1e265));
+        assert!(bins.iter().all(|(low, high)| low < high), "{bins:?}");
+    }
 }
