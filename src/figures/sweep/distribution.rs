@@ -10,6 +10,8 @@ use super::{Data, Drawing, PlotError};
 const BINS: (f64, f64) = (8.0, 50.0);
 /// Most whole numbers that have a bin each.
 const MOST_WHOLE: f64 = 40.0;
+/// Values that differ by no more than this part of themselves have one bin: they are one but for rounding.
+const ALIKE: f64 = 1e-11;
 /// What is told of it, and its name.
 const TOLD: [(f64, &str); 3] = [(0.05, "5 %"), (0.5, "median"), (0.95, "95 %")];
 
@@ -81,7 +83,7 @@ fn bins(sorted: &[f64], is_log: bool) -> Vec<(f64, f64)> {
         let n = (high - low) as u64;
         return (0..=n).map(|i| low + i as f64).map(|at| (at - 0.5, at + 0.5)).collect();
     }
-    if low == high {
+    if high - low <= ALIKE * low.abs().max(high.abs()) {
         let half = if low == 0.0 { 0.5 } else { 0.05 * low.abs() };
         return vec![(low - half, low + half)];
     }
@@ -107,5 +109,15 @@ mod tests {
         assert_eq!(bins.first().map(|bin| bin.0), Some(1e-275));
         assert_eq!(bins.last().map(|bin| bin.1), Some(1e265));
         assert!(bins.iter().all(|(low, high)| low < high), "{bins:?}");
+    }
+
+    #[test]
+    fn values_that_differ_by_rounding_have_one_bin() {
+        let next = 1.0 + f64::EPSILON;
+        for sorted in [[0.0, 0.0], [1.5, 1.5], [1.0, next], [-next, -1.0]] {
+            let all = bins(&sorted, false);
+            assert!(all.len() == 1 && all[0].0 < sorted[0] && sorted[1] < all[0].1, "{all:?}");
+        }
+        assert!(bins(&[1.0, 1.0 + 1e-9], false).len() > 1);
     }
 }
