@@ -20,6 +20,12 @@ pub(crate) const ROOM: f64 = 0.04;
 const NARROWEST: f64 = 1e-11;
 
 impl Scale {
+    /// Whether a value has a place on such an axis: no infinite or larger one than 1e300, and on a logarithmic axis only a
+    /// positive one.
+    pub fn shows(self, value: f64) -> bool {
+        self.coordinate(value).is_some()
+    }
+
     /// The coordinate (the value, or its logarithm) of a value that can be shown.
     pub(crate) fn coordinate(self, value: f64) -> Option<f64> {
         match self {

@@ -58,7 +58,10 @@ impl Findings {
             }
             let strongest = summary.strongest(column).map(|own| own.key.as_str());
             for asked in chosen(results, column, has_words(column), strongest) {
-                drawings.push((asked.file_name(), drawing_of(results, &table, asked)?));
+                match drawing_of(results, &table, asked) {
+                    Err(PlotError::Nothing { .. }) => {}
+                    drawing => drawings.push((asked.file_name(), drawing?)),
+                }
             }
         }
         Ok(Self {

@@ -70,9 +70,23 @@ fn a_distribution_counts_runs_without_a_value_once() {
     );
     // An ideal joint has no contact.
     let ran = scratch.plot(&["--x", "peak_force_n"]);
-    let caption = "Shown: 4 runs; left out: 4 that have no value here.";
+    let caption = "Shown: 4 runs; left out: 4 that have no value to show.";
     assert!(ran.stdout.contains(caption), "{}{}", ran.stdout, ran.stderr);
     assert!(!ran.stdout.contains("no such number"), "{}", ran.stdout);
+}
+
+#[test]
+fn a_value_that_no_axis_shows_is_neither_drawn_nor_counted() {
+    let plan = "model = \"stop.toml\"\n[[axis]]\nkey = \"zeta\"\nvalues = [0.01, 0.05, 0.2]\n";
+    let scratch = Scratch::with_model_and_plan("mass_against_stop", plan);
+    let large = "large = { value = \"1e301*zeta\", observe = true }\n\n[states]";
+    let model = scratch.text("stop.toml").replacen("\n[states]", large, 1);
+    fs::write(scratch.path("stop.toml"), model).unwrap();
+    scratch.sweep("out", &["--set", "run.t_end=0.02", "--quiet"]);
+    let ran = scratch.plot(&["--x", "zeta", "--y", "large"]);
+    let caption = "from 1e299 at the first to 5e299 at the last. \
+                   Shown: 2 runs; left out: 1 that have no value to show.";
+    assert!(ran.stdout.contains(caption), "{}{}", ran.stdout, ran.stderr);
 }
 
 #[test]
@@ -136,10 +150,10 @@ fn what_cannot_be_drawn_is_refused_with_a_way_out() {
         ),
         (&["--x", "contact.stiffness", "--y", "friction.law"], "with --color"),
         (&["--x", "n_rhs", "--color", "friction.coefficient"], "too many values to tell apart"),
-        (&["--x", "largest_impact_speed_m_s"], "no run has a value in each of"),
+        (&["--x", "largest_impact_speed_m_s"], "no run has a value to show in each of"),
         (
             &["--x", "n_rhs", "--y", "peak_force_n", "--color", "largest_impact_speed_m_s"],
-            "no run has a value in each of n_rhs, peak_force_n, largest_impact_speed_m_s",
+            "no run has a value to show in each of n_rhs, peak_force_n, largest_impact_speed_m_s",
         ),
         (&["--sobol", "peak_force_n"], "sampling = \"saltelli\""),
         (&["--sobol", "n_rhs", "--x", "n_rhs"], "cannot be used with"),

@@ -35,7 +35,7 @@ pub(super) fn drawing(data: &Data<'_>) -> Result<Drawing, PlotError> {
             (Axis::named(&x.label, names.clone()), of_row.iter().map(place).collect())
         }
     };
-    let shown = |at: f64| at.is_finite() && (at > 0.0 || named.is_some() || !x.is_log());
+    let shown = |at: f64| if named.is_some() { at.is_finite() } else { x.shows(at) };
     let mut sorted: Vec<f64> = places.iter().copied().filter(|x| shown(*x)).collect();
     let marks = TOLD.map(|(part, name)| (quantile(&mut sorted, part).unwrap_or(f64::NAN), name));
     let bins = match axis.names.len() {

@@ -31,7 +31,7 @@ pub enum PlotError {
     },
     /// No run that came to its end has what is asked for.
     #[error(
-        "no run has a value in each of {columns}; runs that did not come to their end: {failed}, `status` in runs.csv says why"
+        "no run has a value to show in each of {columns}; runs that did not come to their end: {failed}, `status` in runs.csv says why"
     )]
     Nothing {
         /// The columns.

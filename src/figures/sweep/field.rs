@@ -65,6 +65,11 @@ impl<'a> Field<'a> {
         }
     }
 
+    /// Whether its axis has a place for a value.
+    pub(super) fn shows(&self, value: f64) -> bool {
+        self.scale.shows(value)
+    }
+
     pub(super) fn is_log(&self) -> bool {
         self.scale == Scale::Log
     }

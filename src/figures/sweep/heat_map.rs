@@ -22,7 +22,7 @@ pub(super) fn drawing(data: &Data<'_>, y: &Field<'_>, color: &Field<'_>) -> Opti
     }
     let color_of = color.places();
     let cell = |row: usize| {
-        if !color_of[row].is_finite() {
+        if !color.shows(color_of[row]) {
             return None;
         }
         let (x, y) = (across.of_row[row]?, up.of_row[row]?);

@@ -18,18 +18,18 @@ const BESIDE: f64 = 0.5;
 /// A class: its values at each level of x, as x, 5 %, median, 95 %.
 type Curve = Vec<(f64, [f64; 3])>;
 
-/// The curve of each class, those over words beside each other, and the most runs at a point.
+/// The curve of each class of the `rows` with their values, those over words beside each other, and the most runs at a point.
 fn curves(
-    numbers: &[f64],
+    rows: impl Iterator<Item = (usize, f64)>,
     levels: &Levels,
     classes: &Levels,
     are_words: bool,
 ) -> (Vec<Curve>, usize) {
     let n_levels = levels.names.len();
     let mut values: Vec<Vec<f64>> = vec![Vec::new(); classes.names.len() * n_levels];
-    for (row, value) in numbers.iter().enumerate().filter(|(_, value)| value.is_finite()) {
+    for (row, value) in rows {
         if let (Some(class), Some(level)) = (classes.of_row[row], levels.of_row[row]) {
-            values[class * n_levels + level].push(*value);
+            values[class * n_levels + level].push(value);
         }
     }
     let most_runs = values.iter().map(Vec::len).max().unwrap_or(0);
@@ -54,11 +54,12 @@ pub(super) fn drawing(
     y: &Field<'_>,
     classes: Option<Levels>,
 ) -> Result<Drawing, PlotError> {
-    let numbers = y.numbers()?;
+    let numbers = y.numbers()?.iter().copied();
+    let shown = numbers.enumerate().filter(|(_, value)| y.shows(*value));
     let levels = data.x.levels();
     let has_classes = classes.is_some();
     let classes = classes.unwrap_or_else(|| Levels::one(data.n));
-    let (curves, most_runs) = curves(numbers, &levels, &classes, data.x.has_words());
+    let (curves, most_runs) = curves(shown, &levels, &classes, data.x.has_words());
     let label = |class: usize| match (&data.color, has_classes) {
         (Some(color), true) => format!("{} = {}", color.name, classes.names[class]),
         _ => String::new(),

@@ -131,9 +131,10 @@ impl Data<'_> {
 
     /// Number of runs that have a place in the figure, and a colour where there are some.
     fn n_points(&self) -> usize {
-        let fields = [Some(&self.x), self.y.as_ref(), self.color.as_ref()];
-        let places: Vec<Vec<f64>> = fields.into_iter().flatten().map(Field::places).collect();
-        (0..self.n).filter(|row| places.iter().all(|own| own[*row].is_finite())).count()
+        let fields = [Some(&self.x), self.y.as_ref(), self.color.as_ref()].into_iter().flatten();
+        let places: Vec<_> = fields.map(|field| (field, field.places())).collect();
+        let is_shown = |row: &usize| places.iter().all(|(field, own)| field.shows(own[*row]));
+        (0..self.n).filter(is_shown).count()
     }
 
     /// The end of a caption: how many runs it is of.
@@ -149,7 +150,7 @@ impl Data<'_> {
 
 /// Runs that are shown, and those that are not: without a value, and without an end.
 fn of_runs(n: u64, without_value: u64, failed: u64) -> String {
-    let left_out = [(without_value, "that have no value here"), (failed, "that failed")];
+    let left_out = [(without_value, "that have no value to show"), (failed, "that failed")];
     let left_out = left_out.into_iter().filter(|(n, _)| *n > 0);
     let left_out: Vec<String> = left_out.map(|(n, which)| format!("{n} {which}")).collect();
     let beside = match left_out.is_empty() {
