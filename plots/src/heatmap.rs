@@ -5,14 +5,14 @@ use crate::axis::Axis;
 /// What the cells hold, row by row from the top, in each row from the left.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cells {
-    /// Numbers, coloured along a gradient; those that cannot be shown leave the cell grey.
+    /// Numbers, coloured along a gradient; the cell of one that cannot be shown is crossed out.
     Values {
         /// Quantity and unit at the colour bar, its scale, and the values at its ends.
         bar: Axis,
         /// One a cell.
         values: Vec<f64>,
     },
-    /// One of a few names; no name leaves the cell grey.
+    /// One of a few names; a cell without a name is crossed out.
     Categories {
         /// What the legend says of those that a cell has; the index is that of the palette's colour.
         names: Vec<String>,

@@ -9,7 +9,9 @@ use crate::frame::{CAP_HEIGHT, Frame, Side};
 use crate::geometry::Rect;
 use crate::heatmap::{Cells, Heatmap};
 use crate::legend::{Entry, Sample};
-use crate::style::{CELL, GRID_MINOR, LABEL, MUTED, NOTE, PANEL, Rgb, TICK, WHITE, palette};
+use crate::style::{
+    CELL, GRID_MINOR, LABEL, MARK, MUTED, NOTE, PANEL, Rgb, THIN, TICK, WHITE, palette,
+};
 use crate::ticks::Ticks;
 
 /// A heat map with its colours.
@@ -61,17 +63,21 @@ impl<'a> Tiles<'a> {
             let (left, top) =
                 (plot.left + (i % cols) as f64 * width, plot.top + (i / cols) as f64 * height);
             let cell = Rect { left, top, right: left + width, bottom: top + height };
-            let color = color.unwrap_or(GRID_MINOR);
-            canvas.rect(cell, color);
-            canvas.outline(cell, WHITE);
+            let fill = color.unwrap_or(GRID_MINOR);
             let text = self.map.texts.get(i).map_or("", String::as_str);
-            if fonts.width(text, NOTE) <= width - 4.0 && NOTE.line_height() <= height {
-                let (x, y) = cell.center();
+            let text_width = fonts.width(text, NOTE);
+            let (x, y) = cell.center();
+            canvas.rect(cell, fill);
+            if color.is_none() {
+                cross_out(cell, text_width, canvas);
+            }
+            canvas.outline(cell, WHITE);
+            if text_width <= width - 4.0 && NOTE.line_height() <= height {
                 canvas.text(
                     text,
                     (x, y + CAP_HEIGHT / 2.0 * NOTE.size),
                     NOTE,
-                    color.ink(),
+                    fill.ink(),
                     Align::Middle,
                 );
             }
@@ -79,6 +85,24 @@ impl<'a> Tiles<'a> {
         if self.colors.is_empty() {
             canvas.text("no data", plot.center(), LABEL, MUTED, Align::Middle);
         }
+    }
+}
+
+/// Both diagonals, with room for a text of this width: a pale cell alone could be taken for one of a grey colour.
+fn cross_out(cell: Rect, text_width: f64, canvas: &mut Canvas) {
+    let [a, b, c, d] = cell.corners();
+    for diagonal in [[a, c], [b, d]] {
+        canvas.stroke(diagonal.to_vec(), THIN, MARK);
+    }
+    let ((x, y), half) = (cell.center(), NOTE.line_height() / 2.0);
+    let room = Rect {
+        left: x - text_width / 2.0,
+        right: x + text_width / 2.0,
+        top: y - half,
+        bottom: y + half,
+    };
+    if text_width > 0.0 && cell.contains((room.left, room.top)) {
+        canvas.rect(room, GRID_MINOR);
     }
 }
 

@@ -230,6 +230,17 @@ fn a_named_axis_has_a_tick_for_each_name_and_wide_names_stand_upright() {
 }
 
 #[test]
+fn a_cell_without_a_colour_is_crossed_out() {
+    let lines = |last: Option<usize>| {
+        let names = ["one", "other"].map(str::to_owned).to_vec();
+        let cells = Cells::Categories { names, indices: vec![Some(0), Some(1), Some(0), last] };
+        let map = Heatmap { cells, ..table(vec![]) };
+        Figure::single("", map).svg().unwrap().matches("<polyline").count()
+    };
+    assert_eq!(lines(None) - lines(Some(1)), 2);
+}
+
+#[test]
 fn a_cloud_has_a_colour_bar_and_what_has_no_colour_is_grey() {
     let svg = |z: f64| {
         let points = vec![(1.0, 1.0, 1.0), (2.0, 2.0, z), (3.0, 3.0, 3.0)];

@@ -75,8 +75,11 @@ pub(super) fn cells_won<'a>(
         without += usize::from(contest.winner().is_none());
     }
     match counts {
-        [] => format!("No cell of {n} has a winner (grey)."),
-        _ => format!("Cells won: {}; {without} of {n} without a winner (grey).", counts.join(", ")),
+        [] => format!("No cell of {n} has a winner (crossed out)."),
+        _ => format!(
+            "Cells won: {}; {without} of {n} without a winner (crossed out).",
+            counts.join(", ")
+        ),
     }
 }
 

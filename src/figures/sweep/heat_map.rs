@@ -53,13 +53,13 @@ pub(super) fn drawing(data: &Data<'_>, y: &Field<'_>, color: &Field<'_>) -> Opti
         texts: if is_told { texts } else { Vec::new() },
     };
     let empty = of_cell.iter().filter(|rows| rows.is_empty()).count();
-    let grey = match empty {
+    let crossed = match empty {
         0 => String::new(),
-        _ => format!(" No value in {} (grey).", count_of(empty, "cell")),
+        _ => format!(" No value in {} (crossed out).", count_of(empty, "cell")),
     };
     let comma = if how.is_empty() { "" } else { ", " };
     let caption = format!(
-        "{}{comma}{how}, over {} and {}: {finding}{grey} {}",
+        "{}{comma}{how}, over {} and {}: {finding}{crossed} {}",
         color.name,
         data.x.name,
         y.name,
