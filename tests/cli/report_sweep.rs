@@ -177,6 +177,18 @@ fn draws_have_distributions_and_a_scatter_over_the_strongest_key() {
 }
 
 #[test]
+fn the_end_of_the_runs_is_told_as_one_only_where_it_is_not_varied() {
+    let (scratch, page) = reported(DRAWS, &[]);
+    assert!(text(&page).contains("\nTo\n0.05 s\n"), "{}", text(&page));
+    let plan = "[[axis]]\nkey = \"run.t_end\"\nvalues = [0.01, 0.02]\n";
+    fs::write(scratch.path("plan.toml"), plan).unwrap();
+    scratch.sweep("ends", &["--set", "solver.rtol=1e-6", "--quiet"]);
+    scratch.succeed(&["report", "ends", "--quiet"]);
+    let text = text(&scratch.text("ends/sweep.html"));
+    assert!(text.contains(" s, but for run.t_end above\n"), "{text}");
+}
+
+#[test]
 fn a_design_for_sobol_indices_has_these_and_no_ranks() {
     let (scratch, page) = reported(SALTELLI, &["--y", "work_j", "--y", "dissipated_j"]);
     assert_eq!(figures(&scratch), ["sobol_of_dissipated_j", "sobol_of_work_j"]);

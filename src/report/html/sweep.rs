@@ -71,7 +71,11 @@ fn glance(results: &Results, origin: &Origin, findings: &Findings) -> Vec<(Strin
         _ => format!("{method}, but for {} above", varied.join(", ")),
     };
     facts.push(fact("Method", method));
-    facts.push(fact("To", format!("{} s", config.run.t_end)));
+    let but = match results.key_columns().iter().any(|key| key == "run.t_end") {
+        true => ", but for run.t_end above",
+        false => "",
+    };
+    facts.push(fact("To", format!("{} s{but}", config.run.t_end)));
     facts.extend(machine(&origin.provenance));
     let shards = match origin.shards {
         0 => String::new(),
