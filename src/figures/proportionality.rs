@@ -13,8 +13,7 @@ pub(super) fn drawing(table: &WorkPrecision, rows: &[ToleranceRow]) -> Drawing {
     let panels: Vec<Panel> = kinds
         .into_iter()
         .filter(|events| rows.iter().any(|row| row.events == *events))
-        .enumerate()
-        .map(|(i, events)| panel(table, rows, events, i == 0))
+        .map(|events| panel(table, rows, events))
         .collect();
     let findings: Vec<String> = rows.iter().map(finding).collect();
     let caption = format!(
@@ -35,14 +34,19 @@ pub(super) fn drawing(table: &WorkPrecision, rows: &[ToleranceRow]) -> Drawing {
     Drawing { name: "tolerance", caption, figure }
 }
 
-/// One treatment of events; `names` puts the methods into the legend.
-fn panel(table: &WorkPrecision, rows: &[ToleranceRow], events: Events, names: bool) -> Panel {
+/// One treatment of events; the legend has a method by where it is drawn first.
+fn panel(table: &WorkPrecision, rows: &[ToleranceRow], events: Events) -> Panel {
     let mut series: Vec<Series> = Vec::new();
+    let is_located = |method: &str| {
+        let mut drawn = table.rows.iter().filter(|row| row.rtol.is_some() && row.e > Some(0.0));
+        drawn.any(|row| row.method == method && row.events == Events::Located)
+    };
     for (method, own, runs) in groups(&table.rows) {
         let points: Vec<(f64, f64)> = runs.iter().filter_map(|row| row.rtol.zip(row.e)).collect();
         if own == events {
+            let is_named = own == Events::Blind && is_located(method);
             series.push(Series {
-                label: if names { method.into() } else { String::new() },
+                label: if is_named { String::new() } else { method.into() },
                 ..curve(method, own, points)
             });
         }

@@ -7,7 +7,7 @@ mod contest;
 
 use common::config;
 use deltazero::config::Config;
-use deltazero::figures::Picture;
+use deltazero::figures::{Drawing, Picture};
 use deltazero::report::html::{Heading, Page, Part, Section, Table};
 use deltazero::study::plan::{plan, reference, work_precision};
 use deltazero::study::stability::stability;
@@ -19,6 +19,7 @@ use deltazero_study::motion::Motion;
 use deltazero_study::run::Limits;
 use deltazero_study::setting::{Accuracy, Events, Setting};
 use deltazero_study::steps::StepTables;
+use deltazero_study::steps::proportionality::proportionality;
 use deltazero_study::work_precision::{Progress, Row, Status, WorkPrecision, cheapest};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -327,6 +328,25 @@ fn figures_without_data_are_left_out_of_a_study() {
     assert_eq!(drawings.iter().map(|drawing| drawing.name).collect::<Vec<_>>(), [""; 0]);
     // What was asked for is drawn all the same.
     figures::chosen_axes(&table, "n_rhs", "e").unwrap().figure.png().unwrap();
+}
+
+/// The figure of error against tolerance.
+fn tolerance(table: &WorkPrecision) -> Drawing {
+    let steps = StepTables { proportionality: proportionality(table), ..StepTables::default() };
+    let drawings = figures::of_study(table, &steps, None, &[], None).into_iter();
+    drawings.filter(|drawing| drawing.name == "tolerance").last().unwrap()
+}
+
+#[test]
+fn a_method_that_is_drawn_blind_alone_is_in_the_legend() {
+    let mut table = study(&["study.methods=[\"rk45\", \"bs32\"]"]);
+    let named =
+        |table: &WorkPrecision| tolerance(table).figure.svg().unwrap().matches("bs32").count();
+    let n = named(&table);
+    for row in table.rows.iter_mut().filter(|row| row.method == "bs32") {
+        row.e = row.e.filter(|_| row.events == Events::Blind);
+    }
+    assert_eq!((n, named(&table)), (1, 1));
 }
 
 #[test]
