@@ -3,8 +3,9 @@
 use deltazero_plots::{Axis, Figure, Guide, Level, LineChart, Panel, Series, Size};
 use deltazero_study::setting::Events;
 use deltazero_study::steps::proportionality::{Floor, ToleranceRow};
-use deltazero_study::work_precision::WorkPrecision;
+use deltazero_study::work_precision::{Row, WorkPrecision};
 
+use super::work_precision::not_drawn;
 use super::{Drawing, curve, groups};
 
 /// `e` against rtol of each method, located on the left, blind on the right.
@@ -15,12 +16,14 @@ pub(super) fn drawing(table: &WorkPrecision, rows: &[ToleranceRow]) -> Drawing {
         .filter(|events| rows.iter().any(|row| row.events == *events))
         .map(|events| panel(table, rows, events))
         .collect();
-    let findings: Vec<String> = rows.iter().map(finding).collect();
+    let findings: Vec<String> = rows.iter().map(|row| finding(table, row)).collect();
+    let n_exact = table.rows.iter().filter(|row| row.rtol.is_some() && row.e == Some(0.0)).count();
     let caption = format!(
-        "Error e against the relative tolerance, dashed: e = rtol, and level the floors. Slope of log e over log rtol (1 is ideal) by least \
+        "Error e against the relative tolerance, dashed: e = rtol, where that is in the frame, and level the floors. Slope of log e over log rtol (1 is ideal) by least \
          squares where e < 1e-2, down to the floor; with it the largest distance from the line, and \
-         the floor: the tolerance that no tighter one improves by half. {}.",
-        findings.join("; ")
+         the floor: the tolerance that no tighter one improves by half. {}.{}",
+        findings.join("; "),
+        not_drawn(n_exact, "e")
     );
     let figure = Figure {
         title: "Does the error track the tolerance".into(),
@@ -76,7 +79,12 @@ fn panel(table: &WorkPrecision, rows: &[ToleranceRow], events: Events) -> Panel 
     .into()
 }
 
-fn finding(row: &ToleranceRow) -> String {
+fn finding(table: &WorkPrecision, row: &ToleranceRow) -> String {
+    let is_own = |run: &&Row| (&run.method, run.events) == (&row.method, row.events);
+    let mut errors = table.rows.iter().filter(is_own).filter_map(|run| run.e);
+    if errors.all(|e| e == 0.0) {
+        return format!("{} {}: exact at every tolerance", row.method, row.events);
+    }
     let fit = match (row.slope, row.scatter_decades) {
         (Some(slope), Some(scatter)) => format!(
             "slope {slope:.2} within {scatter:.1} decades, e about {:.0e} rtol",

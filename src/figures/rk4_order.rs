@@ -5,6 +5,7 @@ use deltazero_study::errors::log_log_slope;
 use deltazero_study::setting::Events;
 use deltazero_study::work_precision::WorkPrecision;
 
+use super::work_precision::not_drawn;
 use super::{Drawing, curve, groups};
 
 /// Errors below this are near rounding and above this far from the limit of small steps; neither
@@ -14,11 +15,13 @@ const SLOPE_RANGE: (f64, f64) = (1e-11, 1e-2);
 /// `e` against `h` of the classical method, located and blind.
 pub(super) fn drawing(table: &WorkPrecision) -> Drawing {
     let (mut series, mut guides, mut slopes) = (Vec::new(), Vec::new(), Vec::new());
+    let mut n_exact = 0;
     for (method, events, rows) in groups(&table.rows) {
         let points: Vec<(f64, f64)> = rows.iter().filter_map(|row| row.step.zip(row.e)).collect();
         if method != "rk4" || points.is_empty() {
             continue;
         }
+        n_exact += points.iter().filter(|(_, e)| *e == 0.0).count();
         let (least, most) = SLOPE_RANGE;
         let fitted: Vec<(f64, f64)> =
             points.iter().copied().filter(|(_, e)| (least..most).contains(e)).collect();
@@ -33,10 +36,11 @@ pub(super) fn drawing(table: &WorkPrecision) -> Drawing {
     }
     let caption = format!(
         "Error e of rk4 against its step h. Slope by least squares where {:.0e} ≤ e < {:.0e}: {}. \
-         A blind step that straddles δ = 0 loses the order; a step that ends there keeps it.",
+         A blind step that straddles δ = 0 loses the order; a step that ends there keeps it.{}",
         SLOPE_RANGE.0,
         SLOPE_RANGE.1,
-        if slopes.is_empty() { "too few runs".to_owned() } else { slopes.join(", ") }
+        if slopes.is_empty() { "too few runs".to_owned() } else { slopes.join(", ") },
+        not_drawn(n_exact, "e")
     );
     let chart = LineChart {
         x: Axis::log("step h [s]"),

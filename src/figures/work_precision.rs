@@ -56,7 +56,7 @@ fn n_exact(table: &WorkPrecision) -> usize {
 }
 
 /// That a scale of logarithms has no place for `n` runs, of which this is zero; empty where there are none.
-fn not_drawn(n: usize, zero: &str) -> String {
+pub(super) fn not_drawn(n: usize, zero: &str) -> String {
     match n {
         0 => String::new(),
         n => format!(" Not drawn, having {zero} = 0: {}.", count_of(n, "run")),

@@ -350,6 +350,20 @@ fn a_method_that_is_drawn_blind_alone_is_in_the_legend() {
 }
 
 #[test]
+fn runs_without_an_error_are_told_where_they_have_no_place() {
+    let mut table = study(&["study.methods=[\"rk4\", \"rk45\", \"bs32\"]"]);
+    let exact = |row: &&mut Row| row.method != "bs32" && row.events == Events::Located;
+    table.rows.iter_mut().filter(exact).for_each(|row| row.e = Some(0.0));
+    let caption = tolerance(&table).caption;
+    for part in ["rk45 located: exact at every tolerance;", " Not drawn, having e = 0: 2 runs."] {
+        assert!(caption.contains(part), "no {part:?} in: {caption}");
+    }
+    let drawings = figures::of_study(&table, &StepTables::default(), None, &[], None);
+    let order = drawings.iter().find(|drawing| drawing.name == "rk4_order").unwrap();
+    assert!(order.caption.ends_with(" Not drawn, having e = 0: 1 run."), "{}", order.caption);
+}
+
+#[test]
 fn the_errors_of_a_run_are_of_one_size_and_its_work_is_that_of_its_parts() {
     let table = study(&["study.methods=[\"rk4\", \"vern98\", \"radau5\", \"bdf\"]"]);
     for row in &table.rows {
