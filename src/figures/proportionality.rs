@@ -86,10 +86,15 @@ fn finding(table: &WorkPrecision, row: &ToleranceRow) -> String {
         return format!("{} {}: exact at every tolerance", row.method, row.events);
     }
     let fit = match (row.slope, row.scatter_decades) {
-        (Some(slope), Some(scatter)) => format!(
-            "slope {slope:.2} within {scatter:.1} decades, e about {:.0e} rtol",
-            row.e_over_rtol.unwrap_or(f64::NAN)
-        ),
+        (Some(slope), Some(scatter)) => {
+            // A line through two runs is as near to any two.
+            let how = match row.n_fitted {
+                ..=2 => "through two runs".to_owned(),
+                _ => format!("within {scatter:.1} decades"),
+            };
+            let e_over_rtol = row.e_over_rtol.unwrap_or(f64::NAN);
+            format!("slope {slope:.2} {how}, e about {e_over_rtol:.0e} rtol")
+        }
         _ => "too few runs for a slope".to_owned(),
     };
     let floor = match row.floor {

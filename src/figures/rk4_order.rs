@@ -26,7 +26,8 @@ pub(super) fn drawing(table: &WorkPrecision) -> Drawing {
         let fitted: Vec<(f64, f64)> =
             points.iter().copied().filter(|(_, e)| (least..most).contains(e)).collect();
         if let Some(slope) = log_log_slope(&fitted) {
-            slopes.push(format!("{events}: {slope:.2}"));
+            let how = if fitted.len() > 2 { "" } else { " through two runs" };
+            slopes.push(format!("{events}: {slope:.2}{how}"));
         }
         if let (Events::Located, Some(through)) = (events, fitted.get(fitted.len() / 2)) {
             let label = "order 4".to_owned();

@@ -364,6 +364,24 @@ fn runs_without_an_error_are_told_where_they_have_no_place() {
 }
 
 #[test]
+fn a_slope_through_two_runs_is_told_as_such() {
+    let told = |sets: &[&str]| {
+        let table = study(&[&["study.methods=[\"rk4\", \"rk45\"]"], sets].concat());
+        let drawings = figures::of_study(&table, &StepTables::default(), None, &[], None);
+        let order = drawings.iter().find(|drawing| drawing.name == "rk4_order").unwrap();
+        [tolerance(&table).caption, order.caption.clone()]
+            .map(|caption| caption.contains(" through two runs"))
+    };
+    assert_eq!(told(&["study.rtol=[1e-5, 1e-7]", "study.steps=[1e-4, 5e-5]"]), [true, true]);
+    let three = [
+        "study.rtol=[1e-5, 1e-6, 1e-7]",
+        "study.steps=[1e-4, 7e-5, 5e-5]",
+        "study.events=[\"located\"]",
+    ];
+    assert_eq!(told(&three), [false, false]);
+}
+
+#[test]
 fn the_errors_of_a_run_are_of_one_size_and_its_work_is_that_of_its_parts() {
     let table = study(&["study.methods=[\"rk4\", \"vern98\", \"radau5\", \"bdf\"]"]);
     for row in &table.rows {
