@@ -76,6 +76,15 @@ fn a_distribution_counts_runs_without_a_value_once() {
 }
 
 #[test]
+fn few_whole_numbers_have_a_histogram_at_their_own_distances() {
+    let scratch = Scratch::with_sweep("[[axis]]\nkey = \"bays\"\nvalues = [1, 2, 4]\n");
+    let ran = scratch.plot(&["--x", "bays"]);
+    assert!(ran.stdout.contains(", median 2, "), "{}{}", ran.stdout, ran.stderr);
+    let svg = scratch.text("out/figures/bays.svg");
+    assert!(svg.contains("\n3.0\n"), "no tick between 2 and 4");
+}
+
+#[test]
 fn a_value_that_no_axis_shows_is_neither_drawn_nor_counted() {
     let plan = "model = \"stop.toml\"\n[[axis]]\nkey = \"zeta\"\nvalues = [0.01, 0.05, 0.2]\n";
     let scratch = Scratch::with_model_and_plan("mass_against_stop", plan);

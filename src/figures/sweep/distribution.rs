@@ -26,8 +26,7 @@ pub(super) fn drawing(data: &Data<'_>) -> Result<Drawing, PlotError> {
             most: MOST_CLASSES,
         })?,
     };
-    // Words and codes have a place each.
-    let named = x.is_discrete().then(|| x.levels());
+    let named = x.has_words().then(|| x.levels());
     let (axis, places) = match &named {
         None => (x.axis(), x.places()),
         Some(Levels { names, of_row, .. }) => {
