@@ -14,8 +14,7 @@ const MOST_MODES: usize = 9;
 /// Steps per contact (filled) and per flight (hollow) of each method, or per stay in each of `modes`, which have names;
 /// what the end of the run cuts is left out, and what the run starts in.
 pub(super) fn drawing(rows: &[StayRow], modes: &[String]) -> Drawing {
-    let counted = |row: &&StayRow| row.is_whole && row.t_s > 0.0;
-    let whole: Vec<&StayRow> = rows.iter().filter(counted).collect();
+    let whole: Vec<&StayRow> = rows.iter().filter(|row| row.is_whole).collect();
     let mut methods: Vec<&str> = Vec::new();
     for row in &whole {
         if !methods.contains(&row.method.as_str()) {

@@ -22,7 +22,7 @@ pub struct StayRow {
     pub t_s: f64,
     /// How long it lasts [s].
     pub duration_s: f64,
-    /// Whether it ended by itself; the end of the run cuts the last one.
+    /// Whether it began and ended within the run, which cuts the first one and the last.
     pub is_whole: bool,
     /// Accepted steps.
     pub n_steps: usize,
@@ -41,8 +41,9 @@ impl StayRow {
 pub fn stays(histories: &[StepHistory]) -> Vec<StayRow> {
     let mut rows = Vec::new();
     for history in histories {
-        let mut stays = history.steps.chunk_by(|a, b| history.is_same_stay(a, b)).peekable();
-        while let Some(steps) = stays.next() {
+        let stays = history.steps.chunk_by(|a, b| history.is_same_stay(a, b));
+        let n_stays = stays.clone().count();
+        for (i, steps) in stays.enumerate() {
             let (Some(first), Some(last)) = (steps.first(), steps.last()) else { continue };
             rows.push(StayRow {
                 method: history.method.clone(),
@@ -52,7 +53,7 @@ pub fn stays(histories: &[StepHistory]) -> Vec<StayRow> {
                 mode: history.stay_name(first).to_owned(),
                 t_s: first.t_s,
                 duration_s: last.end() - first.t_s,
-                is_whole: stays.peek().is_some(),
+                is_whole: 0 < i && i + 1 < n_stays,
                 n_steps: steps.len(),
                 n_rejected: steps.iter().map(|step| step.n_rejected).sum(),
             });
@@ -105,5 +106,12 @@ mod tests {
         assert_eq!(told(history(&[])), pairs(&[("flight", 4), ("contact", 4)]));
         let named = pairs(&[("up", 2), ("up", 2), ("sliding", 2), ("held", 2)]);
         assert_eq!(told(history(&["up", "sliding", "held"])), named);
+    }
+
+    #[test]
+    fn the_first_and_the_last_stay_are_cut_by_the_run() {
+        let rows = stays(&[history(&["up", "sliding", "held"])]);
+        let whole: Vec<bool> = rows.iter().map(|row| row.is_whole).collect();
+        assert_eq!(whole, [false, true, true, false]);
     }
 }

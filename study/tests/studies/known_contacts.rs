@@ -309,7 +309,7 @@ fn steps_of_a_mass_that_hits_a_stop_are_told_as_they_were_taken() {
         // It begins free, and each event ends a stay.
         assert_eq!(stays.len(), events.len() + 1);
         for (i, stay) in stays.iter().enumerate() {
-            assert_eq!((stay.is_contact, stay.is_whole), (i % 2 == 1, i < events.len()));
+            assert_eq!((stay.is_contact, stay.is_whole), (i % 2 == 1, 0 < i && i < events.len()));
             assert!((stay.mean_step() * stay.n_steps as f64 - stay.duration_s).abs() < 1e-15);
         }
         let n_steps: Vec<usize> = stays.iter().map(|stay| stay.n_steps).collect();
