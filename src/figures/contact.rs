@@ -17,7 +17,8 @@ const CONTACT: usize = 2;
 /// A site at one time: [s], [m], [N].
 type Point = (f64, f64, f64);
 
-/// δ and F_N of the first site: the whole run on the left, one impact on the right; none where its contact is not told.
+/// δ and, where a contact lasts, F_N of the first site: the whole run on the left, one impact on the right; none where its
+/// contact is not told.
 pub(super) fn drawing(motion: &Motion) -> Option<Drawing> {
     let whole = points(motion.sites.first()?);
     let zoom = points(&motion.zoom);
@@ -41,25 +42,37 @@ pub(super) fn drawing(motion: &Motion) -> Option<Drawing> {
         1e-6.. => ("µm", 1e6),
         _ => ("nm", 1e9),
     };
-    let panels = vec![
+    let mut panels = vec![
         delta_panel("whole run", unit, &whole, Vec::new()),
         delta_panel(title, unit, &zoom, contact_bands(&motion.zoom)),
-        force_panel(&whole, Vec::new()),
-        force_panel(&zoom, contact_bands(&motion.zoom)),
     ];
+    let mut sites = motion.sites.iter().take(1).chain([&motion.zoom]);
+    let lasts = sites.any(|site| site.touches.iter().any(|(is_contact, _)| *is_contact));
+    if lasts {
+        panels.push(force_panel(&whole, Vec::new()));
+        panels.push(force_panel(&zoom, contact_bands(&motion.zoom)));
+    }
+    let (and_force, largest, shaded) = match lasts {
+        true => (
+            " and normal force F_N",
+            format!(", largest force {hardest:.2} N"),
+            "; shaded: contact",
+        ),
+        false => ("", String::new(), "; no contact lasts"),
+    };
     let name = &motion.zoom.name;
     let of = if name.is_empty() { String::new() } else { format!(" of {name}") };
     let caption = format!(
-        "Penetration δ (below zero the gap) and normal force F_N{of}, by {}. Deepest {deepest:.2e} m, widest gap {widest:.2e} \
-         m, largest force {hardest:.2} N among the points shown. Right: {shown}; shaded: contact.",
+        "Penetration δ (below zero the gap){and_force}{of}, by {}. Deepest {deepest:.2e} m, widest gap {widest:.2e} m{largest} \
+         among the points shown. Right: {shown}{shaded}.",
         motion.method
     );
     let figure = Figure {
         title: format!("Contact and separation{of}"),
-        rows: 2,
+        rows: if lasts { 2 } else { 1 },
         cols: 2,
         panels,
-        size: Size { width: 1100, height: 720 },
+        size: Size { width: 1100, height: if lasts { 720 } else { 400 } },
         ..Figure::default()
     };
     Some(Drawing { name: "gap_and_force", caption, figure })

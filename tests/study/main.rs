@@ -297,22 +297,41 @@ fn every_figure_of_a_study_of_all_methods_can_be_drawn() {
     }
 }
 
+/// The figures of one run of a mechanism by rk45.
+fn drawings(mechanism: &str, t_end: &str) -> Vec<Drawing> {
+    let (mechanism, t_end) = (format!("mechanism={mechanism}"), format!("run.t_end={t_end}"));
+    let sets = [&mechanism, &t_end, "study.repeats=1", "study.rtol=[1e-6]"];
+    let config = config(&[&sets[..], &["study.methods=[\"rk45\"]"]].concat());
+    let stop = AtomicBool::new(false);
+    let table = work_precision(&config, &[], &stop, &|_| {}).unwrap();
+    let (subject, limits) = (config.mechanism.subject(&config), Limits::none(&stop));
+    let steps = StepTables::new(&subject, &plan(&config), &table, limits);
+    let motion = Motion::new(&subject, config.run.t_end, limits).unwrap();
+    figures::of_study(&table, &steps, Some(&motion), &[], None)
+}
+
+fn caption<'a>(drawings: &'a [Drawing], name: &str) -> &'a str {
+    &drawings.iter().find(|drawing| drawing.name == name).unwrap().caption
+}
+
+#[test]
+fn impacts_of_no_duration_have_no_force_to_draw() {
+    let force = |mechanism, t_end| {
+        let drawings = drawings(mechanism, t_end);
+        let n_panels =
+            drawings.iter().find(|own| own.name == "gap_and_force").unwrap().figure.panels.len();
+        (n_panels, caption(&drawings, "gap_and_force").contains("force"))
+    };
+    assert_eq!(force("impact-oscillator", "1.5"), (2, false));
+    assert_eq!(force("strut", "0.05"), (4, true));
+}
+
 #[test]
 fn both_figures_of_one_flight_show_the_same_one() {
     // The contacts of an impact oscillator take no time: from one impact to the next is a flight.
     for (t_end, told) in [("1.5", "the first flight"), ("0.1", "for there is no flight")] {
-        let t_end = format!("run.t_end={t_end}");
-        let sets = ["mechanism=impact-oscillator", &t_end, "study.repeats=1", "study.rtol=[1e-6]"];
-        let config = config(&[&sets[..], &["study.methods=[\"rk45\"]"]].concat());
-        let stop = AtomicBool::new(false);
-        let table = work_precision(&config, &[], &stop, &|_| {}).unwrap();
-        let (subject, limits) = (config.mechanism.subject(&config), Limits::none(&stop));
-        let steps = StepTables::new(&subject, &plan(&config), &table, limits);
-        let motion = Motion::new(&subject, config.run.t_end, limits).unwrap();
-        let drawings = figures::of_study(&table, &steps, Some(&motion), &[], None);
-        let caption =
-            |name| &drawings.iter().find(|drawing| drawing.name == name).expect("is drawn").caption;
-        let both = [caption("step_size_zoom"), caption("gap_and_force")];
+        let drawings = drawings("impact-oscillator", t_end);
+        let both = ["step_size_zoom", "gap_and_force"].map(|name| caption(&drawings, name));
         assert!(both[0].contains(told), "{both:?}");
         let is_at_start = both.map(|caption| caption.contains("the start, for there is no flight"));
         assert_eq!(is_at_start[0], is_at_start[1], "{both:?}");
