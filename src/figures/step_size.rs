@@ -39,9 +39,12 @@ pub(super) fn whole(histories: &[StepHistory]) -> Drawing {
 /// ` on joint 1`, with the number of its sites where they are several.
 fn of_part(shown: &[&StepHistory]) -> String {
     let Some(first) = shown.first() else { return String::new() };
-    let name = if first.name.is_empty() { String::new() } else { format!(" on {}", first.name) };
-    let sites = first.n_sites;
-    if sites > 1 { format!("{name}, {sites} of them together") } else { name }
+    match (first.name.as_str(), first.n_sites) {
+        ("", ..=1) => String::new(),
+        ("", n) => format!(" of {n} sites together"),
+        (name, ..=1) => format!(" on {name}"),
+        (name, n) => format!(" on {name}, its {n} sites together"),
+    }
 }
 
 /// The same around the flight or stay that the motion is shown at, or at the start where there is none.

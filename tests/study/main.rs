@@ -327,6 +327,13 @@ fn impacts_of_no_duration_have_no_force_to_draw() {
 }
 
 #[test]
+fn steps_of_several_sites_are_told_as_theirs() {
+    let drawings = drawings("rocking-block", "1.0");
+    let caption = caption(&drawings, "step_size");
+    assert!(caption.starts_with("Accepted steps of 2 sites together, "), "{caption}");
+}
+
+#[test]
 fn both_figures_of_one_flight_show_the_same_one() {
     // The contacts of an impact oscillator take no time: from one impact to the next is a flight.
     for (t_end, told) in [("1.5", "the first flight"), ("0.1", "for there is no flight")] {
