@@ -3,7 +3,7 @@
 use ab_glyph::{Font, FontRef};
 
 use crate::error::Error;
-use crate::style::Face;
+use crate::style::{Face, TICK};
 
 /// What an SVG names; the first is the embedded font, the second has nearly its widths.
 pub(crate) const FAMILY: &str = "DejaVu Sans, Verdana, Geneva, sans-serif";
@@ -61,6 +61,25 @@ impl Fonts {
             lines.push(line);
         }
         lines
+    }
+
+    /// Names of places along an axis, none longer than half the plot area is deep: of a third of both.
+    pub(crate) fn names(&self, names: &[String], depth: f64) -> Vec<String> {
+        names.iter().map(|name| self.cut(name, TICK, depth / 2.0)).collect()
+    }
+
+    /// A text that is too wide for `room` [px] without its middle.
+    fn cut(&self, text: &str, face: Face, room: f64) -> String {
+        if self.width(text, face) <= room {
+            return text.to_owned();
+        }
+        let chars: Vec<char> = text.chars().collect();
+        let without_middle = |n: usize| -> String {
+            let (start, end) = (&chars[..n.div_ceil(2)], &chars[chars.len() - n / 2..]);
+            start.iter().chain(&['…']).chain(end).collect()
+        };
+        let mut cuts = (0..chars.len()).rev().map(without_middle);
+        cuts.find(|cut| self.width(cut, face) <= room).unwrap_or_default()
     }
 
     /// Width of the widest line [px].

@@ -54,10 +54,15 @@ fn block(lines: &[String], face: Face) -> f64 {
 
 impl Side {
     /// An x axis of named places, their names upright where they are too wide for their places.
-    pub(crate) fn across(label: &str, names: &[String], width: f64, fonts: &Fonts) -> Self {
+    pub(crate) fn across(
+        label: &str,
+        names: &[String],
+        (width, height): (f64, f64),
+        fonts: &Fonts,
+    ) -> Self {
         let upright = fonts.widest(names, TICK) > width / names.len().max(1) as f64 - 6.0;
         let most = if upright { width / TICK.line_height() } else { f64::INFINITY };
-        let ticks = Ticks::middles(names, most, false);
+        let ticks = Ticks::middles(&fonts.names(names, height), most, false);
         Self { label: fonts.wrap(label, LABEL, width), ticks, upright }
     }
 

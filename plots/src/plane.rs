@@ -126,13 +126,16 @@ impl Content for Plane<'_> {
         let names = [&self.chart.x.names, &self.chart.y.names];
         let y_ticks = match names[1].len() {
             0 => Ticks::up(y_span, height),
-            _ => Ticks::middles(names[1], height / TICK.line_height(), false),
+            _ => {
+                let names = fonts.names(names[1], width);
+                Ticks::middles(&names, height / TICK.line_height(), false)
+            }
         };
         Frame {
             title: fonts.wrap(&self.chart.title, PANEL, width),
             x: match names[0].len() {
                 0 => side(x, x_ticks, width - 2.0 * factor),
-                _ => Side::across(&x.label, names[0], width, fonts),
+                _ => Side::across(&x.label, names[0], (width, height), fonts),
             },
             y: side(y, y_ticks, height),
             right: self.bar().map_or(0.0, |bar| bar.room(height, fonts)),

@@ -113,12 +113,13 @@ fn category(index: usize) -> Rgb {
 impl Content for Tiles<'_> {
     fn frame(&self, width: f64, height: f64, fonts: &Fonts) -> Frame {
         let map = self.map;
+        let rows = fonts.names(&map.rows, width);
         Frame {
             title: fonts.wrap(&map.title, PANEL, width),
-            x: Side::across(&map.x_label, &map.columns, width, fonts),
+            x: Side::across(&map.x_label, &map.columns, (width, height), fonts),
             y: Side {
                 label: fonts.wrap(&map.y_label, LABEL, height),
-                ticks: Ticks::middles(&map.rows, height / TICK.line_height(), true),
+                ticks: Ticks::middles(&rows, height / TICK.line_height(), true),
                 upright: false,
             },
             right: self.bar.as_ref().map_or(0.0, |bar| bar.room(height, fonts)),

@@ -230,6 +230,26 @@ fn a_named_axis_has_a_tick_for_each_name_and_wide_names_stand_upright() {
 }
 
 #[test]
+fn a_long_name_of_a_place_loses_its_middle() {
+    let long = format!("first{}last", "_".repeat(300));
+    let axis = || Axis::named("mode", vec![long.clone(), "free".into()]);
+    let points = || vec![(0.0, 1.0), (1.0, 0.0)];
+    let map = Heatmap { rows: vec![long.clone(), "d".into()], ..table(vec![1.0; 4]) };
+    let panels: [Panel; 3] = [
+        LineChart { x: axis(), ..chart(points()) }.into(),
+        LineChart { y: axis(), ..chart(points()) }.into(),
+        map.into(),
+    ];
+    for panel in panels {
+        let svg = Figure::single("", panel).svg().unwrap();
+        assert!(
+            svg.contains("\nfirst_") && svg.contains("_…_") && svg.contains("_last\n"),
+            "{svg}"
+        );
+    }
+}
+
+#[test]
 fn a_cell_without_a_colour_is_crossed_out() {
     let lines = |last: Option<usize>| {
         let names = ["one", "other"].map(str::to_owned).to_vec();
