@@ -23,6 +23,7 @@ pub use work_precision::chosen_axes;
 
 use deltazero_plots::{Axis, Error, Figure, Marker, Panel, Series, Size};
 use deltazero_solvers::METHODS;
+use deltazero_study::digits::{in_short, rounded_to};
 use deltazero_study::motion::Motion;
 use deltazero_study::parallel::{cores, in_parallel};
 use deltazero_study::setting::Events;
@@ -166,13 +167,15 @@ fn kind_color(kind: ModeKind) -> usize {
     }
 }
 
-/// A time in milliseconds, or in the unit that a reader thinks in where that would be a very long or short number.
+/// A time in milliseconds, or in the unit that a reader thinks in where that would be a very long or short number; below a
+/// tenth of a nanosecond to two digits.
 fn duration(t: f64, decimals: usize) -> String {
     let (unit, per_second) = match t {
         10.0.. => ("s", 1.0),
         1e-4.. => ("ms", 1e3),
         1e-7.. => ("µs", 1e6),
-        _ => ("ns", 1e9),
+        1e-10.. => ("ns", 1e9),
+        _ => return format!("{} s", in_short(rounded_to(t, 2))),
     };
     format!("{:.decimals$} {unit}", per_second * t)
 }
@@ -246,8 +249,8 @@ mod tests {
 
     use super::*;
 
-    #[test]
-    fn a_step_that_lands_at_once_does_not_stretch_the_axis_of_step_sizes() {
+    /// Steps of a millisecond, of which the fourth lands on an event at once.
+    fn history(n: u32) -> StepHistory {
         let row = |i: u32| StepRow {
             t_s: 1e-3 * f64::from(i),
             h_s: if i == 3 { 1e-21 } else { 1e-3 },
@@ -257,7 +260,7 @@ mod tests {
             n_rejected: 0,
             lands: i == 3,
         };
-        let history = StepHistory {
+        StepHistory {
             method: "bdf".into(),
             setting: String::new(),
             e: 0.0,
@@ -265,13 +268,17 @@ mod tests {
             name: String::new(),
             n_sites: 1,
             modes: Vec::new(),
-            steps: (0..10).map(row).collect(),
+            steps: (0..n).map(row).collect(),
             events: Vec::new(),
             n_rhs: 0,
             n_rhs_restart: 0,
             n_rhs_location: 0,
-        };
-        let range = size_axis(&[history]).range;
+        }
+    }
+
+    #[test]
+    fn a_step_that_lands_at_once_does_not_stretch_the_axis_of_step_sizes() {
+        let range = size_axis(&[history(10)]).range;
         assert_eq!(range, Some((1e-3 / SIZE_ROOM.0, 1e-3 * SIZE_ROOM.1)));
     }
 
@@ -281,6 +288,14 @@ mod tests {
         assert_eq!(duration(1.5, 2), "1500.00 ms");
         assert_eq!(duration(2e-3, 2), "2.00 ms");
         assert_eq!(duration(4e-6, 1), "4.0 µs");
+        assert_eq!([3e-12, 0.0].map(|t| duration(t, 1)), ["3e-12 s", "0 s"]);
+    }
+
+    #[test]
+    fn one_step_is_told_as_one() {
+        let told = |n| step_size::whole(&[history(n)]).caption;
+        assert!(told(1).contains("bdf, : 1 step, nine"), "{}", told(1));
+        assert!(told(2).contains("bdf, : 2 steps, nine"), "{}", told(2));
     }
 
     #[test]

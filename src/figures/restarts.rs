@@ -1,6 +1,7 @@
 //! The first steps after an event, a panel a method.
 
 use deltazero_plots::{Axis, Level, LineChart, Marker, Panel, Series};
+use deltazero_study::digits::count_of;
 use deltazero_study::steps::restarts::{FIRST, RestartCost, RestartRow};
 use deltazero_study::steps::step_size::ModeKind;
 
@@ -75,17 +76,43 @@ fn series(own: &[&RestartRow], entered: &[&str], i: usize, modes: &[String]) -> 
 }
 
 fn finding(cost: &RestartCost) -> String {
-    let number = |n: Option<f64>| n.map_or_else(|| "–".to_owned(), |n| format!("{n:.0}"));
+    let steps = |n: Option<f64>| match n {
+        Some(n) => count_of(n.round_ties_even(), "step"),
+        None => "– steps".to_owned(),
+    };
     format!(
-        "{} {:.0} ({:.1} to begin, {:.1} to locate; {} steps to half the settled size, {} steps lost, {:.1} \
+        "{} {:.0} ({:.1} to begin, {:.1} to locate; {} to half the settled size, {} lost, {:.1} \
          rejected, at {:.1} each)",
         cost.method,
         cost.rhs_event(),
         cost.rhs_restart,
         cost.rhs_location,
-        number(cost.recovery_steps),
-        number(cost.lost_steps),
+        steps(cost.recovery_steps),
+        steps(cost.lost_steps),
         cost.rejected,
         cost.rhs_step
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_step_is_told_as_one() {
+        let cost = RestartCost {
+            method: "bdf".into(),
+            setting: String::new(),
+            n_events: 3,
+            settled_s: Vec::new(),
+            recovery_steps: Some(1.0),
+            lost_steps: None,
+            rejected: 0.0,
+            rhs_restart: 0.0,
+            rhs_location: 0.0,
+            rhs_step: 0.0,
+        };
+        let told = finding(&cost);
+        assert!(told.contains("; 1 step to half the settled size, – steps lost,"), "{told}");
+    }
 }

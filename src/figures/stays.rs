@@ -122,7 +122,7 @@ fn finding(whole: &[&StayRow], method: &str) -> String {
     let told = |is_contact: bool| {
         let own = |row: &&&StayRow| row.method == method && row.is_contact == is_contact;
         let (median, n) = median(whole.iter().filter(own))?;
-        Some(format!("{median} in {n} {}s", kind(is_contact)))
+        Some(format!("{median} in {}", count_of(n, kind(is_contact))))
     };
     let medians: Vec<String> = [true, false].into_iter().filter_map(told).collect();
     format!("{method}: {}", medians.join(", "))

@@ -1,6 +1,7 @@
 //! Step size over time, a panel a method: the whole run, and around the first flight or stay, or at the start.
 
 use deltazero_plots::{Axis, Band, Figure, Panel, StepHistory as Chart, StepLook};
+use deltazero_study::digits::count_of;
 use deltazero_study::motion::Motion;
 use deltazero_study::quantile::quantile;
 use deltazero_study::steps::step_size::{ACCURACY, StepHistory, StepRow};
@@ -145,5 +146,6 @@ fn spread(history: &StepHistory) -> String {
     let n = sizes.len();
     let mut at = |fraction: f64| quantile(&mut sizes, fraction).unwrap_or(f64::NAN);
     let (least, most) = (at(0.05), at(0.95));
-    format!("{}: {n} steps, nine in ten between {least:.1e} and {most:.1e} s", history.title())
+    let (title, steps) = (history.title(), count_of(n, "step"));
+    format!("{title}: {steps}, nine in ten between {least:.1e} and {most:.1e} s")
 }
