@@ -94,6 +94,11 @@ pub fn answer(table: &WorkPrecision) -> String {
     text
 }
 
+/// What a user wrote, in Markdown: it begins no tag.
+fn words(text: &str) -> String {
+    text.replace('<', "\\<")
+}
+
 /// `study.md`: the answer, the figures, every run.
 pub fn study_markdown(about: &About, table: &WorkPrecision, drawings: &[Drawing]) -> String {
     let reference = &table.reference;
@@ -102,7 +107,7 @@ pub fn study_markdown(about: &About, table: &WorkPrecision, drawings: &[Drawing]
          e is the worst sample's {}, up to the horizon of {} s.\n\
          Reference: {}; a second run ({}) differs by e = {}{}, which is its error.\n",
         about.question(),
-        about.subject,
+        words(&about.subject),
         answer(table),
         reference.measure(),
         reference.horizons(),
@@ -120,7 +125,7 @@ pub fn study_markdown(about: &About, table: &WorkPrecision, drawings: &[Drawing]
         let _ = write!(text, "\n## {}\n\n", about.heading());
     }
     for (name, what) in &about.facts {
-        let _ = writeln!(text, "- {name}: {what}.");
+        let _ = writeln!(text, "- {name}: {}.", words(what));
     }
     for drawing in drawings {
         let _ = write!(

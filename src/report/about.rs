@@ -33,7 +33,7 @@ impl About {
         Self {
             is_model: mechanism.is_model(),
             subject: mechanism.title(config),
-            lead: format!("{} {QUESTION}", mechanism.lead()),
+            lead: format!("{}{QUESTION}", sentence(mechanism.lead())),
             facts: mechanism.facts(config),
             warnings: mechanism
                 .warnings(config)
@@ -64,6 +64,15 @@ impl About {
     }
 }
 
+/// A text that another follows, with the full stop that it may lack.
+fn sentence(text: &str) -> String {
+    match text.trim() {
+        "" => String::new(),
+        text if text.ends_with(['.', '!', '?']) => format!("{text} "),
+        text => format!("{text}. "),
+    }
+}
+
 fn redo(config: &Config) -> Vec<Part> {
     vec![
         Part::Text("With the configuration below as study.toml:".into()),
@@ -76,4 +85,15 @@ fn redo(config: &Config) -> Vec<Part> {
         Part::Code("deltazero report DIR".into()),
         Part::Folded("The configuration".into(), vec![Part::Code(config.to_toml())]),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_ends_before_the_next_begins() {
+        let all = ["A ball falls", "A ball falls.", "Does it?", ""].map(sentence);
+        assert_eq!(all, ["A ball falls. ", "A ball falls. ", "Does it? ", ""]);
+    }
 }

@@ -8,6 +8,7 @@ mod contest;
 use common::config;
 use deltazero::config::Config;
 use deltazero::figures::{Drawing, Picture};
+use deltazero::report::About;
 use deltazero::report::html::{Heading, Page, Part, Section, Table};
 use deltazero::study::plan::{plan, reference, work_precision};
 use deltazero::study::stability::stability;
@@ -445,6 +446,17 @@ fn any_two_columns_of_numbers_are_axes_of_a_figure() {
     let told =
         format!("Lowest: n_jac = 0, of {n} runs. Not drawn, having n_jac or e = 0: {n} runs.");
     assert!(n > 1 && caption.contains(&told), "{caption}");
+}
+
+#[test]
+fn markdown_has_no_tags_of_what_it_is_given() {
+    let table = study(&["study.methods=[\"rk45\"]"]);
+    let mean = "a <b>block</b>";
+    let facts = vec![("Source".to_owned(), mean.to_owned())];
+    let about = About { facts, ..About::new(mean) };
+    let text = report::study_markdown(&about, &table, &[]);
+    assert!(text.contains("\na \\<b>block\\</b>.\n"), "{text}");
+    assert!(text.contains("- Source: a \\<b>block\\</b>.\n"), "{text}");
 }
 
 #[test]
