@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use deltazero_study::digits::in_short;
+use deltazero_study::digits::{as_meant, in_short};
 use deltazero_study::map::Map;
 use deltazero_study::motion::Motion;
 use deltazero_study::plan::sample_times;
@@ -94,16 +94,19 @@ pub fn recommended(subject: Subject, t_end: f64, accuracy: f64) -> Recommendatio
 /// The winner of every cell of a map, as a table in Markdown.
 pub fn map_table(map: &Map) -> String {
     let [x, y] = map.axes.each_ref().map(|axis| axis.label());
-    let mut text = format!("| {x} | {y} | e at most | winner | setting | its e | time [ms] |\n");
-    text += "|---|---|---|---|---|---|---|\n";
+    let mut text = format!(
+        "| {x} | {y} | e at most | winner | setting | its e | time [ms] | compared to [s] |\n"
+    );
+    text += "|---|---|---|---|---|---|---|---|\n";
     for cell in &map.cells {
         let ([x, y], contest) = (cell.at.map(in_short), &cell.contest);
         let near = contest.within_noise();
+        let t_end = contest.t_end_s.map_or_else(String::new, as_meant);
         let _ = write!(text, "| {x} | {y} | {:e} | ", contest.accuracy);
         let _ = match contest.winner() {
             Some(first) => writeln!(
                 text,
-                "{} {}{} | {} | {:.1e} | {:.3} |",
+                "{} {}{} | {} | {:.1e} | {:.3} | {t_end} |",
                 first.method,
                 first.events,
                 in_doubt(near.iter().map(|entry| (&*entry.method, entry.events))),
@@ -111,8 +114,14 @@ pub fn map_table(map: &Map) -> String {
                 first.e,
                 1e3 * first.time_s()
             ),
-            None => writeln!(text, "{} | | | |", contest.status.name()),
+            None => writeln!(text, "{} | | | | {t_end} |", contest.status.name()),
         };
+    }
+    for cell in &map.cells {
+        if let Some(cut_short) = cell.contest.cut_short() {
+            let ([x, y], e) = (cell.at.map(in_short), cell.contest.accuracy);
+            let _ = write!(text, "\n{x}, {y}, {e:e}: {cut_short}.\n");
+        }
     }
     text
 }

@@ -148,7 +148,16 @@ fn name(entry: &Entry) -> String {
 /// pays, what `auto` costs, where nothing arrives, where noise leaves the winner open.
 pub fn findings(cells: &[&Cell]) -> Vec<String> {
     let all = [implicit(cells), location(cells), auto(cells), nothing(cells)];
-    all.into_iter().chain(noise(cells)).collect()
+    all.into_iter().chain(noise(cells)).chain(cut_short(cells)).collect()
+}
+
+/// Where are runs compared over less than the introduction says, and why? None where they are not.
+fn cut_short(cells: &[&Cell]) -> Option<String> {
+    let why = |cell: &&Cell| Some(format!("{} ({})", place(cell), cell.cut_short()?));
+    let places: Vec<String> = cells.iter().filter_map(why).collect();
+    let n = count_of(places.len(), "cell");
+    let is_any = !places.is_empty();
+    is_any.then(|| format!("There is no reference to the end in {n}: {}.", places.join("; ")))
 }
 
 /// Where do the times not tell who wins? None where they do.
@@ -455,5 +464,15 @@ mod tests {
         assert!(wrong.ends_with("reaches it; `failures` says why."), "{wrong}");
         // Of what takes no part nothing is said.
         assert!(told(&[]).ends_with("for K = 1e9."), "{}", told(&[]));
+    }
+
+    #[test]
+    fn cells_that_no_reference_is_of_to_the_end_are_told_with_the_reason() {
+        let mut cell = cell(&[]);
+        assert!(!findings(&[&cell]).concat().contains("no reference"));
+        cell.contest.error = Some("no reference: dop853 stopped".to_owned());
+        let told = "There is no reference to the end in 1 cell: K = 1e9, ζ = 1 (compared to 1 s; beyond: no \
+                    reference: dop853 stopped).";
+        assert_eq!(findings(&[&cell]).last().map(String::as_str), Some(told));
     }
 }

@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
 
+use crate::digits::as_meant;
 use crate::parallel::in_parallel;
 use crate::part::Subject;
 use crate::plan::sample_times;
@@ -47,7 +48,7 @@ pub struct Contested {
     pub accuracy: f64,
     /// What became of it.
     pub status: CellStatus,
-    /// Why there is no winner.
+    /// Why there is no winner, or no reference of the time beyond the runs.
     pub error: Option<String>,
     /// The end of the runs [s].
     pub t_end_s: Option<f64>,
@@ -92,6 +93,14 @@ impl Contested {
     pub fn best(&self, of: impl Fn(&Entry) -> bool) -> Option<&Entry> {
         let own = self.fixed().filter(|entry| of(entry));
         own.min_by(|a, b| a.time_s().total_cmp(&b.time_s()))
+    }
+
+    /// To where its runs are compared and why no further, where that is neither the end nor the horizon nor the last event
+    /// asked for.
+    pub fn cut_short(&self) -> Option<String> {
+        let is_run = matches!(self.status, CellStatus::Ok | CellStatus::None);
+        let (t_end, why) = self.t_end_s.zip(self.error.as_ref()).filter(|_| is_run)?;
+        Some(format!("compared to {} s; beyond: {why}", as_meant(t_end)))
     }
 
     /// Time of the second over that of the winner.
@@ -173,6 +182,7 @@ pub fn contested(subject: Subject, plan: &MapPlan, stop: &AtomicBool) -> Vec<Con
             t_end_s: Some(benchmark.t_end),
             horizon_s: benchmark.horizon,
             n_events: Some(benchmark.n_events),
+            error: benchmark.no_longer.as_ref().map(ToString::to_string),
             ..empty(*accuracy)
         };
         let contest = Contest::new(&benchmark, *accuracy, rules, stop);

@@ -75,6 +75,26 @@ fn a_model_has_a_study_a_recommendation_and_a_map_over_two_of_its_parameters() {
 }
 
 #[test]
+fn a_map_tells_how_far_it_compares_where_no_method_comes_to_the_end() {
+    let scratch = Scratch::new();
+    // x = 1/(1/a − t).
+    let model = "name = \"blows up\"\nt_end = 2.0\n[parameters]\na = 1\nb = { value = 1, unit = \"1/s\" }\n\
+                 [states]\nx = { start = \"a\", scale = 1 }\n[rates]\nx = \"b*x^2\"\n[modes.only]\n";
+    std::fs::write(scratch.path("m.toml"), model).unwrap();
+    let sets = ["contest.methods=[\"rk45\"]", "contest.repeats=1", "regimes.accuracy=[1e-3]"];
+    let args =
+        ["regimes", "--model", "m.toml", "--out", "map", "--axis", "a=0.1,1", "--axis", "b=1"];
+    let told = scratch.succeed(&with_sets(&args, &sets)).stdout;
+    let rows = scratch.table("map/map.csv").rows;
+    assert_eq!([&rows[0]["t_end_s"], &rows[1]["t_end_s"]], ["2e0", "5e-1"]);
+    assert_eq!(rows[0]["error"], "");
+    assert!(rows[1]["error"].starts_with("no reference: "), "{}", rows[1]["error"]);
+    assert!(told.lines().any(|line| line.ends_with("| 2 |")), "{told}");
+    let sentence = "1, 1, 1e-3: compared to 0.5 s; beyond: no reference: ";
+    assert!(told.lines().any(|line| line.starts_with(sentence)), "{told}");
+}
+
+#[test]
 fn a_study_of_a_model_draws_its_states_and_calls_modes_by_their_names() {
     let (scratch, file) = with_model("thermostat");
     let sets = ["study.methods=[\"rk45\"]", "study.rtol=[1e-6]", "study.repeats=1"];

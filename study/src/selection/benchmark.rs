@@ -35,6 +35,8 @@ pub struct Benchmark {
     pub n_events: usize,
     /// The longest that a run may take [s].
     pub max_seconds: f64,
+    /// Why it is only a part of what was asked for, where no reference could be made of a longer one.
+    pub no_longer: Option<ReferenceError>,
 }
 
 /// The shortest time over which a subject must be predictable [s].
@@ -74,7 +76,16 @@ impl Benchmark {
             reference = Reference::new(&subject, t_end, &times, limits)?;
         }
         let (n_events, max_seconds) = (reference.n_events(), limits.max_seconds);
-        Ok(Self { subject, reference, times, t_end, horizon, n_events, max_seconds })
+        Ok(Self {
+            subject,
+            reference,
+            times,
+            t_end,
+            horizon,
+            n_events,
+            max_seconds,
+            no_longer: None,
+        })
     }
 
     /// The part of [`new`](Self::new) that has the first `most` events, up to a sample; all of it where there are no more.
@@ -86,7 +97,8 @@ impl Benchmark {
     ///
     /// Where the longer reference is lost before the end of a shorter one that was not, the shorter one is taken. The motion is
     /// predictable to its end: the method that showed it did not come to the end of the longer one within the limits, and two
-    /// runs of another method parted by their own noise. So too where there is no longer one.
+    /// runs of another method parted by their own noise. So too where there is no longer one, and [`no_longer`](Self::no_longer)
+    /// tells why.
     ///
     /// # Errors
     /// [`ReferenceError`] where there is no reference.
@@ -109,7 +121,12 @@ impl Benchmark {
             let first = match Self::new(subject.clone(), own_end, own, limits) {
                 Ok(first) => first,
                 Err(ReferenceError::Interrupted) => return Err(ReferenceError::Interrupted),
-                Err(error) => return longest.map(|own| own.with_first(most)).ok_or(error),
+                Err(error) => {
+                    return match longest {
+                        Some(own) => Ok(own.with_first_before(most, error)),
+                        None => Err(error),
+                    };
+                }
             };
             let is_lost_by = |t: f64| first.horizon.is_some_and(|horizon| horizon < t);
             if let Some(longest) = longest.take_if(|longest| is_lost_by(longest.t_end)) {
@@ -148,6 +165,12 @@ impl Benchmark {
             self.n_events = self.reference.n_events();
         }
         self
+    }
+
+    /// The same where there is no longer reference, for this reason; which does not matter where its first events are enough.
+    fn with_first_before(self, most: usize, no_longer: ReferenceError) -> Self {
+        let no_longer = self.end_of_first(most).is_none().then_some(no_longer);
+        Self { no_longer, ..self.with_first(most) }
     }
 
     /// The time that a run covers, its parts added [s].
