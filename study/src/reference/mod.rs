@@ -96,8 +96,6 @@ pub struct PartReference {
     pub lost_at: f64,
     /// The end of the run [s].
     pub t_end: f64,
-    /// The end of what is left of it: that of the run, but for a [cut](Reference::cut) [s].
-    pub cut_at: f64,
     /// State there.
     pub y_end: Vec<f64>,
     /// Scales of its errors.
@@ -110,7 +108,7 @@ pub struct PartReference {
     pub jumps: Vec<f64>,
     /// Whether its first event is the start's own.
     pub starts_on_surface: bool,
-    /// All events of its run, also those that runs are not compared by, and those after a [cut](Reference::cut).
+    /// All events of its run, also those that runs are not compared by.
     pub n_all_events: u64,
 }
 
@@ -218,19 +216,6 @@ impl Reference {
         Self { parts, summary }
     }
 
-    /// Leaves of its samples, events, nodes and contacts those up to `t_end` [s], and measures groups by the
-    /// largest length that is left; states at the end, balances and the summary stay those of the whole.
-    pub fn cut(&mut self, subject: &Subject, t_end: f64) {
-        let mut largest = Largest::default();
-        for (part, own) in subject.parts.iter().zip(&mut self.parts) {
-            own.cut(t_end);
-            part.measure(&own.samples, &mut largest);
-        }
-        for (part, own) in subject.parts.iter().zip(&mut self.parts) {
-            own.scale = part.error_scale(&largest);
-        }
-    }
-
     /// The first time at which a part is [lost](PartReference::lost_at) [s]; infinite where none is.
     pub fn lost_at(&self) -> f64 {
         self.parts.iter().fold(f64::INFINITY, |least, part| least.min(part.lost_at))
@@ -315,7 +300,6 @@ impl PartReference {
             lost_at,
             n_all_events: path.run.stats.n_events,
             t_end: path.run.t,
-            cut_at: path.run.t,
             y_end: path.run.y,
             scale,
             amplitude,
@@ -336,20 +320,6 @@ impl PartReference {
             horizon_s: own.horizon(),
             t_end_s: own.t_end,
             sites: part.sites.iter().zip(&own.sites).map(site).collect(),
-        }
-    }
-
-    fn cut(&mut self, t_end: f64) {
-        let n = self.times.partition_point(|t| *t <= t_end);
-        self.times.truncate(n);
-        self.samples.truncate(n);
-        self.cut_at = self.cut_at.min(t_end);
-        self.nodes.truncate(self.nodes.partition_point(|node| node.t <= t_end));
-        for site in &mut self.sites {
-            site.events.retain(|event| event.t <= t_end);
-            if let Some(contacts) = &mut site.contacts {
-                contacts.retain(|contact| contact.end <= t_end);
-            }
         }
     }
 
@@ -410,7 +380,7 @@ impl PartReference {
         let samples = Samples {
             times: &self.times,
             states: &self.samples,
-            jumps: Jumps { at: &self.jumps, t_end: self.cut_at },
+            jumps: Jumps { at: &self.jumps, t_end: self.t_end },
         };
         let pairs = samples.pairs(run.samples(), self.scale.event_window);
         pairs.filter(|(t, ..)| self.is_within(*t)).map(|(_, y, own)| (y, own))
@@ -441,9 +411,9 @@ impl PartReference {
         };
         let (own, reference) = (within(&run.changes[site]), within(&self.sites[site].events));
         // One that went on longer does not have what ended the reference.
-        let end = run.t_end.max(self.cut_at).min(self.lost_at);
+        let end = run.t_end.max(self.t_end).min(self.lost_at);
         let mut found = match_to_end(&own, &reference, (self.scale.event_window, end));
-        let late = run.t_end - self.cut_at;
+        let late = run.t_end - self.t_end;
         if site == 0 && late.abs() > self.scale.event_window && self.is_within(end) {
             found.missed += usize::from(late > 0.0);
             found.spurious += usize::from(late < 0.0);

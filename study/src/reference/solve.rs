@@ -27,7 +27,7 @@ use crate::warning::Warning;
 
 /// Changes with whatever changes results: what is kept on disk of a reference, a study or a map that is not
 /// finished is then made anew.
-pub const RECIPE: u32 = 20;
+pub const RECIPE: u32 = 21;
 
 /// Method and tolerance of the reference, and those of the run that tells its error.
 type Pair = [(&'static str, f64); 2];

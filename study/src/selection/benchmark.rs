@@ -91,9 +91,9 @@ impl Benchmark {
     /// The part of [`new`](Self::new) that has the first `most` events, up to a sample; all of it where there are no more.
     ///
     /// References are made of longer and longer parts of the time, until one is twice as long as those events take, or as
-    /// the horizon: a horizon beyond would not end the comparison earlier, and scales that are the largest value of a state
-    /// are then measured beyond what is compared. So a storm of events is not followed to the end of the run; a run with
-    /// fewer events is made about twice.
+    /// the horizon: a horizon beyond would not end the comparison earlier. So a storm of events is not followed to the end of
+    /// the run; a run with fewer events is made about twice. The one that judges is made of what is compared alone: how many
+    /// impacts are told apart before they accumulate depends on how long a run is.
     ///
     /// Where the longer reference is lost before the end of a shorter one that was not, the shorter one is taken. The motion is
     /// predictable to its end: the method that showed it did not come to the end of the longer one within the limits, and two
@@ -123,14 +123,14 @@ impl Benchmark {
                 Err(ReferenceError::Interrupted) => return Err(ReferenceError::Interrupted),
                 Err(error) => {
                     return match longest {
-                        Some(own) => Ok(own.with_first_before(most, error)),
+                        Some(own) => own.with_first_before(most, limits, error),
                         None => Err(error),
                     };
                 }
             };
             let is_lost_by = |t: f64| first.horizon.is_some_and(|horizon| horizon < t);
             if let Some(longest) = longest.take_if(|longest| is_lost_by(longest.t_end)) {
-                return Ok(longest.with_first(most));
+                return longest.with_first(most, limits);
             }
             let is_known = match first.horizon {
                 Some(horizon) => horizon <= 0.5 * own_end,
@@ -139,7 +139,7 @@ impl Benchmark {
                 None => first.end_of_first(most).is_some_and(|end| end <= 0.5 * own_end),
             };
             if is_whole || is_known {
-                return Ok(first.with_first(most));
+                return first.with_first(most, limits);
             }
             if first.horizon.is_none() && own_end >= least {
                 longest = Some(first);
@@ -157,20 +157,28 @@ impl Benchmark {
     }
 
     /// Its first part with the first `most` events, up to a sample; itself where it has no more.
-    fn with_first(mut self, most: usize) -> Self {
+    ///
+    /// # Errors
+    /// [`ReferenceError`] where there is no reference of that part.
+    fn with_first(mut self, most: usize, limits: Limits<'_>) -> Result<Self, ReferenceError> {
         if let Some(t_end) = self.end_of_first(most) {
             self.t_end = t_end;
             self.times.retain(|t| *t <= t_end);
-            self.reference.cut(&self.subject, t_end);
+            self.reference = Reference::new(&self.subject, t_end, &self.times, limits)?;
             self.n_events = self.reference.n_events();
         }
-        self
+        Ok(self)
     }
 
     /// The same where there is no longer reference, for this reason; which does not matter where its first events are enough.
-    fn with_first_before(self, most: usize, no_longer: ReferenceError) -> Self {
-        let no_longer = self.end_of_first(most).is_none().then_some(no_longer);
-        Self { no_longer, ..self.with_first(most) }
+    fn with_first_before(
+        mut self,
+        most: usize,
+        limits: Limits<'_>,
+        no_longer: ReferenceError,
+    ) -> Result<Self, ReferenceError> {
+        self.no_longer = self.end_of_first(most).is_none().then_some(no_longer);
+        self.with_first(most, limits)
     }
 
     /// The time that a run covers, its parts added [s].

@@ -96,28 +96,14 @@ fn the_reference_of_a_ball_between_walls_has_its_events_forces_and_energies() {
 }
 
 #[test]
-fn a_reference_that_is_cut_keeps_what_lies_before() {
+fn the_first_events_are_judged_by_a_reference_of_their_own_time() {
     let (subject, stop) = (Subject::of(WALLS), AtomicBool::new(false));
     let Plan { times, .. } = Plan::new(T_END);
-    let whole = Reference::new(&subject, T_END, &times, Limits::none(&stop)).unwrap();
-    let mut events: Vec<f64> = whole.parts[0].counted_events().map(|event| event.t).collect();
-    events.sort_by(f64::total_cmp);
-    // The second contact ends with the fourth event.
-    let sample_after = |event: f64| *times.iter().find(|t| **t > event).unwrap();
-    for (t_end, n_events, n_contacts) in
-        [(sample_after(events[1]), 2, 1), (events[2], 3, 1), (sample_after(events[3]), 4, 2)]
-    {
-        let mut cut = whole.clone();
-        cut.cut(&subject, t_end);
-        let part = &cut.parts[0];
-        assert_eq!((cut.n_events(), cut.n_all_events()), (n_events, whole.n_all_events()));
-        assert_eq!(part.times.len(), times.iter().filter(|t| **t <= t_end).count());
-        assert_eq!(part.samples.len(), part.times.len());
-        assert!(part.nodes.last().is_some_and(|node| node.t <= t_end));
-        let contacts = part.sites.iter().flat_map(|site| site.contacts.as_ref().unwrap());
-        assert_eq!(contacts.count(), n_contacts);
-        assert_eq!(part.y_end, whole.parts[0].y_end);
-    }
+    let limits = Limits::none(&stop);
+    let first = Benchmark::of_first(subject.clone(), T_END, times, limits, 3).unwrap();
+    assert!((3..6).contains(&first.n_events) && first.t_end < T_END, "{first:?}");
+    let own = Reference::new(&subject, first.t_end, &first.times, limits).unwrap();
+    assert!(first.reference == own);
 }
 
 #[test]
