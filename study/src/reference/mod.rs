@@ -100,7 +100,7 @@ pub struct PartReference {
     pub y_end: Vec<f64>,
     /// Scales of its errors.
     pub scale: ErrorScale,
-    /// Largest magnitude of each state over the nodes.
+    /// Largest magnitude of each state: at its start and over the nodes.
     pub amplitude: Vec<f64>,
     /// States between the samples.
     pub nodes: Vec<Node>,
@@ -282,7 +282,7 @@ fn joined_text<'a>(
 impl PartReference {
     fn new(part: &Part, solved: Solved, scale: ErrorScale, lost_at: f64) -> Self {
         let path = solved.path;
-        let mut amplitude = vec![0.0_f64; part.states.len()];
+        let mut amplitude: Vec<f64> = path.y_start.iter().map(|y| y.abs()).collect();
         for node in &path.nodes {
             for (largest, y) in amplitude.iter_mut().zip(&node.y) {
                 *largest = largest.max(y.abs());

@@ -82,6 +82,8 @@ fn differ_at(own: &Trace, other: &Trace, scale: &ErrorScale, most: f64) -> Optio
 /// One run of a part, and what a reference keeps of it.
 #[derive(Clone, Debug)]
 pub(crate) struct Path {
+    /// The state that it starts from.
+    pub(super) y_start: Vec<f64>,
     pub(super) run: PartRun,
     pub(super) trace: Trace,
     /// The counted events of each site, at the roots of their guards.
@@ -342,6 +344,7 @@ pub(crate) fn path<P: Problem>(
     let y0 = start.of(problem);
     let trajectory = Trajectory::on(Grid::Times(times.to_vec()));
     let account = Account::new(problem, maker.order(), Events::Located, &y0);
+    let y_start = y0.as_ref().to_vec();
     let mut watch = limits.watch(maker.price());
     let mut record = (
         ((trajectory, Braked(&mut watch)), Roots::new(problem, maker)),
@@ -367,6 +370,7 @@ pub(crate) fn path<P: Problem>(
             _ => ReferenceError::TooMuchWork { max_rhs: limits.max_rhs },
         }),
         Ok(_) => Ok(Path {
+            y_start,
             trace: Trace::of(problem, &trajectory, run.t),
             events: roots.changes,
             nodes: nodes.list,

@@ -122,6 +122,14 @@ fn the_study_of_each_problem_has_its_closed_form_and_its_events() {
     }
 }
 
+#[test]
+fn the_largest_magnitude_of_a_state_may_be_that_of_its_start() {
+    let (subject, stop) = (Subject::of(BALL), AtomicBool::new(false));
+    let plan = plan(&["rk45"], &[Events::Located], &[1e-8], &[], 1.2);
+    let reference = reference(&subject, &plan, &stop).unwrap();
+    assert_eq!(reference.parts[0].amplitude[0], BALL.height);
+}
+
 /// Fails where no row has a value in a column that is there for its values.
 fn assert_no_empty_column(name: &str, rows: &[Row]) {
     for column in shown(rows).iter().filter(|column| column.given != Given::Always) {
