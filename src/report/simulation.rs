@@ -58,7 +58,7 @@ pub fn events_csv(sites: &[&SiteMotion]) -> String {
 /// known.
 pub fn motion_csv(motion: &Motion) -> String {
     let first = &motion.zoom;
-    let mut header = vec!["part".to_owned()];
+    let mut header = vec!["shown".to_owned()];
     header.extend(label_names(first));
     header.extend(["t_s".to_owned(), "mode".to_owned()]);
     header.extend(first.columns.iter().map(header_field));
@@ -69,7 +69,7 @@ pub fn motion_csv(motion: &Motion) -> String {
     let mut csv = header.join(",") + "\n";
     let close =
         std::iter::once(("zoom", first)).chain(motion.detail.iter().map(|site| ("detail", site)));
-    for (part, site) in motion.sites.iter().map(|site| ("whole", site)).chain(close) {
+    for (shown, site) in motion.sites.iter().map(|site| ("whole", site)).chain(close) {
         let labels = labels(site);
         for (i, (t, mode, values)) in site.samples().enumerate() {
             let touch = site.touches.get(i).map(|(_, touch)| *touch);
@@ -77,7 +77,7 @@ pub fn motion_csv(motion: &Motion) -> String {
             let mut values: Vec<String> = values.iter().map(finite).collect();
             let more = [depth, force].into_iter().zip(adds).filter(|(_, adds)| *adds);
             values.extend(more.map(|(x, _)| x.as_ref().map_or_else(String::new, finite)));
-            let _ = writeln!(csv, "{part},{labels}{t:e},{},{}", field(mode), values.join(","));
+            let _ = writeln!(csv, "{shown},{labels}{t:e},{},{}", field(mode), values.join(","));
         }
     }
     csv

@@ -143,6 +143,17 @@ fn a_unit_with_a_comma_is_one_field_of_a_header() {
     }
 }
 
+#[test]
+fn no_two_columns_of_a_motion_have_one_name() {
+    let (scratch, file) = with_model("paper_joint");
+    let sets = ["study.methods=[\"rk45\"]", "study.rtol=[1e-6]", "run.t_end=0.01"];
+    scratch.succeed(&with_sets(&["study", "--model", &file, "--out", "out"], &sets));
+    let header = scratch.table("out/motion.csv").header;
+    assert_eq!(header[..2], ["shown", "part"]);
+    let distinct: std::collections::BTreeSet<&String> = header.iter().collect();
+    assert_eq!(distinct.len(), header.len(), "{header:?}");
+}
+
 /// A step that begins within rounding of such an event ends where it begins.
 #[test]
 fn events_at_times_that_fixed_steps_hit_have_a_study() {
