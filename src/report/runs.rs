@@ -17,7 +17,7 @@ pub fn study_csv(about: &About, table: &WorkPrecision) -> String {
     for row in &table.rows {
         let own = columns.iter().map(|column| match (column.value)(row) {
             Value::Text(text) => field(&text),
-            Value::Number(x) => exact(x),
+            Value::Number(x) => exact(x.filter(|x| !x.is_nan())),
             Value::Count(n) => n.map_or_else(String::new, |n| n.to_string()),
         });
         let leading = about.leading.iter().map(|(.., value)| field(value));

@@ -244,6 +244,5 @@ fn an_error_that_is_not_defined_is_a_dash_in_tables() {
     let [text, page] = ["out/study.md", "out/report.html"].map(|name| scratch.text(name));
     assert!(text.contains(" | ok | – | ") && !text.contains("NaN"), "{text}");
     assert!(!page.contains("e = NaN") && !page.contains(">NaN<"), "NaN in report.html");
-    // Files for programs keep the number that is none.
-    assert_eq!(scratch.table("out/study.csv").rows[0]["e"], "NaN");
+    assert_eq!(scratch.table("out/study.csv").rows[0]["e"], "");
 }
