@@ -127,7 +127,20 @@ fn ranking(answer: &Recommendation, first: &Entry) -> String {
     if entries.len() > SHOWN {
         let _ = writeln!(text, "and {} more", entries.len() - SHOWN);
     }
-    text + &halves
+    text + &of_work(&entries[..entries.len().min(SHOWN)]) + &halves
+}
+
+/// Which of these entries are in the order of their work, where some are; the others are in that of their time.
+fn of_work(entries: &[Entry]) -> String {
+    let untimed: Vec<String> = entries
+        .iter()
+        .filter(|entry| !entry.timed)
+        .map(|entry| format!("{} {}", entry.method, entry.events))
+        .collect();
+    if untimed.is_empty() {
+        return String::new();
+    }
+    wrapped(&format!("not timed in turns, in the order of work: {}", untimed.join(", ")), "  ")
 }
 
 fn milliseconds(time_s: f64) -> String {
@@ -158,6 +171,24 @@ fn wrapped(text: &str, indent: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn ranked(method: &str, timed: bool) -> Entry {
+        let entry = json!({
+            "method": method, "events": "located", "rtol": 1e-6, "step": null, "e": 1e-7,
+            "e_spread": [1e-7, 1e-7], "missed": 0, "spurious": 0, "implicit": true, "n_rhs": 10,
+            "n_accepted": 5, "mean_step_s": 0.1, "bound_by_stability": false, "work": 100.0,
+            "wall_s": 1e-3, "grazes": false, "timed": timed,
+        });
+        serde_json::from_value(entry).unwrap()
+    }
+
+    #[test]
+    fn those_that_are_not_in_the_order_of_time_are_named() {
+        let all = [ranked("dop853", true), ranked("rk43", false), ranked("radau5", false)];
+        assert_eq!(of_work(&all[..1]), "");
+        let told = "not timed in turns, in the order of work: rk43 located, radau5 located\n";
+        assert_eq!(of_work(&all), told);
+    }
 
     #[test]
     fn lines_are_wrapped_at_the_width_of_a_terminal() {
