@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 
 use deltazero_solvers::Method;
 
-use crate::part::{Part, Subject, counted};
+use crate::part::{Part, Subject};
 use crate::run::{Accuracy, Limits, ModeChange, Price, Setting};
 use crate::setting::Events;
 use crate::simulation::SiteMotion;
@@ -33,7 +33,7 @@ const SHORT: (f64, usize) = (1.0 / 50.0, 2);
 /// The motion of a subject.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
-    /// The whole run: the first site of each part.
+    /// The whole run: the first site of each part, without the event of a start on a surface.
     pub sites: Vec<SiteMotion>,
     /// The first of them around its first flight: the end of a contact, the flight, and the contact after it; around a
     /// stay in a mode that has a name, and some events more, if there is no flight; else the first part of the run.
@@ -68,7 +68,10 @@ impl Motion {
             Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(RTOL, None) };
         let run = |part: &Part, times: &[f64], t_end: f64| {
             let mut watch = limits.watch(Price::of_setting(&setting));
-            part.motion(&setting, times, t_end, &mut watch)
+            let mut site = part.motion(&setting, times, t_end, &mut watch)?;
+            let n_of_start = usize::from(part.starts_on_surface).min(site.changes.len());
+            site.changes.drain(..n_of_start);
+            Some(site)
         };
         let over = |t_end: f64| -> Vec<SiteMotion> {
             let spacing = t_end / f64::from(POINTS);
@@ -89,17 +92,16 @@ impl Motion {
         }
         let (part, first) = (subject.parts.first()?, sites.first()?);
         let changes: Vec<ModeChange> = first.changes.iter().map(|change| change.by_code).collect();
-        let changes = counted(&changes, part.starts_on_surface);
         let is_named = !part.modes.is_empty();
         let flight = if is_named {
-            flight_of_named(changes)
+            flight_of_named(&changes)
         } else {
-            first_flight(changes).or_else(|| first_flight(&sampled(first)))
+            first_flight(&changes).or_else(|| first_flight(&sampled(first)))
         };
-        let span = flight.or_else(|| typical_stay(changes)).filter(|_| is_named);
+        let span = flight.or_else(|| typical_stay(&changes)).filter(|_| is_named);
         let (from, to) = match (flight, span) {
             (Some(flight), _) => around(flight, t_end),
-            (None, Some(stay)) => with_more(stay, changes, t_end),
+            (None, Some(stay)) => with_more(stay, &changes, t_end),
             (None, None) => (0.0, FIRST_PART * t_end),
         };
         let stay = span.map(|span| Stay { span, modes: modes_in(first, span) });

@@ -165,6 +165,22 @@ fn events_at_times_that_fixed_steps_hit_have_a_study() {
 }
 
 #[test]
+fn the_event_of_a_start_is_no_event_of_a_figure() {
+    let scratch = Scratch::new();
+    let model = "name = \"starts on a surface\"\nt_end = 1.0\n\
+                 [parameters]\nr = { value = 1, unit = \"1/s\" }\n\
+                 [states]\nx = { start = 0, unit = \"m\", scale = 1 }\n\
+                 [modes.first]\nrates = { x = \"1\" }\nevents = [{ when = \"x > 0\", to = \"second\" }]\n\
+                 [modes.second]\nrates = { x = \"2\" }\nevents = [{ when = \"x > 0.5\", to = \"last\" }]\n\
+                 [modes.last]\nrates = { x = \"-r*x\" }\n";
+    std::fs::write(scratch.path("m.toml"), model).unwrap();
+    let sets = ["study.methods=[\"rk45\"]", "study.rtol=[1e-6]"];
+    scratch.succeed(&with_sets(&["study", "--model", "m.toml", "--out", "out"], &sets));
+    let text = scratch.text("out/study.md");
+    assert!(text.contains("Ticks: events, 1 in all."), "{text}");
+}
+
+#[test]
 fn a_parameter_is_set_as_a_key_is_and_the_printed_settings_read_back() {
     let (scratch, file) = with_model("mass_against_stop");
     let set = ["--set", "K=1e6", "--set", "parameters.zeta=0.2", "--set", "solver.rtol=1e-9"];
