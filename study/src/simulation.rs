@@ -5,12 +5,16 @@ use deltazero_solvers::{Error, Grid, Next, Sample, Stats, Switch, Trajectory, Wo
 use crate::account::Account;
 use crate::balance::Balance;
 use crate::digits::count_of;
+use crate::errors::contact_summary::ContactSummary;
 use crate::errors::contacts::Contact;
 use crate::problem::{Problem, Quantity, Touch, change, leading_site};
 use crate::run::{Brake, Braked, ModeChange, OwnRun, PartRun, Setting, integrate};
 use crate::stiffness::Stiffness;
 use crate::trace::OwnTrajectory;
 use crate::warning::{Code, Warning};
+
+/// A contact is not deep that has this part of the depth that its first rate would reach while it lasts.
+const UNSEEN_DEPTH: f64 = 1e-3;
 
 /// What a run of one part is asked for.
 pub struct Asked<'a> {
@@ -157,11 +161,13 @@ pub(crate) fn simulate<P: Problem>(
     }));
     let sites = motions(problem, &kept, problem.n_sites());
     warnings.extend(not_a_number(&sites));
+    let contacts = contacts.lists();
+    warnings.extend(contacts.iter().flat_map(|sites| wrong_signs(&sites.concat())));
     let on_surface = usize::from(problem.starts_on_surface());
     Simulation {
         n_events: sites.iter().map(|site| site.changes.len().saturating_sub(on_surface)).sum(),
         sites,
-        contacts: contacts.lists(),
+        contacts,
         n_at_speed_floor: kept.events.iter().filter(|event| at_floor(problem, event)).count(),
         balance: balance.at(&run.mode, run.t, &run.y),
         work: work.kinds,
@@ -172,6 +178,29 @@ pub(crate) fn simulate<P: Problem>(
         warnings,
         run: run.plain(),
     }
+}
+
+/// The warnings of contacts whose depth falls as they begin and never comes above rounding, or which pull on the whole.
+fn wrong_signs(contacts: &[Contact]) -> Vec<Warning> {
+    let all = ContactSummary::of(contacts.iter());
+    let mut messages = Vec::new();
+    if let (Some(rate), Some(deepest), Some(longest)) =
+        (all.largest_impact_speed_m_s, all.deepest_m, all.longest_s)
+        && deepest < -UNSEEN_DEPTH * rate * longest
+    {
+        messages.push(format!(
+            "contacts begin with a depth that falls, by {rate:.1e} m/s, and are {deepest:.1e} m deep at most: the depth is \
+             above zero in contact; look at its sign"
+        ));
+    }
+    if all.impulse_n_s < 0.0 {
+        messages.push(format!(
+            "contacts pull on the whole, their impulse is {:.1e} N s: the force is above zero where it presses; look at \
+             its sign",
+            all.impulse_n_s
+        ));
+    }
+    messages.into_iter().map(|message| Warning { code: Code::Contact, message }).collect()
 }
 
 /// The warnings of columns that are no number at a sample.
@@ -284,6 +313,26 @@ pub(crate) fn motion_with_touches<P: Problem>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn contacts_of_the_wrong_sign_are_told() {
+        let contact = |depth, impact_speed, impulse| Contact {
+            begin: 1.0,
+            end: 1.1,
+            impulse,
+            peak: 1.0,
+            peak_at: 1.0,
+            depth,
+            impact_speed: Some(impact_speed),
+        };
+        let told = |contact| wrong_signs(&[contact]).len();
+        assert_eq!(told(contact(1e-3, 0.1, 2.0)), 0);
+        // One that is laid down begins with a rate that is rounding.
+        assert_eq!(told(contact(1e-3, -1e-17, 2.0)), 0);
+        assert_eq!(told(contact(1e-16, -0.1, 2.0)), 1);
+        assert_eq!(told(contact(1e-3, 0.1, -2.0)), 1);
+        assert_eq!(wrong_signs(&[]), []);
+    }
 
     #[test]
     fn a_column_that_is_no_number_is_told_with_its_first_time() {

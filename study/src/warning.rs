@@ -26,6 +26,8 @@ pub enum Code {
     Dissipation,
     /// A contact deeper than its law holds for.
     Penetration,
+    /// A contact whose depth or force has the wrong sign.
+    Contact,
     /// A quantity computed from the states that is no number somewhere.
     NotANumber,
     /// A value that changes nothing.
@@ -53,6 +55,7 @@ impl Code {
             Self::Energy => "energy",
             Self::Dissipation => "dissipation",
             Self::Penetration => "penetration",
+            Self::Contact => "contact",
             Self::NotANumber => "not_a_number",
             Self::Unused => "unused",
             Self::Stiff => "stiff",

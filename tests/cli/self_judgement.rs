@@ -1,5 +1,6 @@
 //! What runs of models say against themselves, and what they must not.
 
+use deltazero_text::models::MODELS;
 use serde_json::Value;
 
 use super::Scratch;
@@ -18,6 +19,21 @@ fn simulated(model: &str, sets: &[&str]) -> Value {
 fn warned(run: &Value) -> Vec<&str> {
     let warnings = run["warnings"].as_array().unwrap();
     warnings.iter().map(|warning| warning["code"].as_str().unwrap()).collect()
+}
+
+#[test]
+fn a_contact_whose_depth_or_force_has_the_wrong_sign_is_told() {
+    let model = MODELS.iter().find(|model| model.name == "mass_against_stop").unwrap();
+    let with = |from: &str, to: &str| {
+        let text = model.text.replacen(from, to, 1);
+        assert!(from == to || text != model.text, "{from}");
+        let run = simulated(&text, &[]);
+        warned(&run).iter().filter(|code| **code == "contact").count()
+    };
+    let [depth, force] = ["depth = \"x\"", "force = \"F\""];
+    assert_eq!(with(depth, depth), 0);
+    assert_eq!(with(depth, "depth = \"-x\""), 1);
+    assert_eq!(with(force, "force = \"-F\""), 1);
 }
 
 /// Lorenz's system from (1, 1, 1), counted from there, or not.
