@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use deltazero::config::Config;
+use deltazero::config::{self, Config};
 use deltazero_text::models::{MODELS, Model};
 
-use super::{Failure, print, warn};
+use super::{Failure, print, say, warn};
 
 #[derive(Args)]
 pub(super) struct ModelArgs {
@@ -66,6 +66,7 @@ fn check(file: &Path) -> Result<(), Failure> {
     }
     print(&text)?;
     warn(&mechanism.warnings(&config), false);
+    config::Model::read(file)?.leftovers().iter().for_each(|warning| say(warning));
     Ok(())
 }
 

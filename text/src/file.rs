@@ -10,6 +10,7 @@ use crate::declarations::{Declarations, PartDeclaration, declarations};
 use crate::dimensions::{check_units, contact_units, unread_units};
 use crate::document::not_toml;
 use crate::groups::check_groups;
+use crate::leftovers::leftovers;
 use crate::names::Names;
 use crate::report::{Checked, Complaint, Report, Source, Span};
 use crate::shape::parameters_of_shape;
@@ -148,6 +149,12 @@ impl ModelFile {
     /// What is not wrong but should be looked at.
     pub fn warnings(&self) -> Vec<Report> {
         self.warnings.iter().map(|warning| self.source.warning(warning.clone())).collect()
+    }
+
+    /// What the file declares and does not use, as warnings: parameters, discrete values, modes.
+    pub fn leftovers(&self) -> Vec<Report> {
+        let all = leftovers(&self.file).into_iter();
+        all.map(|warning| self.source.warning(warning)).collect()
     }
 
     /// What is wrong with a setting of the program that stands on a line of the file, counted from 1: at the last of the `words`

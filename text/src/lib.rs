@@ -73,6 +73,7 @@ mod graph;
 mod groups;
 mod jacobian;
 mod layout;
+mod leftovers;
 #[cfg(feature = "machine-code")]
 mod machine;
 #[cfg(not(feature = "machine-code"))]

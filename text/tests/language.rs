@@ -52,6 +52,30 @@ fn a_line_is_shown_at_its_value_though_its_key_holds_the_same_signs() {
 }
 
 #[test]
+fn what_is_declared_and_not_used_is_told() {
+    let file = file(
+        "[parameters]\nk = 1\nl = 1\nm = 1\n[states]\nx = { start = \"m\" }\n[discrete]\nn = 0\nf = 0\n\
+         [modes.a]\nrates = { x = \"k + n + f\" }\n\
+         events = [{ when = \"x > 1\", set = { n = \"n + 1\" }, rest = { to = \"b\" } }]\n\
+         [modes.b]\nrates = { x = 0 }\n\
+         [modes.c]\nrates = { x = 0 }\nevents = [{ when = \"x > 1\", to = \"d\" }]\n\
+         [modes.d]\nrates = { x = 0 }\n",
+    );
+    let leftovers = file.leftovers();
+    let told: Vec<&str> = leftovers.iter().map(deltazero_text::Report::message).collect();
+    let leads = "no event leads from the first mode to the mode";
+    assert_eq!(
+        told,
+        [
+            "no formula has the parameter `l`",
+            "no event sets the discrete value `f`",
+            &format!("{leads} `c`"),
+            &format!("{leads} `d`"),
+        ]
+    );
+}
+
+#[test]
 fn a_row_of_masses_is_what_it_says() {
     let model = model(ROW);
     assert_eq!((model.dim(), model.n_guards()), (12, 6));

@@ -40,6 +40,11 @@ impl Model {
         Ok(Self { file: Arc::new(file), text: text.into() })
     }
 
+    /// What the file declares and does not use, as warnings.
+    pub fn leftovers(&self) -> Vec<String> {
+        self.file.leftovers().iter().map(ToString::to_string).collect()
+    }
+
     /// The same file by another name in messages.
     pub fn renamed(&self, name: &str) -> Self {
         Self { file: Arc::new(self.file.renamed(name)), text: Arc::clone(&self.text) }
