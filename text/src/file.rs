@@ -1,5 +1,7 @@
 //! A checked file: what the crate's users hold.
 
+use std::path::Path;
+
 use toml::de::DeTable;
 
 use deltazero_study::{Part, Subject};
@@ -111,9 +113,10 @@ impl ModelFile {
         Ok(checked)
     }
 
-    /// The name of the model; empty where the file gives none.
+    /// The name of the model; that of its file, without folder and ending, where the file gives none.
     pub fn name(&self) -> &str {
-        &self.file.name
+        let of_file = || Path::new(&*self.source.name).file_stem()?.to_str();
+        if self.file.name.is_empty() { of_file().unwrap_or_default() } else { &self.file.name }
     }
 
     /// What messages call the file.

@@ -8,8 +8,8 @@ use deltazero_solvers::contracts::check;
 use deltazero_solvers::{Control, Integration, Method, Next, Outcome, System, Tolerance};
 use deltazero_study::Problem;
 use deltazero_study::problem::Role;
-use deltazero_text::TextModel;
 use deltazero_text::models::MODELS;
+use deltazero_text::{ModelFile, TextModel};
 use num_dual::Dual64;
 
 /// Masses in a row between springs, the last of which hits a stop and is pushed.
@@ -33,6 +33,15 @@ fn guards_that_depend_on_neighbours_are_differentiated_many_at_once() {
     // Fifty carts, each impact of two that follow each other.
     assert_eq!((carts.dim(), carts.guard_span()), (100, 2));
     assert_eq!((ball.dim(), ball.guard_span()), (2, 1));
+}
+
+#[test]
+fn a_model_without_a_name_has_that_of_its_file() {
+    let text = "[states]\nx = 1\n[modes.one]\nrates = { x = 0 }\n";
+    let name =
+        |text: &str| ModelFile::parse("models/my drop.toml", text).unwrap().name().to_owned();
+    assert_eq!(name(text), "my drop");
+    assert_eq!(name(&format!("name = \"drop\"\n{text}")), "drop");
 }
 
 #[test]
