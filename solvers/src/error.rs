@@ -131,9 +131,7 @@ pub enum Error {
         cure: &'static str,
     },
     /// Events accumulate at a time for which the model gives no limiting mode.
-    #[error(
-        "{n} events within {span:e} before t = {t} in mode {mode}: they accumulate; give the model the mode that they tend to, or tighten the tolerance if they are spurious"
-    )]
+    #[error("{n} events within {span:e} before t = {t} in mode {mode}: {}", why_so_many(*.span, *.t))]
     EventStorm {
         /// Time of the last event.
         t: f64,
@@ -241,4 +239,31 @@ pub enum Error {
         /// Why.
         doubt: Doubt,
     },
+}
+
+/// What events within a time `span` before `t` tell, and the way out.
+fn why_so_many(span: f64, t: f64) -> &'static str {
+    if span <= f64::EPSILON * t.abs() {
+        "the condition of an event holds again right after it; after an event no condition of the new mode may hold: change it, or the state"
+    } else {
+        "they accumulate; give the model the mode that they tend to, or tighten the tolerance if they are spurious"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn events_that_take_no_time_do_not_tend_to_a_mode() {
+        let told =
+            |span| Error::EventStorm { t: 0.5, n: 100, span, mode: "slip".to_owned() }.to_string();
+        let at_once = "100 events within 0e0 before t = 0.5 in mode slip: the condition of an event holds again";
+        assert!(told(0.0).starts_with(at_once), "{}", told(0.0));
+        assert!(
+            told(1e-12).contains("they accumulate; give the model the mode"),
+            "{}",
+            told(1e-12)
+        );
+    }
 }
