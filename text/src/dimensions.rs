@@ -24,7 +24,7 @@ use crate::document::At;
 use crate::expression::{Comparison, Expression, Kind, Operator};
 use crate::names::{Meaning, Names};
 use crate::report::{Checked, Complaint, Span};
-use crate::units::Unit;
+use crate::units::{Unit, way_out};
 
 /// Formulas within each other that are looked through.
 const DEEPEST: usize = 300;
@@ -72,8 +72,7 @@ pub(crate) fn unread_units(file: &Declarations) -> impl Iterator<Item = Complain
     let unread = units(file).filter(|unit| Unit::parse(&unit.value).is_none());
     unread.map(|At { value, span }| {
         let message = format!("the unit `{value}` is not read, and nothing is checked with it");
-        Complaint::new(*span, message)
-            .help("a product has spaces, one `/` stands before a symbol or parentheses: `N s/m`, `J/(kg K)`")
+        Complaint::new(*span, message).help(way_out(value))
     })
 }
 

@@ -146,6 +146,36 @@ fn is_close(a: f64, b: f64) -> bool {
     (a - b).abs() <= CLOSE
 }
 
+/// The way out for a unit that is not read.
+pub(crate) fn way_out(text: &str) -> String {
+    let words = text.split([' ', '/', '(', ')', '·', '*']).filter(|word| !word.is_empty());
+    let mut symbols = words.map(|word| word.split(['^', '²', '³']).next().unwrap_or_default());
+    let Some(unknown) = symbols.find(|symbol| of_symbol(symbol).is_none()) else {
+        return "a product has spaces, one `/` stands before a symbol or parentheses: `N s/m`, \
+                `J/(kg K)`"
+            .to_owned();
+    };
+    let mut pairs = unknown.char_indices().skip(1).map(|(at, _)| unknown.split_at(at));
+    if let Some((a, b)) = pairs.find(|(a, b)| of_symbol(a).is_some() && of_symbol(b).is_some()) {
+        return format!("a product has spaces: `{a} {b}`");
+    }
+    if let Some(near) = all_symbols().find(|known| known.eq_ignore_ascii_case(unknown)) {
+        return format!("`{unknown}` is no unit; did you mean `{near}`?");
+    }
+    let [with, without] = [SYMBOLS, OTHERS]
+        .map(|table| table.iter().map(|(symbol, ..)| *symbol).collect::<Vec<_>>().join(", "));
+    format!("`{unknown}` is no unit; known are {with}, also with a prefix, and {without}")
+}
+
+/// Every symbol, plain and with each prefix.
+fn all_symbols() -> impl Iterator<Item = String> {
+    let plain = OTHERS.iter().chain(SYMBOLS).map(|(symbol, ..)| (*symbol).to_owned());
+    let with = |(prefix, _): &'static (&str, f64)| {
+        SYMBOLS.iter().map(move |(symbol, ..)| format!("{prefix}{symbol}"))
+    };
+    plain.chain(PREFIXES.iter().flat_map(with))
+}
+
 fn product(text: &str) -> Option<Unit> {
     text.split_whitespace().try_fold(Unit::ONE, |unit, word| {
         let (symbol, power) = match word.split_once('^') {

@@ -460,11 +460,20 @@ fn each_column_has_a_name_of_its_own() {
 
 #[test]
 fn units_that_are_not_read_are_warned_of() {
-    for unit in ["m/s/s", "Nm", "xyz", "kg/m s"] {
+    let form = "a product has spaces, one `/` stands before a symbol or parentheses: ";
+    for (unit, way_out) in [
+        ("m/s/s", form),
+        ("kg/m s", form),
+        ("Nm", "a product has spaces: `N m`"),
+        ("m/KG", "`KG` is no unit; did you mean `kg`?"),
+        ("lb^2", "`lb` is no unit; known are m, g, s, "),
+    ] {
         let text = BALL.replace("x = 1", &format!("x = {{ start = 1, unit = \"{unit}\" }}"));
         let warnings = file(&text).warnings();
         assert_eq!(&text[warnings[0].span()], format!("\"{unit}\""));
         assert!(warnings[0].message().starts_with(&format!("the unit `{unit}` is not read")));
+        let told = warnings[0].to_string();
+        assert!(told.contains(&format!("help: {way_out}")), "{told}");
     }
 }
 
