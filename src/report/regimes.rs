@@ -453,6 +453,16 @@ mod tests {
     }
 
     #[test]
+    fn each_column_of_a_contest_is_explained() {
+        let page = include_str!("../../docs/results.md");
+        let table =
+            &page[page.find("### `regimes.csv`").unwrap()..page.find("## Warnings").unwrap()];
+        for column in CONTEST.split(',') {
+            assert!(table.contains(&format!("`{column}`")), "{column}");
+        }
+    }
+
+    #[test]
     fn why_no_explicit_method_arrives_is_told_by_its_failures() {
         use FailureKind::{Cut, EventsWrong};
         let told = |failures: &[(FailureKind, Events)]| implicit(&[&cell(failures)]);
