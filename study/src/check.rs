@@ -3,8 +3,10 @@
 mod error;
 
 use std::fmt::Debug;
+use std::ops::ControlFlow;
 
 use deltazero_solvers::contracts::Checked;
+use deltazero_solvers::{Accepted, Event, Needs, Next, Record};
 pub use error::ProblemError;
 
 use crate::problem::{GroupScale, Problem};
@@ -19,6 +21,44 @@ pub(crate) fn check<P: Problem>(problem: &P) -> Result<(), ProblemError> {
     columns(problem, &mode, &y)?;
     forces(problem, &mode, &y)?;
     energies(problem, &mode, &y)
+}
+
+/// The modes that a run enters, each with what the problem says in it.
+pub(crate) struct Entered<'a, P> {
+    problem: &'a P,
+    /// The first mode in which it does not fit together.
+    pub(crate) refused: Option<ProblemError>,
+}
+
+impl<'a, P: Problem> Entered<'a, P> {
+    /// No mode yet but that of the start, which is [checked](check) before.
+    pub(crate) fn new(problem: &'a P) -> Self {
+        Self { problem, refused: None }
+    }
+}
+
+impl<P: Problem> Record<P> for Entered<'_, P> {
+    fn step(&mut self, _: &Accepted<'_, P>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
+        let Next::Mode(mode) = &event.after else { return ControlFlow::Continue(()) };
+        let said = sites(self.problem, mode)
+            .and_then(|()| rows(self.problem, mode, event.t, event.y).map(|_| ()));
+        match said {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                let (t, mode, error) = (event.t, format!("{mode:?}"), Box::new(error));
+                self.refused = Some(ProblemError::InMode { t, mode, error });
+                ControlFlow::Break(())
+            }
+        }
+    }
+
+    fn needs(&self, _t0: f64, _t1: f64) -> Needs {
+        Needs::Nothing
+    }
 }
 
 /// Whether a run can end at `t_end` [s].
@@ -80,22 +120,34 @@ fn sites<P: Problem>(problem: &P, mode: &P::Mode) -> Result<(), ProblemError> {
     Ok(())
 }
 
-/// States and observables as a table of the motion has them.
-fn columns<P: Problem>(problem: &P, mode: &P::Mode, y: &P::State<f64>) -> Result<(), ProblemError> {
+/// The values of each site as a table of the motion has them, one for each column.
+fn rows<P: Problem>(
+    problem: &P,
+    mode: &P::Mode,
+    t: f64,
+    y: &P::State<f64>,
+) -> Result<Vec<Vec<f64>>, ProblemError> {
     let n_sites = problem.n_sites();
-    let mut rows = Vec::new();
-    problem.rows(mode, 0.0, y, &mut |site, values| rows.push((site, values.to_vec())));
-    if let Some((site, _)) = rows.iter().find(|(site, _)| *site >= n_sites) {
-        return Err(ProblemError::Site { item: "a row".to_owned(), site: *site, n_sites });
+    let (mut rows, mut beyond) = (vec![Vec::new(); n_sites], None);
+    problem.rows(mode, t, y, &mut |site, values| match rows.get_mut(site) {
+        Some(row) => row.extend_from_slice(values),
+        None => beyond = Some(site),
+    });
+    if let Some(site) = beyond {
+        return Err(ProblemError::Site { item: "a row".to_owned(), site, n_sites });
     }
-    for site in 0..n_sites {
-        let columns = problem.columns(site);
-        let mut own = rows.iter().filter(|(of, _)| *of == site).flat_map(|(_, values)| values);
-        let (named, given) = (columns.len(), own.clone().count());
+    for (site, row) in rows.iter().enumerate() {
+        let (named, given) = (problem.columns(site).len(), row.len());
         if named != given {
             return Err(ProblemError::ColumnsDiffer { site, named, given });
         }
-        for (column, value) in columns.iter().zip(&mut own) {
+    }
+    Ok(rows)
+}
+
+fn columns<P: Problem>(problem: &P, mode: &P::Mode, y: &P::State<f64>) -> Result<(), ProblemError> {
+    for (site, row) in rows(problem, mode, 0.0, y)?.iter().enumerate() {
+        for (column, value) in problem.columns(site).iter().zip(row) {
             finite(format!("column {} of site {site}", column.name), *value)?;
         }
     }

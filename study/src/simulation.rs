@@ -93,6 +93,15 @@ impl SiteMotion {
         stays
     }
 
+    /// Ends a sample whose values were added. Where there are more or fewer than columns, none of them is a number.
+    fn end_sample(&mut self) {
+        let (n, width) = (self.mode_of.len(), self.columns.len());
+        if self.values.len() != n * width {
+            self.values.truncate((n - 1) * width);
+            self.values.resize(n * width, f64::NAN);
+        }
+    }
+
     /// The place of the name of a mode.
     fn place(&mut self, name: String) -> u32 {
         let place = self.modes.iter().rposition(|known| *known == name).unwrap_or_else(|| {
@@ -280,6 +289,7 @@ fn motions<P: Problem>(problem: &P, run: &OwnTrajectory<P>, most: usize) -> Vec<
                 site.values.extend_from_slice(values);
             }
         });
+        sites.iter_mut().for_each(SiteMotion::end_sample);
     }
     for Switch { t, guard, before, after } in &run.events {
         if let (Some((k, by_code)), Next::Mode(after)) =
@@ -334,9 +344,9 @@ mod tests {
         assert_eq!(wrong_signs(&[]), []);
     }
 
-    #[test]
-    fn a_column_that_is_no_number_is_told_with_its_first_time() {
-        let site = |q: [f64; 3]| SiteMotion {
+    /// Three samples of two columns, of which the second is `q`.
+    fn site(q: [f64; 3]) -> SiteMotion {
+        SiteMotion {
             name: String::new(),
             labels: Vec::new(),
             columns: ["x", "q"].map(|name| Quantity::new(name, "", 1.0)).to_vec(),
@@ -346,7 +356,23 @@ mod tests {
             values: q.into_iter().flat_map(|q| [1.0, q]).collect(),
             touches: Vec::new(),
             changes: Vec::new(),
-        };
+        }
+    }
+
+    #[test]
+    fn a_sample_of_more_or_fewer_values_than_columns_shifts_no_other() {
+        for n in [5, 7] {
+            let mut site = site([4.0, 5.0, 6.0]);
+            site.values.resize(n, 7.0);
+            site.end_sample();
+            let values: Vec<_> = site.samples().map(|(.., values)| values.to_vec()).collect();
+            assert_eq!(values[..2], [[1.0, 4.0], [1.0, 5.0]]);
+            assert!(values[2].iter().all(|value| value.is_nan()), "{values:?}");
+        }
+    }
+
+    #[test]
+    fn a_column_that_is_no_number_is_told_with_its_first_time() {
         assert_eq!(not_a_number(&[site([0.0, 1.0, 2.0])]), []);
         let told = |q| not_a_number(&[site(q)]).remove(0).message;
         let [once, twice, always] =

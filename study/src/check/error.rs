@@ -65,7 +65,7 @@ pub enum ProblemError {
         site: usize,
         /// Columns.
         named: usize,
-        /// Values at the start.
+        /// Values.
         given: usize,
     },
     /// A number at the start is none.
@@ -103,6 +103,16 @@ pub enum ProblemError {
         site: usize,
         /// A site without at the start.
         silent: usize,
+    },
+    /// What it says in a later mode does not fit together.
+    #[error("in mode {mode}, met at t = {t} s: {error}")]
+    InMode {
+        /// When the mode was met [s].
+        t: f64,
+        /// The mode.
+        mode: String,
+        /// What does not.
+        error: Box<Self>,
     },
     /// The model does not keep what it promises so that it runs faster.
     #[error("in mode {mode}, at t = {t} s: {breach}")]

@@ -13,7 +13,7 @@ use num_dual::Dual64;
 use super::ReferenceError;
 use crate::account::Account;
 use crate::balance::Balance;
-use crate::check::check_contracts;
+use crate::check::{Entered, check_contracts};
 use crate::errors::contacts::Contact;
 use crate::errors::dense::{Node, Nodes};
 use crate::errors::{ErrorScale, Largest, match_to_end, worse};
@@ -348,10 +348,12 @@ pub(crate) fn path<P: Problem>(
     let mut watch = limits.watch(maker.price());
     let mut record = (
         ((trajectory, Braked(&mut watch)), Roots::new(problem, maker)),
-        ((Nodes::new(problem.n_sites()), account), Checked::new(problem)),
+        ((Nodes::new(problem.n_sites()), account), (Checked::new(problem), Entered::new(problem))),
     );
     let run = maker.run(problem, y0, t_end, &mut record);
-    let (((trajectory, _), roots), ((nodes, Account { balance, contacts }), checked)) = record;
+    let (((trajectory, _), roots), ((nodes, Account { balance, contacts }), (checked, entered))) =
+        record;
+    entered.refused.map_or(Ok(()), Err)?;
     check_contracts(&checked)?;
     if let Some(contradiction) = contacts.contradiction() {
         return Err(contradiction.clone().into());

@@ -21,10 +21,19 @@ struct Faller {
     tells_forces: bool,
     /// Whether the push of the pad has no derivative.
     takes_value: bool,
+    /// The site of its guard in a mode, and the numbers of its row there.
+    site: fn(Mode) -> usize,
+    row: fn(Mode) -> &'static [f64],
 }
 
 /// One that does not contradict itself.
-const FALLER: Faller = Faller { gives: |_| true, tells_forces: true, takes_value: false };
+const FALLER: Faller = Faller {
+    gives: |_| true,
+    tells_forces: true,
+    takes_value: false,
+    site: |_| 0,
+    row: |_| &[0.0; 2],
+};
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Mode {
@@ -81,6 +90,14 @@ impl Problem for Faller {
 
     fn states(&self) -> Vec<Quantity> {
         vec![Quantity::new("x", "m", 0.05), Quantity::new("v", "m/s", 1.0)]
+    }
+
+    fn site_of_guard(&self, mode: &Mode, _guard: usize) -> usize {
+        (self.site)(*mode)
+    }
+
+    fn rows(&self, mode: &Mode, _t: f64, _y: &[f64; 2], row: &mut dyn FnMut(usize, &[f64])) {
+        row(0, (self.row)(*mode));
     }
 
     fn role(&self, mode: &Mode, _site: usize) -> Role {
@@ -151,4 +168,19 @@ fn a_number_without_a_derivative_is_refused_in_the_first_such_mode_that_is_met()
     let Some(ProblemError::Contract { t, mode, breach }) = error else { panic!("{error:?}") };
     assert!(mode == "OnPad" && t > 0.1, "{mode} {t}");
     assert!(matches!(*breach, Breach::Value { state: 1, .. }), "{breach}");
+}
+
+#[test]
+fn a_later_mode_of_another_shape_is_refused_where_it_is_met() {
+    let refused = |problem, what: &str| {
+        let error = refusal(problem, 0.3).unwrap();
+        let ProblemError::InMode { t, mode, error } = error else { panic!("{error}") };
+        assert!(mode == "OnPad" && (t - 0.1).abs() < 1e-9, "{mode} {t}");
+        assert!(error.to_string().contains(what), "{error}");
+    };
+    let row = |row| Faller { row, ..FALLER };
+    refused(row(|mode| if mode == Mode::OnPad { &[0.0; 3] } else { &[0.0; 2] }), "3 values");
+    refused(row(|mode| if mode == Mode::OnPad { &[0.0; 1] } else { &[0.0; 2] }), "1 values");
+    let site = |mode| if mode == Mode::OnPad { 5 } else { 0 };
+    refused(Faller { site, ..FALLER }, "guard 0 is of site 5");
 }
