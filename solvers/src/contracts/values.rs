@@ -165,12 +165,12 @@ impl<P: System> Place<'_, P> {
             terms: vector(&|f| f.eps.abs()),
             sizes: vector(&|f| f.re.abs() + (f.eps * self.t).abs()),
         };
-        for j in 0..n {
+        for (j, (y, first)) in y.iter().zip(first.as_ref()).enumerate() {
             for (i, f) in seeded(j).as_ref().iter().enumerate() {
-                let term = f.eps * first.as_ref()[j];
+                let term = f.eps * first;
                 changes.derivative.as_mut()[i] += term;
                 changes.terms.as_mut()[i] += term.abs();
-                changes.sizes.as_mut()[i] += (f.eps * y[j]).abs();
+                changes.sizes.as_mut()[i] += (f.eps * y).abs();
             }
         }
         changes
