@@ -125,7 +125,7 @@ pub(super) fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(begun) = begun.filter(|begun| !args.to.force && begun["hash"] != hash) {
         return Err(another(&dir, &begun, &identity));
     }
-    warn(&sweep.config().mechanism.warnings(sweep.config()), args.to.quiet);
+    warn(&sweep.config().warnings(), args.to.quiet);
     let output = match args.shard {
         Some(shard) => Output::open_part(&dir, hash, &shard.name())?,
         None => Output::open(&dir, hash, args.to.force)?,

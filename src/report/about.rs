@@ -35,11 +35,7 @@ impl About {
             subject: mechanism.title(config),
             lead: format!("{}{QUESTION}", sentence(mechanism.lead())),
             facts: mechanism.facts(config),
-            warnings: mechanism
-                .warnings(config)
-                .into_iter()
-                .map(|warning| warning.message)
-                .collect(),
+            warnings: config.warnings().into_iter().map(|warning| warning.message).collect(),
             leading: mechanism.leading(config),
             redo: redo(config),
         }

@@ -66,7 +66,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// How far a run goes that this one is compared with [s]: beyond an event that ends this one alone.
+    /// The end of runs that this one is compared with [s]: that asked for where an event ended this one, as they may lack that event.
     fn end(&self) -> f64 {
         if self.is_stopped { self.t_end } else { self.reached }
     }
@@ -211,7 +211,7 @@ impl<'a> Pairs<'a> {
             };
             let mut bound = Bound { setting, most: f64::INFINITY, stop };
             let (run, trace) =
-                pair.part.run(setting, Start::Exact, span.reached, &pair.grid, &mut bound);
+                pair.part.run(setting, Start::Exact, span.end(), &pair.grid, &mut bound);
             let Some(own) = pair.error(&trace, until, &largest) else { return unknown };
             e = worse(e, own);
             has_events &= tight.warning(subject, i, &trace.changes, end_of(&run)).is_none();

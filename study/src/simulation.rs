@@ -198,8 +198,9 @@ fn wrong_signs(contacts: &[Contact]) -> Vec<Warning> {
         && deepest < -UNSEEN_DEPTH * rate * longest
     {
         messages.push(format!(
-            "contacts begin with a depth that falls, by {rate:.1e} m/s, and are {deepest:.1e} m deep at most: the depth is \
-             above zero in contact; look at its sign"
+            "contacts begin with a depth that falls, by {:.1e} m/s, and are {deepest:.1e} m deep at most: the depth is \
+             above zero in contact; look at its sign",
+            -rate
         ));
     }
     if all.impulse_n_s < 0.0 {

@@ -360,8 +360,8 @@ fn figures_without_data_are_left_out_of_a_study() {
 /// The figure of error against tolerance.
 fn tolerance(table: &WorkPrecision) -> Drawing {
     let steps = StepTables { proportionality: proportionality(table), ..StepTables::default() };
-    let drawings = figures::of_study(table, &steps, None, &[], None).into_iter();
-    drawings.filter(|drawing| drawing.name == "tolerance").last().unwrap()
+    let mut drawings = figures::of_study(table, &steps, None, &[], None).into_iter();
+    drawings.find(|drawing| drawing.name == "tolerance").unwrap()
 }
 
 #[test]

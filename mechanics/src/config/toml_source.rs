@@ -119,7 +119,8 @@ impl<'a> Source<'a> {
             let key = excerpt(self.text.get(span.clone()).unwrap_or_default());
             message = format!("{key} stands here a second time; leave one of the two out");
         } else if message.starts_with("string values must be quoted")
-            || message.starts_with("invalid")
+            || message.starts_with("invalid float")
+            || message.starts_with("invalid exponent")
         {
             message += "; a number has no unit beside it, as in 1.5e8, and a word stands in quotes";
         }

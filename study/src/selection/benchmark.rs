@@ -153,19 +153,25 @@ impl Benchmark {
         let mut at: Vec<f64> = events.map(|event| event.t).collect();
         at.sort_by(f64::total_cmp);
         let last = at.get(most)?;
-        self.times.iter().find(|t| *t >= last).copied()
+        self.times.iter().find(|t| *t >= last).copied().filter(|t| *t < self.t_end)
     }
 
-    /// Its first part with the first `most` events, up to a sample; itself where it has no more.
+    /// Its first part with the first `most` events, up to a sample; itself where it has no more, or that part has no reference.
     ///
     /// # Errors
-    /// [`ReferenceError`] where there is no reference of that part.
+    /// [`ReferenceError::Interrupted`].
     fn with_first(mut self, most: usize, limits: Limits<'_>) -> Result<Self, ReferenceError> {
         if let Some(t_end) = self.end_of_first(most) {
-            self.t_end = t_end;
-            self.times.retain(|t| *t <= t_end);
-            self.reference = Reference::new(&self.subject, t_end, &self.times, limits)?;
-            self.n_events = self.reference.n_events();
+            let times: Vec<f64> = self.times.iter().copied().filter(|t| *t <= t_end).collect();
+            match Reference::new(&self.subject, t_end, &times, limits) {
+                Ok(reference) => {
+                    (self.n_events, self.reference) = (reference.n_events(), reference);
+                    (self.t_end, self.times) = (t_end, times);
+                }
+                Err(ReferenceError::Interrupted) => return Err(ReferenceError::Interrupted),
+                // The whole has one.
+                Err(_) => {}
+            }
         }
         Ok(self)
     }

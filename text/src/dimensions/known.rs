@@ -82,7 +82,7 @@ impl Known {
         let ratio = a.factor_over(b).filter(|ratio| *ratio != 1.0)?;
         let number = n / m;
         let off = |from: f64| libm::log(number / from).abs();
-        (number != 1.0 && off(ratio) > off(1.0)).then(|| {
+        (off(ratio) > off(1.0)).then(|| {
             let [number, ratio] = [number, ratio].map(|x| in_short(rounded_to(x, 6)));
             let message = format!(
                 "a factor of {ratio} converts one side to the unit of the other, and the numbers here make {number}"

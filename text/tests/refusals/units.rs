@@ -204,7 +204,13 @@ fn a_number_far_from_the_factor_that_converts_is_warned_of() {
     for right in ["2*w/t", "1000*w/t", "F/m + 2*w/t", "v/t*sin(2*phi)"] {
         assert!(warned(right).contains("the numbers here make"), "{right}: {}", warned(right));
     }
-    let conditions = [("x > 2*w*t", 1), ("x > 0.002*w*t", 0), ("w > 2*v", 1), ("2000*v < w", 0)];
+    let conditions = [
+        ("x > 2*w*t", 1),
+        ("x > 0.002*w*t", 0),
+        ("w > 2*v", 1),
+        ("2000*v < w", 0),
+        ("2*v < 2*w", 1),
+    ];
     for (when, n) in conditions {
         let tables = format!("[[modes.a.events]]\nwhen = \"{when}\"\nto = \"a\"\n");
         assert_eq!(file(&with_units("v = 0", &tables)).warnings().len(), n, "{when}");
