@@ -63,7 +63,7 @@ impl Fonts {
         lines
     }
 
-    /// Names of places along an axis, none longer than half the plot area is deep: of a third of both.
+    /// Names of places along an axis, each at most half as long as the plot area is deep, so that it takes a third of both together.
     pub(crate) fn names(&self, names: &[String], depth: f64) -> Vec<String> {
         names.iter().map(|name| self.cut(name, TICK, depth / 2.0)).collect()
     }

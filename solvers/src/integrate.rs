@@ -31,7 +31,8 @@ const STORM_OF_RUN: f64 = 1e-12;
 /// An integration of one system: its present point and the work done so far.
 ///
 /// After an error both are valid, and are those of the last accepted step. It may be gone on with, by the same or by another
-/// method, also where a recorder interrupted it: at a step that landed on an event, after the transition. The options of a single run are simpler said to [`Run`](crate::Run).
+/// method. Where a recorder interrupted it at a step that landed on an event, it goes on after the transition. The options of a
+/// single run are simpler said to [`Run`](crate::Run).
 ///
 /// ```
 /// # use deltazero_solvers::problems::BouncingBall;

@@ -145,6 +145,7 @@ fn rows<P: Problem>(
     Ok(rows)
 }
 
+/// States and observables at the start: finite numbers.
 fn columns<P: Problem>(problem: &P, mode: &P::Mode, y: &P::State<f64>) -> Result<(), ProblemError> {
     for (site, row) in rows(problem, mode, 0.0, y)?.iter().enumerate() {
         for (column, value) in problem.columns(site).iter().zip(row) {

@@ -13,7 +13,7 @@ use crate::stiffness::Stiffness;
 use crate::trace::OwnTrajectory;
 use crate::warning::{Code, Warning};
 
-/// A contact is not deep that has this part of the depth that its first rate would reach while it lasts.
+/// Contacts have no depth that are less deep than this part of the rate at which they begin times their duration.
 const UNSEEN_DEPTH: f64 = 1e-3;
 
 /// What a run of one part is asked for.

@@ -23,7 +23,7 @@ pub(crate) fn kept_name(name: &str) -> &'static str {
 
 /// The mode of a run: which one it is, and the values that it holds, discrete ones and those kept on entry.
 ///
-/// It is copied at every evaluation, so it holds no more than that, and its name.
+/// It is copied at every evaluation, so it holds only these and a reference to its name.
 #[derive(Clone, Copy)]
 pub struct Mode {
     pub(crate) held: [f64; MOST_HELD],
