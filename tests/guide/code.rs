@@ -120,6 +120,32 @@ fn the_page_of_results_names_every_column_and_every_key() {
     }
 }
 
+#[test]
+fn the_page_of_results_names_every_column_behind_a_figure() {
+    let folder = tempfile::tempdir().unwrap();
+    let sets = ["run.t_end=0.03", "study.methods=[\"rk4\", \"dop853\"]", "study.rtol=[1e-6, 1e-8]"];
+    let sets = sets.iter().flat_map(|set| ["--set", set]);
+    let args: Vec<String> =
+        ["study", "--quiet", "--out", "."].into_iter().chain(sets).map(str::to_owned).collect();
+    assert!(deltazero(&folder, &args).status.success());
+    let page = file("docs/results.md");
+    let (_, behind) = page.split_once("### The data behind a study's figures").unwrap();
+    for name in [
+        "steps",
+        "step_histogram",
+        "stays",
+        "restarts",
+        "restart_costs",
+        "rk4_stability",
+        "tolerance",
+    ] {
+        let text = fs::read_to_string(folder.path().join(format!("{name}.csv"))).unwrap();
+        let header = text.lines().next().unwrap();
+        assert!(behind.contains(&format!("| `{name}.csv` |")), "{name}");
+        assert!(behind.contains(&format!("| `{header}` |")), "{name}: {header}");
+    }
+}
+
 /// Words of a text but for times [ms] and residuals, which other machines round otherwise.
 fn comparable(text: &str) -> Vec<&str> {
     let words: Vec<&str> = text.split_whitespace().collect();
