@@ -162,7 +162,7 @@ fn number(method: &str) -> usize {
 fn kind_color(kind: ModeKind) -> usize {
     match kind {
         ModeKind::Flight => 0,
-        ModeKind::Slip => 9,
+        ModeKind::Contact => 9,
         ModeKind::Stick => 3,
     }
 }

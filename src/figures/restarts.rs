@@ -69,7 +69,7 @@ fn series(own: &[&RestartRow], entered: &[&str], i: usize, modes: &[String]) -> 
         // What is not a number ends a line.
         whiskers.extend([(x, low), (x, high), (x, f64::NAN)]);
     }
-    let kind = if entered[i] == "contact" { ModeKind::Slip } else { ModeKind::Flight };
+    let kind = if entered[i] == "contact" { ModeKind::Contact } else { ModeKind::Flight };
     let (name, color) = look(modes, entered[i], kind);
     let label = format!("into {name}");
     [Series::line("", color, whiskers), Series::scatter(label, color, Marker::cycle(i), medians)]

@@ -7,7 +7,7 @@ use deltazero_study::steps::step_size::StepHistory;
 use super::modes::{Look, look, looks, quoted};
 use super::{Drawing, LANDING, in_threes, size_axis};
 
-/// Step sizes of each method in flight, slip and stick, or in each mode that has a name; all joints together.
+/// Step sizes of each method in flight, contact and stick, or in each mode that has a name; all joints together.
 pub(super) fn drawing(histories: &[StepHistory], rows: &[BinRow]) -> Drawing {
     let methods: Vec<&[BinRow]> = rows.chunk_by(|a, b| a.method == b.method).collect();
     let most = rows.iter().map(|row| row.n_steps).max().unwrap_or(1) as f64;

@@ -130,7 +130,7 @@ fn panel(history: &StepHistory, window: (f64, f64), (sizes, look): (&Axis, StepL
     .into()
 }
 
-/// The times in flight, slip and stick, or in each mode that has a name.
+/// The times in flight, contact and stick, or in each mode that has a name.
 fn bands(history: &StepHistory, steps: &[&StepRow]) -> Vec<Band> {
     let runs = steps.chunk_by(|a, b| history.is_same_mode(a, b));
     let band = |steps: &[&StepRow]| {

@@ -14,22 +14,23 @@ use crate::run::{Brake, Braked, PartRun, Setting, integrate};
 pub enum ModeKind {
     /// Free, or held.
     Flight,
-    /// In contact, the surfaces sliding.
-    Slip,
+    /// In contact; where there is friction, the surfaces slide.
+    #[serde(alias = "slip")]
+    Contact,
     /// In contact, the surfaces rolling on each other.
     Stick,
 }
 
 impl ModeKind {
     /// All, in the order of figures.
-    pub const ALL: [Self; 3] = [Self::Flight, Self::Slip, Self::Stick];
+    pub const ALL: [Self; 3] = [Self::Flight, Self::Contact, Self::Stick];
 
-    /// Of a mode as the files write it: 0 free, ±1 slip, 2 stick.
+    /// Of a mode as the files write it: 0 free, 2 stick, any other in contact.
     pub fn of(mode: i8) -> Self {
         match mode {
             0 => Self::Flight,
             2 => Self::Stick,
-            _ => Self::Slip,
+            _ => Self::Contact,
         }
     }
 
@@ -37,7 +38,7 @@ impl ModeKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Flight => "flight",
-            Self::Slip => "slip",
+            Self::Contact => "contact",
             Self::Stick => "stick",
         }
     }

@@ -111,11 +111,11 @@ impl Role {
 /// A contact at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch<S> {
-    /// Penetration δ; below zero the gap.
+    /// Penetration δ [m]; below zero the gap.
     pub depth: S,
-    /// Its rate δ̇.
+    /// Its rate δ̇ [m/s].
     pub rate: S,
-    /// Normal force F_N; zero where the mode is no contact.
+    /// Normal force F_N [N]; zero where the mode is no contact.
     pub force: S,
 }
 
@@ -239,7 +239,7 @@ pub trait Problem: System<Mode: Send + Sync> + Send + Sync {
     }
 
     /// Names of the modes by their [numbers](Self::mode_number), where figures tell modes by name; where there are none
-    /// they tell what a site does: flight, slip, stick.
+    /// they tell what a site does: flight, contact, stick.
     fn named_modes(&self) -> Vec<String> {
         Vec::new()
     }

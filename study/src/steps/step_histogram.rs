@@ -1,4 +1,4 @@
-//! Which step sizes does each method take in flight, in slip, in stick, or in each mode that has a name?
+//! Which step sizes does each method take in flight, in contact, in stick, or in each mode that has a name?
 
 use serde::{Deserialize, Serialize};
 
