@@ -10,25 +10,44 @@ use crate::laws::Relation;
 /// Whether the law of a joint has a key.
 type Has = fn(&JointConfig) -> bool;
 
-/// Keys that only some laws have.
-const OF_SOME: &[(&str, Has)] = &[
-    ("contact.stiffness", |joint| !joint.contact.law.is_of_cylinders()),
-    ("contact.exponent", |joint| !joint.contact.law.is_of_cylinders()),
-    ("contact.damping", |joint| !joint.contact.law.has_memory()),
-    ("contact.restitution", |joint| joint.contact.law.has_memory()),
-    ("contact.impact_speed_floor", |joint| joint.contact.law.has_memory()),
-    ("contact.young_modulus", |joint| joint.contact.law.is_of_cylinders()),
-    ("contact.poisson_ratio", |joint| joint.contact.law.is_of_cylinders()),
-    ("contact.length", |joint| matches!(joint.contact.law.relation, Relation::Line(_))),
-    ("contact.curvature", |joint| joint.contact.law.is_of_cylinders()),
-    ("friction.static_coefficient", falls_from_rest),
-    ("friction.stribeck_speed", falls_from_rest),
-    ("friction.regularisation_speed", is_regularised),
-    ("friction.dead_ratio", |joint| joint.friction.law == FrictionLaw::Ambrosio),
-    ("friction.bristle_stiffness", has_bristles),
-    ("friction.bristle_damping", has_bristles),
-    ("friction.viscosity", has_bristles),
-];
+/// A table of keys that belong to one law.
+struct OfLaw {
+    table: &'static str,
+    /// The law of a joint.
+    law: fn(&JointConfig) -> String,
+    /// Keys that only some laws have.
+    of_some: &'static [(&'static str, Has)],
+}
+
+const CONTACT: OfLaw = OfLaw {
+    table: "contact",
+    law: |joint| joint.contact.law.to_string(),
+    of_some: &[
+        ("stiffness", |joint| !joint.contact.law.is_of_cylinders()),
+        ("exponent", |joint| !joint.contact.law.is_of_cylinders()),
+        ("damping", |joint| !joint.contact.law.has_memory()),
+        ("restitution", |joint| joint.contact.law.has_memory()),
+        ("impact_speed_floor", |joint| joint.contact.law.has_memory()),
+        ("young_modulus", |joint| joint.contact.law.is_of_cylinders()),
+        ("poisson_ratio", |joint| joint.contact.law.is_of_cylinders()),
+        ("length", |joint| matches!(joint.contact.law.relation, Relation::Line(_))),
+        ("curvature", |joint| joint.contact.law.is_of_cylinders()),
+    ],
+};
+
+const FRICTION: OfLaw = OfLaw {
+    table: "friction",
+    law: |joint| joint.friction.law.to_string(),
+    of_some: &[
+        ("static_coefficient", falls_from_rest),
+        ("stribeck_speed", falls_from_rest),
+        ("regularisation_speed", is_regularised),
+        ("dead_ratio", |joint| joint.friction.law == FrictionLaw::Ambrosio),
+        ("bristle_stiffness", has_bristles),
+        ("bristle_damping", has_bristles),
+        ("viscosity", has_bristles),
+    ],
+};
 
 fn falls_from_rest(joint: &JointConfig) -> bool {
     matches!(joint.friction.law, FrictionLaw::Stribeck | FrictionLaw::Lugre)
@@ -51,37 +70,29 @@ pub(super) fn unused(config: &Config) -> Vec<Warning> {
     };
     let [one, two] = &config.joints;
     let n = if entry.has_two_joints && one != two { 2 } else { 1 };
-    let own = OF_SOME.iter().filter(|(path, _)| find(path).is_some_and(|key| entry.has(key)));
-    let own: Vec<_> = own.collect();
-    let of_joint = |i: usize| {
-        let joint = &config.joints[i];
-        let [given, usual] = [joint, &default.joints[i]].map(json);
-        let of_key = move |(path, has): &(&str, Has)| {
-            let value = value_of(&given, path);
-            (!has(joint) && value != value_of(&usual, path)).then(|| {
-                let key = if n == 2 { format!("{}.{path}", JOINTS[i]) } else { (*path).to_owned() };
-                warning(&key, value, joint)
-            })
-        };
-        own.iter().copied().filter_map(of_key)
-    };
-    (0..n).flat_map(of_joint).collect()
+    let mut warnings = Vec::new();
+    for (i, (joint, usual)) in config.joints.iter().zip(&default.joints).enumerate().take(n) {
+        let [given, usual] = [joint, usual].map(json);
+        for OfLaw { table, law, of_some } in [CONTACT, FRICTION] {
+            for (name, has) in of_some {
+                let key = format!("{table}.{name}");
+                let value = &given[table][name];
+                let is_own = find(&key).is_some_and(|key| entry.has(key));
+                if is_own && !has(joint) && *value != usual[table][name] {
+                    let key = if n == 2 { format!("{}.{key}", JOINTS[i]) } else { key };
+                    warnings.push(warning(&key, value, &format!("{table}.law = {}", law(joint))));
+                }
+            }
+        }
+    }
+    warnings
 }
 
-fn warning(key: &str, value: &Value, joint: &JointConfig) -> Warning {
-    let law = match key.contains("contact.") {
-        true => format!("contact.law = {}", joint.contact.law),
-        false => format!("friction.law = {}", joint.friction.law),
-    };
+fn warning(key: &str, value: &Value, law: &str) -> Warning {
     let message = format!(
         "{key} = {value} changes nothing: {law} does not have it; `deltazero laws` tells what each is of"
     );
     Warning { code: Code::Unused, message }
-}
-
-/// What a joint has for a key.
-fn value_of<'a>(joint: &'a Value, path: &str) -> &'a Value {
-    path.split('.').fold(joint, |value, name| &value[name])
 }
 
 #[cfg(test)]

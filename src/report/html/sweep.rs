@@ -62,20 +62,11 @@ fn glance(results: &Results, origin: &Origin, findings: &Findings) -> Vec<(Strin
     facts.push(fact("Runs", runs(&results.plan)));
     facts.push(fact("Came to their end", format!("{ok} ok, {failed} failed")));
     facts.extend(reasons(&findings.reasons).into_iter().map(|why| fact("Failed", why)));
-    let of_solver = |key: &&String| key.starts_with("solver.");
-    let varied: Vec<&str> =
-        results.key_columns().iter().filter(of_solver).map(String::as_str).collect();
     let method = setting(config).map_or_else(String::new, |setting| setting.to_string());
-    let method = match &varied[..] {
-        [] => method,
-        _ => format!("{method}, but for {} above", varied.join(", ")),
-    };
-    facts.push(fact("Method", method));
-    let but = match results.key_columns().iter().any(|key| key == "run.t_end") {
-        true => ", but for run.t_end above",
-        false => "",
-    };
-    facts.push(fact("To", format!("{} s{but}", config.run.t_end)));
+    let but_solver = but_for(results, |key| key.starts_with("solver."));
+    facts.push(fact("Method", format!("{method}{but_solver}")));
+    let but_end = but_for(results, |key| key == "run.t_end");
+    facts.push(fact("To", format!("{} s{but_end}", config.run.t_end)));
     facts.extend(machine(&origin.provenance));
     let shards = match origin.shards {
         0 => String::new(),
@@ -84,6 +75,13 @@ fn glance(results: &Results, origin: &Origin, findings: &Findings) -> Vec<(Strin
     };
     facts.push(fact("Took", format!("{:.1} s{shards}", origin.wall_s)));
     facts
+}
+
+/// Which of these keys the runs vary, as told above.
+fn but_for(results: &Results, is_of: impl Fn(&str) -> bool) -> String {
+    let varied: Vec<&str> =
+        results.key_columns().iter().map(String::as_str).filter(|key| is_of(key)).collect();
+    if varied.is_empty() { String::new() } else { format!(", but for {} above", varied.join(", ")) }
 }
 
 fn heading(name: &str, about: &str) -> Heading {
