@@ -498,12 +498,6 @@ fn a_figure_too_large_as_svg_stands_in_the_page_as_png() {
     assert!(!page.contains("<svg"));
 }
 
-#[test]
-fn the_configuration_knows_the_methods_of_the_solvers() {
-    let names: Vec<&str> = METHODS.iter().map(|method| method.name).collect();
-    assert_eq!(names, deltazero::keys::METHODS);
-}
-
 static RUNNING: AtomicBool = AtomicBool::new(false);
 
 /// The setting of the runs that are compared with tight ones.

@@ -217,7 +217,7 @@ pub const COMMON: &[Key] = &[
     },
     Key {
         path: "solver.method",
-        kind: Kind::Word(METHODS),
+        kind: Kind::Word(&METHODS),
         default: Toml("\"rk45\""),
         unit: "",
         doc: "Method of integration",
@@ -257,7 +257,7 @@ pub const COMMON: &[Key] = &[
     },
     Key {
         path: "study.methods",
-        kind: Kind::List(&Kind::Word(METHODS), None),
+        kind: Kind::List(&Kind::Word(&METHODS), None),
         default: Toml(
             "[\"rk4\", \"rk45\", \"dop853\", \"vern98\", \"taylor\", \"radau5\", \"bdf\"]",
         ),
@@ -347,7 +347,7 @@ pub const COMMON: &[Key] = &[
     },
     Key {
         path: "contest.methods",
-        kind: Kind::List(&Kind::Word(METHODS), None),
+        kind: Kind::List(&Kind::Word(&METHODS), None),
         default: Toml(
             "[\"rk4\", \"rk43\", \"bs32\", \"rk45\", \"dop853\", \"vern98\", \"taylor\", \"rodas5p\", \"radau5\", \"bdf\", \"auto\"]",
         ),

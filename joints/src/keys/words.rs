@@ -4,14 +4,16 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// The methods that `solver.method` and `study.methods` accept.
-///
-/// A new method is one line here; it joins the study by default with one word in the default of
-/// `study.methods`.
-pub const METHODS: &[&str] = &[
-    "rk4", "rk43", "bs32", "rk45", "dop853", "vern98", "taylor", "rodas5p", "radau5", "bdf",
-    "tr_bdf2", "esdirk34", "tsit45", "auto",
-];
+/// The methods that `solver.method` and `study.methods` accept: all.
+pub const METHODS: [&str; deltazero_solvers::METHODS.len()] = {
+    let mut names = [""; deltazero_solvers::METHODS.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = deltazero_solvers::METHODS[i].name;
+        i += 1;
+    }
+    names
+};
 
 /// The columns of `study.csv` that `study.x` and `study.y` accept: those of errors and of work.
 pub const AXES: &[&str] = &[

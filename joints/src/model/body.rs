@@ -16,7 +16,7 @@ pub enum Body {
     Linkage(AnyLinkage),
 }
 
-/// A body in the hands of a right-hand side: what it is stays known to the compiler.
+/// A borrowed body, matched once for each evaluation, so that what is inlined after the match is compiled for one kind of body.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Held<'a> {
     Struts(&'a BlockInertia),
