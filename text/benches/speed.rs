@@ -1,9 +1,8 @@
-//! How long a run of a model from text takes, over the same in Rust. By hand:
-//! `cargo test --release -p deltazero-text --test speed -- --ignored --nocapture --test-threads 1`.
+//! How long a run of a model from text takes, over the same in Rust: `cargo bench -p deltazero-text`.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,
-    reason = "a test panics to fail and tells figures"
+    reason = "a bench panics to fail and prints its figures"
 )]
 
 use std::time::{Duration, Instant};
@@ -13,7 +12,7 @@ use deltazero_solvers::{Control, Integration, Method, Next, Outcome, Real, Syste
 use deltazero_study::Problem;
 use deltazero_text::{ModelFile, TextModel};
 
-const STOP: &str = include_str!("models/spring_stop.toml");
+const STOP: &str = include_str!("../tests/models/spring_stop.toml");
 
 /// A driven double pendulum whose second bob hits a damped stop.
 const PENDULUM: &str = r#"
@@ -165,9 +164,8 @@ fn compare_with<T: Problem, P: System>(text: &T, exact: &P, y0: &P::State<f64>, 
     }
 }
 
-#[test]
-#[ignore = "a measurement"]
-fn a_mass_at_a_stop() {
+fn mass_at_a_stop() {
+    println!("== a mass at a stop");
     let exact = SpringStop {
         mass: 100.0,
         stiffness: 1e4,
@@ -178,16 +176,13 @@ fn a_mass_at_a_stop() {
     compare::<_, 2>(STOP, &exact, &exact.start, 50.0);
 }
 
-#[test]
-#[ignore = "a measurement"]
-fn a_double_pendulum_at_a_stop() {
+fn double_pendulum_at_a_stop() {
+    println!("== a double pendulum at a stop");
     compare::<_, 4>(PENDULUM, &Pendulum, &[0.3, -0.4, 0.0, 0.0], 20.0);
 }
 
 /// Time of one evaluation alone.
-#[test]
-#[ignore = "a measurement"]
-fn a_right_hand_side() {
+fn right_hand_side() {
     fn per_call<P: System>(problem: &P, y: &P::State<f64>) -> f64 {
         let mut dydt = y.clone();
         let mode = problem.initial_mode(0.0, y);
@@ -204,6 +199,7 @@ fn a_right_hand_side() {
         std::hint::black_box(&dydt);
         start.elapsed().as_nanos() as f64 / f64::from(n)
     }
+    println!("== a right-hand side");
     for text in [STOP, PENDULUM] {
         let text = model(text);
         println!("{:.1} ns", per_call(&text, &Problem::start(&text)));
@@ -211,9 +207,8 @@ fn a_right_hand_side() {
     println!("{:.1} ns in Rust", per_call(&Pendulum, &[0.3, -0.4, 0.0, 0.0]));
 }
 
-#[test]
-#[ignore = "a measurement"]
-fn models_compile_in_time() {
+fn compilation() {
+    println!("== parser, checks and compilation");
     for (name, text) in [("stop", STOP), ("pendulum", PENDULUM)] {
         let start = Instant::now();
         for _ in 0..100 {
@@ -221,11 +216,18 @@ fn models_compile_in_time() {
         }
         println!("{name}: {:?} for parse, check and compile", start.elapsed() / 100);
     }
-    let row = include_str!("models/row.toml").replace("value = 6", "value = 500");
+    let row = include_str!("../tests/models/row.toml").replace("value = 6", "value = 500");
     let start = Instant::now();
     let file = ModelFile::parse("row.toml", &row).unwrap();
     println!("1000 states: {:?} for parse and check", start.elapsed());
     let start = Instant::now();
     file.models(&[]).unwrap();
     println!("1000 states: {:?} for a model", start.elapsed());
+}
+
+fn main() {
+    mass_at_a_stop();
+    double_pendulum_at_a_stop();
+    right_hand_side();
+    compilation();
 }
