@@ -1,7 +1,7 @@
 //! Which integrator, at which setting, for this contact?
 //!
 //! A pin rattles in a bush with clearance c: free flight, then contact through a stiff spring with
-//! damping and friction, some fifteen times a second, each change at the zero crossing δ = 0.
+//! damping and friction, some seven contacts a second, each begun and ended at the zero crossing δ = 0.
 //! The equations are in [`model`]; [`deltazero_solvers`] integrates them with the modes frozen within each
 //! step and every event located; [`deltazero_study`] compares methods and settings by error and work against a reference.
 //! This crate is the program that runs all that and reports.

@@ -21,7 +21,7 @@ use crate::run::{BlockTrajectory, mode_changes};
 
 /// A run lasts at most this many times as long as the ideal joint takes to 90°.
 pub const PATIENCE: f64 = 2.0;
-/// Width of the bins [s]: rattling comes some fifteen times a second.
+/// Width of the bins [s]: a rattling pin changes its mode some fifteen times a second.
 const BIN_S: f64 = 0.01;
 /// Spacing of the samples that the horizon is looked for on [s].
 const SAMPLE_S: f64 = 0.01;

@@ -1,4 +1,4 @@
-//! What errors are measured against: the best run that serves, told its own error by a second one.
+//! The run that errors are measured against, and a second run that estimates its error.
 //!
 //! In f64 both are Taylor series at two high orders, or what comes next where those are out of reach.
 
