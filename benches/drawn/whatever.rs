@@ -83,7 +83,7 @@ impl Verdict {
             Ok(Outcome::Interrupted) => {
                 self.add(Class::Timeout, format!("{who}: more than its budget"))
             }
-            Err(error @ Error::OutsideModel { .. }) => {
+            Err(error @ (Error::OutsideModel { .. } | Error::Refused { .. })) => {
                 self.add(Class::Refused, format!("{who}: {error}"))
             }
             Err(error) => self.add(Class::Failed, format!("{who}: {error}")),
@@ -136,7 +136,9 @@ impl Verdict {
         if of_allowed.total_cmp(&1.0).is_gt() {
             self.add(class, format!("{who}: e {e:.1e}, {of_allowed:.1e} of what is allowed{why}"));
         }
-        let is_refused = |ran: &Ran| matches!(ran.run.outcome, Err(Error::OutsideModel { .. }));
+        let is_refused = |ran: &Ran| {
+            matches!(ran.run.outcome, Err(Error::OutsideModel { .. } | Error::Refused { .. }))
+        };
         if is_refused(a) != is_refused(b) && a.run.t.min(b.run.t) < growth.until(STEADY) {
             self.add(Class::Disagree, format!("{who}: one alone is refused"));
         }

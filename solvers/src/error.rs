@@ -169,6 +169,13 @@ pub enum Error {
         /// The names that there are.
         known: String,
     },
+    /// A model whose values do not go together, or that has no run of this kind. Integrations in this crate never return this
+    /// error; it is for code that looks at a model before a run.
+    #[error("no run can begin: {reason}")]
+    Refused {
+        /// Why not, with numbers, and what to change.
+        reason: String,
+    },
     /// The model is no longer valid. Integrations in this crate never return this error; it is for code that checks
     /// the validity of a model during a run.
     #[error("the model ends at t = {t} in mode {mode}: {reason}")]

@@ -256,7 +256,7 @@ fn failed_site<P: Problem>(problem: &P, run: &OwnRun<P>) -> Option<usize> {
         Error::NonFiniteGuard { guard, .. } | Error::Chatter { guard, .. } => {
             Some(problem.site_of_guard(&run.mode, *guard))
         }
-        Error::OutsideModel { .. } => problem.nearest_end(&run.mode, &run.y),
+        Error::OutsideModel { .. } | Error::Refused { .. } => problem.nearest_end(&run.mode, &run.y),
         _ => None,
     }
 }

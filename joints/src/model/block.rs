@@ -193,7 +193,7 @@ impl Block {
     /// Whether the contact can carry what the drive alone asks of it, `M/l`.
     ///
     /// # Errors
-    /// [`Error::OutsideModel`]: the law never has that force.
+    /// [`Error::Refused`]: the law never has that force.
     pub fn check_load(&self) -> Result<(), Error> {
         let (most, least) =
             (self.normal.elastic.strongest(), self.torque.abs() / self.strut_length);
@@ -204,7 +204,7 @@ impl Block {
             "contact.law carries at most {most:.3e} N, the drive presses with {least:.3e} N; take a longer \
              contact, a stiffer material, or a larger clearance"
         );
-        Err(Error::OutsideModel { t: 0.0, mode: Mode::Apart.to_string(), reason })
+        Err(Error::Refused { reason })
     }
 
     /// `outcome` of a run that ended at `(t, y)`; an error where what stopped it was not 90° but the range of

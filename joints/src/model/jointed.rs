@@ -187,8 +187,7 @@ impl Problem for Block {
         if self.sliding.bristles().is_some() {
             let reason = "the bristles of lugre are a state that a block does not have; integrate the part \
                           that `Joints::from` makes of it";
-            let mode = Mode::Apart.to_string();
-            return Err(Error::OutsideModel { t: 0.0, mode, reason: reason.to_owned() });
+            return Err(Error::Refused { reason: reason.to_owned() });
         }
         self.check_load()
     }

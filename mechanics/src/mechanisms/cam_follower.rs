@@ -336,7 +336,7 @@ impl Problem for CamFollower {
             "the contact law carries at most {most:.3e} N, the cam presses with {load:.3e} N at the start; take a \
              longer contact or a stiffer material"
         );
-        Err(Error::OutsideModel { t: 0.0, mode: format!("{:?}", Mode::Free), reason })
+        Err(Error::Refused { reason })
     }
 
     fn start(&self) -> [f64; 3] {

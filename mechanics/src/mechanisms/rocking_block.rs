@@ -308,7 +308,7 @@ impl Problem for RockingBlock {
             "the angular velocity ratio r = {r} is not between 0 and 1; take a more slender block, or give \
              the restitution"
         );
-        Err(Error::OutsideModel { t: 0.0, mode: format!("{:?}", Mode::AtRest), reason })
+        Err(Error::Refused { reason })
     }
 
     fn start(&self) -> [f64; 3] {

@@ -184,8 +184,7 @@ pub fn extended<P: Problem>(
 /// A run of `problem` that there is not.
 pub fn no_such_run<P: Problem>(problem: &P, y0: P::State<f64>, reason: &str) -> OwnRun<P> {
     let mode = problem.initial_mode(0.0, &y0);
-    let error =
-        Error::OutsideModel { t: 0.0, mode: format!("{mode:?}"), reason: reason.to_owned() };
+    let error = Error::Refused { reason: reason.to_owned() };
     let end = Point { t: 0.0, y: y0, mode };
     finished(problem, end, Stats::default(), Err(error), Took::default())
 }

@@ -145,6 +145,15 @@ fn a_corner_that_no_longer_presses_is_an_error() {
 }
 
 #[test]
+fn a_block_too_squat_for_its_impacts_is_refused_before_it_moves() {
+    // r = 1 − 3/2 sin²α is −0.44.
+    let block = RockingBlock { half_width: 0.5, half_height: 0.1, ..RockingBlock::default() };
+    let run = integrate(&block, &setting("rk45", 1e-10), block.start(), 1.0, &mut ());
+    let error = run.outcome.unwrap_err();
+    assert!(matches!(error, Error::Refused { .. }) && run.stats.work.n_rhs == 0, "{error}");
+}
+
+#[test]
 fn the_normal_force_carries_the_weight_and_lifts_the_centre() {
     let block = RockingBlock { base_amplitude: 2.0, ..RockingBlock::default() };
     for (corner, theta, omega) in [(Corner::Right, 0.1, -0.5), (Corner::Left, -0.2, 0.3)] {
