@@ -11,6 +11,7 @@ use crate::kinds::by_kind;
 use crate::part::Part;
 use crate::problem::{Problem, Quantity, change};
 use crate::run::{Begun, Brake, Braked, OwnRun, PartRun, Setting, integrate_all};
+use crate::simulation::wrong_signs;
 use crate::stiffness::Stiffness;
 use crate::warning::Code;
 
@@ -121,6 +122,8 @@ fn brief<P: Problem>(
         warnings = told.map(|warning| warning.code).collect();
         balance = account.balance.at(&run.mode, run.t, &run.y);
         contacts = account.contacts.lists();
+        let signs = contacts.iter().flat_map(|sites| wrong_signs(&sites.concat()));
+        warnings.extend(signs.map(|warning| warning.code));
     }
     let site = |(k, n_events): (usize, &usize)| SiteBrief {
         mode: problem.mode_name(&run.mode, k),
@@ -135,6 +138,9 @@ fn brief<P: Problem>(
             site.values = values.to_vec();
         }
     });
+    if sites.iter().flat_map(|site| &site.values).any(|value| !value.is_finite()) {
+        warnings.push(Code::NotANumber);
+    }
     Brief { sites, balance, warnings, run: run.plain() }
 }
 

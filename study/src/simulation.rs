@@ -190,7 +190,7 @@ pub(crate) fn simulate<P: Problem>(
 }
 
 /// The warnings of contacts whose depth falls as they begin and never comes above rounding, or which pull on the whole.
-fn wrong_signs(contacts: &[Contact]) -> Vec<Warning> {
+pub(crate) fn wrong_signs(contacts: &[Contact]) -> Vec<Warning> {
     let all = ContactSummary::of(contacts.iter());
     let mut messages = Vec::new();
     if let (Some(rate), Some(deepest), Some(longest)) =
@@ -256,7 +256,9 @@ fn failed_site<P: Problem>(problem: &P, run: &OwnRun<P>) -> Option<usize> {
         Error::NonFiniteGuard { guard, .. } | Error::Chatter { guard, .. } => {
             Some(problem.site_of_guard(&run.mode, *guard))
         }
-        Error::OutsideModel { .. } | Error::Refused { .. } => problem.nearest_end(&run.mode, &run.y),
+        Error::OutsideModel { .. } | Error::Refused { .. } => {
+            problem.nearest_end(&run.mode, &run.y)
+        }
         _ => None,
     }
 }
