@@ -204,6 +204,12 @@ impl ModelFile {
         parameters_of_shape(&self.file).contains(&parameter)
     }
 
+    /// Whether a part gives this parameter a value of its own, so that none can be set for all parts.
+    pub fn is_set_by_parts(&self, parameter: &str) -> bool {
+        let all = self.file.parts.iter().flat_map(|part| &part.parameters);
+        all.into_iter().any(|(name, _)| name.value == parameter)
+    }
+
     /// The same file by another name in messages.
     pub fn renamed(&self, name: &str) -> Self {
         let mut own = self.clone();
@@ -244,8 +250,7 @@ impl ModelFile {
             let i = self.parameter(&name.value, name.span)?;
             let file = self.parameters[i].value;
             if values.iter().any(|(given, x)| *given == name.value && *x != file) {
-                let message =
-                    format!("`{}` is set by each part and cannot be set for all", name.value);
+                let message = format!("`{}` is set by parts and cannot be set for all", name.value);
                 let help = "leave it out here, or take it out of the parts";
                 return Err(Complaint::new(name.span, message).help(help));
             }

@@ -217,7 +217,7 @@ fn parts_differ_in_parameters_and_starts() {
     assert_eq!(Problem::start(&models[1]).as_ref(), [7.0]);
     assert_eq!([0, 1].map(|i| models[i].labels(0)), [[("part", 1)], [("part", 2)]]);
     let error = file.models(&[("phi".to_owned(), 1.5)]).unwrap_err();
-    assert_eq!(error.message(), "`phi` is set by each part and cannot be set for all");
+    assert_eq!(error.message(), "`phi` is set by parts and cannot be set for all");
 }
 
 #[test]

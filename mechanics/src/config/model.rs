@@ -107,6 +107,11 @@ impl Model {
         self.file.parameters().iter().find(|parameter| parameter.name == name)
     }
 
+    /// Whether a part gives this parameter a value of its own.
+    pub(super) fn is_set_by_parts(&self, parameter: &str) -> bool {
+        self.file.is_set_by_parts(parameter)
+    }
+
     /// Whether the columns of runs may follow from the value of this parameter.
     pub(super) fn is_of_shape(&self, parameter: &Parameter) -> bool {
         self.file.is_of_shape(&parameter.name)

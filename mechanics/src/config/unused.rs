@@ -62,6 +62,15 @@ fn has_bristles(joint: &JointConfig) -> bool {
     joint.friction.law == FrictionLaw::Lugre
 }
 
+/// The law of a joint, where it does not have this key.
+pub(super) fn law_without(path: &str, joint: &JointConfig) -> Option<String> {
+    let (table, name) = path.split_once('.')?;
+    let OfLaw { law, of_some, .. } =
+        [CONTACT, FRICTION].into_iter().find(|of| of.table == table)?;
+    let (_, has) = of_some.iter().find(|(own, _)| *own == name)?;
+    (!has(joint)).then(|| format!("{table}.law = {}", law(joint)))
+}
+
 /// Warnings of keys of the mechanism that have another value than by default, which the law of their joint does not have.
 pub(super) fn unused(config: &Config) -> Vec<Warning> {
     let entry = config.mechanism.entry;
@@ -73,14 +82,17 @@ pub(super) fn unused(config: &Config) -> Vec<Warning> {
     let mut warnings = Vec::new();
     for (i, (joint, usual)) in config.joints.iter().zip(&default.joints).enumerate().take(n) {
         let [given, usual] = [joint, usual].map(json);
-        for OfLaw { table, law, of_some } in [CONTACT, FRICTION] {
-            for (name, has) in of_some {
+        for OfLaw { table, of_some, .. } in [CONTACT, FRICTION] {
+            for (name, _) in of_some {
                 let key = format!("{table}.{name}");
                 let value = &given[table][name];
                 let is_own = find(&key).is_some_and(|key| entry.has(key));
-                if is_own && !has(joint) && *value != usual[table][name] {
+                if is_own
+                    && *value != usual[table][name]
+                    && let Some(law) = law_without(&key, joint)
+                {
                     let key = if n == 2 { format!("{}.{key}", JOINTS[i]) } else { key };
-                    warnings.push(warning(&key, value, &format!("{table}.law = {}", law(joint))));
+                    warnings.push(warning(&key, value, &law));
                 }
             }
         }

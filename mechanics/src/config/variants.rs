@@ -10,6 +10,7 @@ use super::check::check;
 use super::error::{ConfigError, Place};
 use super::given::{Datum, Given, excerpt};
 use super::model::{Model, kind_of};
+use super::unused::law_without;
 use super::values::{Target, Values, parameter_path, table, typed};
 use crate::keys::{JOINT_TABLES, JOINTS, Key, Kind, one_joint};
 use crate::mechanisms::Chosen;
@@ -107,8 +108,8 @@ impl Variants {
         &self.config
     }
 
-    /// Why the key number `i` cannot vary, if it cannot: the mechanism does not use it, so that it would change nothing, or
-    /// `--set` gives it a value, which would change nothing.
+    /// Why the key number `i` cannot vary, if it cannot: the mechanism, both joints or the parts of a model do not use it, or
+    /// no law has it, so that it would change nothing, or `--set` gives it a value, which would change nothing.
     pub fn why_not(&self, i: usize) -> Option<String> {
         let (entry, Varied { path, key, .. }) = (self.config.mechanism.entry, &self.keys[i]);
         let name = entry.name;
@@ -127,8 +128,35 @@ impl Variants {
             set @ Place::Set(_) => {
                 Some(format!("{set} gives it one value; leave one of the two away"))
             }
-            _ => None,
+            _ => self.why_unused(i),
         }
+    }
+
+    /// Why the key number `i` would change nothing, if it would not.
+    fn why_unused(&self, i: usize) -> Option<String> {
+        let Varied { path, key, places, .. } = &self.keys[i];
+        let Some(key) = key else {
+            let is_of_parts = self.settings.model.as_ref()?.is_set_by_parts(path);
+            return is_of_parts.then(|| {
+                "parts of the model give it values of their own; take it out of the parts, or leave it out".to_owned()
+            });
+        };
+        let table = key.table().filter(|table| JOINT_TABLES.contains(table))?;
+        let [one, two] = JOINTS;
+        if places.is_empty() {
+            return Some(format!(
+                "both joints have values of their own for it; give {one}.{path} and {two}.{path}"
+            ));
+        }
+        let law = format!("{table}.law");
+        if self.keys.iter().any(|varied| varied.key.is_some_and(|key| key.path == law)) {
+            return None;
+        }
+        let joint = |entered: &Entered| usize::from(self.parts[entered.part].0 == two);
+        let laws = places.iter().map(|at| law_without(key.path, &self.config.joints[joint(at)]));
+        let laws: Option<Vec<String>> = laws.collect();
+        let law = laws?.pop()?;
+        Some(format!("{law} does not have it; `deltazero laws` tells what each is of"))
     }
 
     /// The value that `given` has as the key number `i`.
@@ -397,6 +425,24 @@ mod tests {
             }
         }
         assert!(n_compared > 700, "{n_compared}");
+    }
+
+    #[test]
+    fn a_key_that_reaches_no_joint_or_that_no_law_has_cannot_vary() {
+        let own = ["joint1.contact.stiffness=1e7", "joint2.contact.stiffness=2e7"];
+        let own = own.map(str::to_owned);
+        let why = |sets: &[String], paths: &[&str]| variants(sets, paths).why_not(0);
+        let said = why(&own, &["contact.stiffness"]).unwrap();
+        assert!(said.contains("give joint1.contact.stiffness and joint2.contact.s"), "{said}");
+        assert_eq!(why(&own, &["joint1.contact.stiffness"]), None);
+        assert_eq!(why(&own[..1], &["contact.stiffness"]), None);
+        let said = why(&[], &["contact.restitution"]).unwrap();
+        assert!(said.starts_with("contact.law = power does not have it"), "{said}");
+        assert_eq!(why(&[], &["contact.restitution", "contact.law"]), None);
+        let of_one = ["joint2.contact.law=hunt_crossley".to_owned()];
+        assert_eq!(why(&of_one, &["contact.restitution"]), None);
+        assert_eq!(why(&of_one, &["joint2.contact.restitution"]), None);
+        assert!(why(&of_one, &["joint1.contact.restitution"]).is_some());
     }
 
     #[test]

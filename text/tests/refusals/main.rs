@@ -418,7 +418,7 @@ fn values_of_a_file_with_parts_may_be_given_back_to_it() {
     let own = |m: f64| [("m".to_owned(), m), ("k".to_owned(), 5.0)];
     assert_eq!(file.models(&own(1.0)).unwrap().len(), 2);
     let message = file.models(&own(2.0)).unwrap_err().to_string();
-    assert!(message.contains("is set by each part"), "{message}");
+    assert!(message.contains("is set by parts"), "{message}");
 }
 
 #[test]
