@@ -22,6 +22,7 @@ use serde::Serialize;
 
 use super::draw::mixed;
 use super::saltelli::{self, A, B, MIXED};
+use super::summary::are_alike;
 
 /// Bootstrap estimates behind an interval.
 pub const RESAMPLES: u64 = 500;
@@ -51,13 +52,18 @@ pub struct Indices {
 }
 
 /// The indices of each key from the values of a quantity, sample by sample as [`saltelli`] orders them; none where there are
-/// fewer than [`LEAST_SAMPLES`] samples or the quantity does not vary.
+/// fewer than [`LEAST_SAMPLES`] samples or the quantity does not vary but by rounding.
 ///
 /// # Panics
 /// If the values are not of whole samples.
 pub fn indices(values: &[f64], n_keys: usize) -> Option<Vec<Indices>> {
     let runs = saltelli::runs(n_keys) as usize;
     assert!(values.len().is_multiple_of(runs), "{} values in samples of {runs}", values.len());
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    if are_alike(least, largest) {
+        return None;
+    }
     // Without what all have in common, of which the rounding would add up to a variance.
     let common = values.first().copied().unwrap_or_default();
     let values: Vec<f64> = values.iter().map(|value| value - common).collect();
@@ -202,6 +208,8 @@ mod tests {
         let law = Law::Uniform([0.0, 1.0]);
         for n in [64, 4096] {
             assert_eq!(indices(&values(n, 2, law, |_| 0.1), 2), None);
+            let rounding = |x: &[f64]| x[0].sin().powi(2) + x[0].cos().powi(2) + x[1] * 1e-15;
+            assert_eq!(indices(&values(n, 2, law, rounding), 2), None);
         }
         assert_eq!(indices(&values(7, 2, law, |x| x[0]), 2), None);
     }

@@ -8,6 +8,14 @@ use super::results::{Column, Results, ResultsError, Table};
 /// The parts below which a column is told, from the least to the largest.
 pub const PARTS: [f64; 5] = [0.0, 0.05, 0.5, 0.95, 1.0];
 
+/// Numbers that differ by no more than this part of the largest are one but for rounding.
+const ALIKE: f64 = 1e-11;
+
+/// Whether numbers between these two are one but for rounding.
+pub fn are_alike(least: f64, largest: f64) -> bool {
+    largest - least <= ALIKE * least.abs().max(largest.abs())
+}
+
 /// Words that tell of every run, where the runs have them.
 const WORDS: [&str; 2] = ["outcome", "warnings"];
 /// What the estimate of a run's error tells, and the number of the run.
@@ -37,11 +45,11 @@ pub enum Said {
 }
 
 impl Said {
-    /// Whether it is not the same in all runs.
+    /// Whether it is not the same in all runs, but for rounding.
     pub fn varies(&self) -> bool {
         match self {
             Self::Numbers(_, None) => false,
-            Self::Numbers(_, Some([least, .., largest])) => least < largest,
+            Self::Numbers(_, Some([least, .., largest])) => !are_alike(*least, *largest),
             Self::Words(words) => words.len() > 1,
         }
     }
@@ -173,6 +181,9 @@ fn follows(table: &Table, keys: &[String], columns: &[&str]) -> Vec<Follows> {
     let mut all = Vec::new();
     for column in columns {
         let Some(y) = numbers(table, column) else { continue };
+        if !table.column(column).is_some_and(|column| said(column).varies()) {
+            continue;
+        }
         for key in keys {
             let correlation = numbers(table, key).and_then(|x| spearman(x, y));
             let (column, key) = ((*column).to_owned(), key.clone());

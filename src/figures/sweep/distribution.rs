@@ -5,13 +5,12 @@ use deltazero_study::quantile::quantile;
 
 use super::field::{Levels, MOST_CLASSES, short};
 use super::{Data, Drawing, PlotError};
+use crate::sweep::summary::are_alike;
 
 /// Fewest and most bins of equal width, or of equal ratio.
 const BINS: (f64, f64) = (8.0, 50.0);
 /// Most whole numbers that have a bin each.
 const MOST_WHOLE: f64 = 40.0;
-/// Values that differ by no more than this part of themselves have one bin: they are one but for rounding.
-const ALIKE: f64 = 1e-11;
 /// What is told of it, and its name.
 const TOLD: [(f64, &str); 3] = [(0.05, "5 %"), (0.5, "median"), (0.95, "95 %")];
 
@@ -82,7 +81,7 @@ fn bins(sorted: &[f64], is_log: bool) -> Vec<(f64, f64)> {
         let n = (high - low) as u64;
         return (0..=n).map(|i| low + i as f64).map(|at| (at - 0.5, at + 0.5)).collect();
     }
-    if high - low <= ALIKE * low.abs().max(high.abs()) {
+    if are_alike(low, high) {
         let half = if low == 0.0 { 0.5 } else { 0.05 * low.abs() };
         return vec![(low - half, low + half)];
     }
