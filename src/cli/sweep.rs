@@ -402,6 +402,7 @@ impl Command<'_> {
         record["runs"] = self.sweep.n_runs.into();
         record["columns"] = self.sweep.columns().into();
         record["units"] = self.sweep.units().into();
+        record["kinds"] = self.sweep.kinds().into();
         record["wall_s"] = (self.wall_before + self.start.elapsed().as_secs_f64()).into();
         record["finished"] = joined.is_some().into();
         if let Some(joined) = joined {

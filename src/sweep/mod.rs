@@ -134,6 +134,11 @@ impl Sweep {
         self.heads.iter().map(|head| head.unit.clone()).collect()
     }
 
+    /// What the cells of each column are: number, whole number, true or false, word.
+    pub fn kinds(&self) -> Vec<String> {
+        self.heads.iter().map(|head| head.kind.to_string()).collect()
+    }
+
     /// Writes the rows of `csv`, which is `runs.csv`, to the Parquet file `path`.
     ///
     /// # Errors

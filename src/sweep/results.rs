@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use super::columns::CellKind;
 use super::plan::Plan;
 use super::reasons::Reasons;
 use super::runner::OK;
@@ -28,6 +29,7 @@ pub struct Results {
     /// The names of the columns.
     pub columns: Vec<String>,
     units: HashMap<String, String>,
+    kinds: HashMap<String, String>,
     /// All that the sweep tells of itself.
     pub(super) record: Value,
     path: PathBuf,
@@ -106,13 +108,15 @@ impl Results {
         if !is_finished {
             return Err(ResultsError::Unfinished { dir: dir.to_owned() });
         }
-        // A sweep of an earlier build told no units.
+        // A sweep of an earlier build told no kinds.
         let texts = |name: &str| {
             let all = record[name].as_array().into_iter().flatten();
             all.map(|text| text.as_str().unwrap_or_default().to_owned()).collect::<Vec<_>>()
         };
-        let units = texts("columns").into_iter().zip(texts("units")).collect();
-        let mut results = Self { plan, columns: Vec::new(), units, record, path: dir.join(ROWS) };
+        let of_columns = |name| texts("columns").into_iter().zip(texts(name)).collect();
+        let (units, kinds) = (of_columns("units"), of_columns("kinds"));
+        let (columns, path) = (Vec::new(), dir.join(ROWS));
+        let mut results = Self { plan, columns, units, kinds, record, path };
         let mut line = String::new();
         results.file()?.read_line(&mut line).map_err(|source| results.missing(source))?;
         let bytes = fs::metadata(&results.path).map_err(|source| results.missing(source))?.len();
@@ -146,7 +150,8 @@ impl Results {
     /// # Errors
     /// A column that is not there or has too many words, or a file that cannot be read.
     pub fn table(&self, names: &[&str]) -> Result<Table, ResultsError> {
-        let (mut readers, mut reasons) = (vec![Reader::default(); names.len()], Reasons::default());
+        let mut readers: Vec<Reader> = names.iter().map(|name| self.reader(name)).collect();
+        let mut reasons = Reasons::default();
         self.rows(names, |status, row| {
             if status != OK {
                 reasons.add(status);
@@ -162,6 +167,12 @@ impl Results {
             failed: reasons.iter().map(|reason| reason.n).sum(),
             reasons,
         })
+    }
+
+    fn reader(&self, column: &str) -> Reader {
+        let is_of_words =
+            self.kinds.get(column).is_some_and(|kind| *kind == CellKind::Text.to_string());
+        Reader { numbers: (!is_of_words).then(Vec::new), words: Some(Words::default()) }
     }
 
     /// Calls `each` with every row, one after the other: the status of the run, and its fields in `names`.
@@ -192,6 +203,10 @@ impl Results {
                 n += 1;
                 for (_, own) in places.iter().zip(&mut row).filter(|(place, _)| **place == at) {
                     own.clone_from(&field);
+                }
+                if at == 0 && field.parse() != Ok(line - 2) {
+                    let (path, wanted) = (self.path.clone(), line - 2);
+                    return Err(ResultsError::Order { path, line, wanted });
                 }
                 if at == of_status {
                     status = field;
@@ -234,7 +249,7 @@ impl Results {
 /// A column as far as it is read.
 #[derive(Clone)]
 struct Reader {
-    /// Its numbers; none once there is a word.
+    /// Its numbers; none of a column of words, and once there is a word.
     numbers: Option<Vec<f64>>,
     /// Its texts as they are written; none once there are too many.
     words: Option<Words>,
@@ -246,12 +261,6 @@ struct Words {
     all: Vec<String>,
     known: HashMap<String, u32>,
     of_row: Vec<u32>,
-}
-
-impl Default for Reader {
-    fn default() -> Self {
-        Self { numbers: Some(Vec::new()), words: Some(Words::default()) }
-    }
 }
 
 impl Reader {
@@ -342,6 +351,19 @@ mod tests {
     }
 
     #[test]
+    fn words_that_read_as_numbers_are_words_where_the_record_says_so() {
+        let dir = tempfile::tempdir().unwrap();
+        let rows = "0,1,ok,inf,inf\n1,2,ok,nan,2\n2,3,ok,1e3,3\n";
+        results(dir.path(), rows);
+        let kinds = r#""kinds": ["whole number", "number", "word", "word", "number"], "units""#;
+        fs::write(dir.path().join("sweep.json"), RECORD.replacen(r#""units""#, kinds, 1)).unwrap();
+        let table = Results::open(dir.path()).unwrap().table(&["w", "x_m"]).unwrap();
+        let words = ["inf", "nan", "1e3"].map(str::to_owned).to_vec();
+        assert_eq!(table.columns[0].1, Column::Words { words, of_row: vec![0, 1, 2] });
+        assert_eq!(table.columns[1].1, Column::Numbers(vec![f64::INFINITY, 2.0, 3.0]));
+    }
+
+    #[test]
     fn numbers_may_be_many_and_words_may_not() {
         let dir = tempfile::tempdir().unwrap();
         let row = |i: usize| format!("{i},{i},ok,{i},1\n");
@@ -362,6 +384,8 @@ mod tests {
             error(&["x_mm"]).contains("no column \"x_mm\", did you mean \"x_m\"?; it has run, a.b")
         );
         assert!(error(&["x_m"]).contains("runs.csv:3: not as it was written"));
+        let error = self::results(dir.path(), "1,1,ok,free,1\n0,1,ok,free,1\n").table(&["x_m"]);
+        assert!(error.unwrap_err().to_string().contains("runs.csv:2: run 0 is wanted here"));
         fs::write(dir.path().join("sweep.json"), RECORD.replace("true", "false")).unwrap();
         let error = Results::open(dir.path()).err().unwrap().to_string();
         assert!(error.contains("is not finished"), "{error}");

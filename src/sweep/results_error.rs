@@ -64,6 +64,19 @@ pub enum ResultsError {
         /// Number of the line, from 1.
         line: u64,
     },
+    /// Rows in another order than they were written in.
+    #[error(
+        "{}:{line}: run {wanted} is wanted here; the rows stand by their numbers: put them in that order, or make the sweep again \
+         with --force", path.display()
+    )]
+    Order {
+        /// The file.
+        path: PathBuf,
+        /// Number of the line, from 1.
+        line: u64,
+        /// Number of the run that belongs there.
+        wanted: u64,
+    },
     /// A column of words that has too many.
     #[error("column \"{name}\" has more than {most} different words")]
     Words {
