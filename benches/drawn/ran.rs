@@ -72,7 +72,9 @@ impl Ran {
             Ok(Outcome::Stopped) => End::Stopped,
             Ok(Outcome::Interrupted) if meter.is_worked_out() => End::Cut("work"),
             Ok(Outcome::Interrupted) => End::Cut("time"),
-            Err(error @ (Error::OutsideModel { .. } | Error::Refused { .. })) => End::Refused(error.to_string()),
+            Err(error @ (Error::OutsideModel { .. } | Error::Refused { .. })) => {
+                End::Refused(error.to_string())
+            }
             Err(error) => End::Failed(error.to_string()),
         };
         let start = part.initial_mode(0.0, &y0);

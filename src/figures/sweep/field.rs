@@ -108,7 +108,7 @@ impl<'a> Field<'a> {
                 places.dedup();
                 let of = |x: &f64| places.binary_search_by(|own| own.total_cmp(x)).ok();
                 let of_row = numbers.iter().map(of).collect();
-                Levels { names: places.iter().copied().map(short).collect(), places, of_row }
+                Levels { names: told_apart(&places), places, of_row }
             }
         }
     }
@@ -195,6 +195,16 @@ pub(super) fn short(x: f64) -> String {
     in_short(rounded_to(x, 4))
 }
 
+/// Different numbers in order, to four digits or as many as tell them apart.
+fn told_apart(numbers: &[f64]) -> Vec<String> {
+    let differ = |digits: &usize| {
+        let mut pairs = numbers.windows(2);
+        pairs.all(|pair| rounded_to(pair[0], *digits) != rounded_to(pair[1], *digits))
+    };
+    let digits = (4..17).find(differ).unwrap_or(17);
+    numbers.iter().map(|x| in_short(rounded_to(*x, digits))).collect()
+}
+
 fn scale_of(column: &Column) -> Scale {
     let Column::Numbers(numbers) = column else { return Scale::Linear };
     let finite = numbers.iter().copied().filter(|x| x.is_finite());
@@ -202,4 +212,17 @@ fn scale_of(column: &Column) -> Scale {
         finite.fold((f64::INFINITY, 0.0_f64), |(least, most), x| (least.min(x), most.max(x)));
     let spans = least > 0.0 && most / least > libm::exp10(DECADES);
     if spans && most > 0.0 { Scale::Log } else { Scale::Linear }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_have_the_digits_that_tell_them_apart() {
+        assert_eq!(told_apart(&[1.0, 2.00001]), ["1", "2"]);
+        assert_eq!(told_apart(&[-1.0, 1.00001, 1.00002]), ["-1", "1.00001", "1.00002"]);
+        let next = 1.0 + f64::EPSILON;
+        assert_eq!(told_apart(&[1.0, next]), ["1".to_owned(), next.to_string()]);
+    }
 }

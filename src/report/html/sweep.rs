@@ -230,9 +230,18 @@ fn indices(results: &Results, all: &[Sobol]) -> Vec<Part> {
     ]
 }
 
-/// To four digits; a whole number stays.
+/// To four digits where these are shorter than three of them with an exponent; a whole number stays. It is rounded once: what
+/// shows it rounds no further.
 fn short(x: f64) -> f64 {
-    if x.fract() == 0.0 { x } else { rounded_to(x, 4) }
+    let four = rounded_to(x, 4);
+    let fits = four.to_string().len() <= format!("{x:.2e}").len();
+    if x.fract() == 0.0 {
+        x
+    } else if fits {
+        four
+    } else {
+        rounded_to(x, 3)
+    }
 }
 
 /// To three decimals.
@@ -254,4 +263,14 @@ fn redo(results: &Results, origin: &Origin, report: &str) -> Vec<Part> {
         folded("The plan", results.plan.to_toml(CONFIG)),
         folded("The configuration", origin.config.to_toml()),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_rounded_once() {
+        assert_eq!([1.04482844e-7, 12.3412, 1.0, 2e9].map(short), [1.04e-7, 12.34, 1.0, 2e9]);
+    }
 }
