@@ -9,6 +9,9 @@ use num_dual::Dual64;
 use crate::real::{Real, Shortcuts};
 use crate::system::{System, Vector};
 
+/// Rounding bound of a sum of a few terms, as a multiple of their size: for guards whose author writes the size down.
+pub const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// Half the spacing of numbers next to one.
 const UNIT: f64 = 0.5 * f64::EPSILON;
 /// Rounding error of an elementary function, over its value.

@@ -12,14 +12,12 @@ use super::Drawing;
 use crate::keys::ReadingName;
 use crate::study::audit::Audit;
 use crate::study::course::{Bin, Quantity, Range, coarser};
-use crate::study::deployment::Course;
+use crate::study::deployment::{Course, TRANSIENT_S};
 use crate::study::ideal::RIGHT_ANGLE;
 
 /// Bins over the width of a panel: of a smooth curve, and of one that oscillates, each some periods long.
 const FINE: usize = 350;
 const COARSE: usize = 68;
-/// The part of a deployment in which the paper sees fluctuations [s].
-const TRANSIENT_S: f64 = 2.0;
 /// The colour of the joint without clearance: black.
 const IDEAL: usize = 6;
 /// A panel shows values up to this many times the largest without clearance, or the clearance.

@@ -7,15 +7,13 @@ use serde::{Deserialize, Serialize};
 
 pub use list::CLAIMS;
 
-use super::deployment::Course;
+use super::deployment::{Course, TRANSIENT_S};
 use super::torque_ratio::TorqueRatio;
 use crate::config::Config;
 use crate::keys::ReadingName;
 
 /// A figure is reproduced within this part of it.
 const CLOSE: f64 = 0.02;
-/// The paper's time of fluctuation [s].
-const TRANSIENT_S: f64 = 2.0;
 /// A displacement is impossible if the contact force that it takes is so many times the paper's own.
 const FAR_BEYOND: f64 = 100.0;
 /// The paper's larger settled force [N].

@@ -21,6 +21,8 @@ use crate::run::{BlockTrajectory, mode_changes};
 
 /// A run lasts at most this many times as long as the ideal joint takes to 90°.
 pub const PATIENCE: f64 = 2.0;
+/// The first part of a deployment, in which the paper sees fluctuations [s].
+pub const TRANSIENT_S: f64 = 2.0;
 /// Width of the bins [s]: a rattling pin changes its mode some fifteen times a second.
 const BIN_S: f64 = 0.01;
 /// Spacing of the samples that the horizon is looked for on [s].
@@ -47,7 +49,7 @@ pub struct RunRow {
     pub theta_max_at_s: f64,
     /// Mode changes, the start's own left out.
     pub n_events: usize,
-    /// Separations of pin and bush in the first 2 s.
+    /// Separations of pin and bush in the first [`TRANSIENT_S`].
     pub separations: usize,
     /// Largest normal force before the horizon [N].
     pub force_before_horizon_n: f64,
@@ -86,7 +88,7 @@ impl Course {
             reached_90_s: reached_90_s.filter(|at| *at <= t),
             end_s: end_s.min(t),
             // Counted over 2 s: of a shorter part there is no such number.
-            separations: if t < 2.0 { usize::MAX } else { self.run.separations },
+            separations: if t < TRANSIENT_S { usize::MAX } else { self.run.separations },
             ..self.run.clone()
         };
         Self { run, bins: self.until(t).to_vec(), end: self.end, nudged: Vec::new() }
@@ -173,6 +175,7 @@ fn followed(
     let furthest = bins.iter().max_by(|a, b| turned(a).total_cmp(&turned(b)));
     let changes = mode_changes(&trajectory);
     let events = counted(&changes, block.starts_on_surface());
+    let separations = events.iter().filter(|event| event.t <= TRANSIENT_S && event.after == 0);
     let row = RunRow {
         reading,
         joint: block.joint,
@@ -183,7 +186,7 @@ fn followed(
         theta_max_rad: furthest.map_or(0.0, turned),
         theta_max_at_s: furthest.map_or(0.0, Bin::middle_s),
         n_events: events.len(),
-        separations: events.iter().filter(|event| event.t <= 2.0 && event.after == 0).count(),
+        separations: separations.count(),
         force_before_horizon_n: largest_force(&bins),
         force_n: largest_force(&bins),
         force_moved_n: None,

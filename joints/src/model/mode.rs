@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 
 use deltazero_solvers::real::{Length, Over};
+use deltazero_solvers::rounding::ROUNDING;
 use deltazero_solvers::{Next, Real};
 
 use super::block::Block;
@@ -224,14 +225,13 @@ impl Block {
 
     /// Bounds of the guards' rounding errors.
     pub(super) fn guard_bounds_of(&self, mode: Mode, y: &State<f64>) -> [f64; N_GUARDS] {
-        let eps = 4.0 * f64::EPSILON;
         // Above zero without clearance and at rest too: a bound of zero would have an event sought to the last bit.
         let delta = delta_bound(self.clearance).max(f64::MIN_POSITIVE);
         let least = self.rounding_floor();
         let speed =
             (y[3].abs() + y[4].abs() + self.spin_bound(y) * self.pin_radius).max(least.speed);
         let area = (2.0 * self.clearance * delta).max(f64::MIN_POSITIVE);
-        let mut bounds = [END_BOUND, area, delta, delta, eps];
+        let mut bounds = [END_BOUND, area, delta, delta, ROUNDING];
         if let Some(onset) = mode.onset() {
             let (pose, has_product) = (self.pose(y), self.has_product(self.body.held()));
             let rounding = Rounding { delta, speed, least_force: least.force };
@@ -241,12 +241,13 @@ impl Block {
             bounds[GUARD_RANGE] = own.range;
             if mode.sigma().is_some() {
                 let arm = if has_product { pose.rho } else { 1.0 };
-                bounds[GUARD_UPPER] = arm * eps * speed;
-                bounds[GUARD_LOWER] = eps * speed;
+                bounds[GUARD_UPPER] = arm * ROUNDING * speed;
+                bounds[GUARD_LOWER] = ROUNDING * speed;
             } else if mode.sticks() {
                 let drive = self.drive_force();
                 let load = self.normal.force(pose.delta, pose.delta_dot, onset).abs() + drive;
-                let friction = own.force * (1.0 + self.sliding.at_rest(self.mu)) + 4.0 * eps * load;
+                let friction =
+                    own.force * (1.0 + self.sliding.at_rest(self.mu)) + 4.0 * ROUNDING * load;
                 bounds[GUARD_UPPER] = friction;
                 bounds[GUARD_LOWER] = friction;
             }
@@ -372,11 +373,11 @@ fn neighbour(onset: Onset, guard: usize) -> Onset {
 }
 
 /// Rounding error of `π/2 − sgn(M) θ` near 90° [rad].
-pub(super) const END_BOUND: f64 = 4.0 * f64::EPSILON * FRAC_PI_2;
+pub(super) const END_BOUND: f64 = ROUNDING * FRAC_PI_2;
 
 /// Rounding error of `ρ − c` for ρ near c [m].
 pub(super) fn delta_bound(clearance: f64) -> f64 {
-    4.0 * f64::EPSILON * clearance
+    ROUNDING * clearance
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ mod entry;
 use std::fmt;
 
 use deltazero_solvers::root::{Bracket, find_root};
+use deltazero_solvers::rounding::ROUNDING;
 use deltazero_solvers::{Error, Next, Outcome, Real, Record, System};
 use deltazero_study::problem::{Energy, Group, Laws, Power, Problem, Quantity, Role, Touch};
 use deltazero_study::run::{OwnRun, extended};
@@ -141,9 +142,6 @@ impl Default for CamFollower {
         }
     }
 }
-
-/// Rounding bound of a guard that is a sum of a few terms, as a multiple of their size.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl CamFollower {
     /// Lift s [m] and its rate ṡ [m/s] at the angle `phi`.

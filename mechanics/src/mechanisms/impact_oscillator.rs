@@ -5,6 +5,7 @@ mod entry;
 use std::f64::consts::PI;
 use std::fmt;
 
+use deltazero_solvers::rounding::ROUNDING;
 use deltazero_solvers::{Next, Real, Record, System};
 use deltazero_study::problem::{Energy, Power, Problem, Quantity, Role, Touch};
 use deltazero_study::run::{OwnRun, extended};
@@ -124,8 +125,6 @@ pub struct PeriodicOrbit {
     pub start: [f64; 2],
 }
 
-/// Rounding bound of a guard that is a sum of a few terms, as a multiple of their size.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// What is nothing beside the gap and the steady motion: a bounce that is lower has no size of its own.
 const LEAST: f64 = 1e-9;
 

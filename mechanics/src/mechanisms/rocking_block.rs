@@ -5,6 +5,7 @@ mod entry;
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::fmt;
 
+use deltazero_solvers::rounding::ROUNDING;
 use deltazero_solvers::{Error, Next, Outcome, Real, Record, System};
 use deltazero_study::problem::{EndName, Energy, Group, Power, Problem, Quantity, Role, Touch};
 use deltazero_study::run::{OwnRun, extended};
@@ -154,8 +155,6 @@ impl Default for RockingBlock {
     }
 }
 
-/// Rounding bound of a guard that is a sum of a few terms, as a multiple of their size.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// The part of α that is nothing beside it: rocking that is lower has no size of its own.
 const LEAST: f64 = 1e-9;
 

@@ -20,8 +20,7 @@ pub use spring_stop::SpringStop;
 pub use thermostat::{Heater, Thermostat};
 pub use two_balls::TwoBalls;
 
-/// Rounding bound of a guard that is a sum of a few terms, as a multiple of their size.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+use crate::rounding::ROUNDING;
 
 /// Whether a mass touches the one stop that it can reach.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

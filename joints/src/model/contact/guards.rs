@@ -1,6 +1,7 @@
 //! How a contact lasts and ends by its normal law: the guards of its modes.
 
 use deltazero_solvers::Real;
+use deltazero_solvers::rounding::ROUNDING;
 
 use super::{NormalLaw, Onset};
 
@@ -27,9 +28,6 @@ pub struct Bounds {
     /// Of F_N [N].
     pub force: f64,
 }
-
-/// Rounding error of a sum of a few terms, as a multiple of their size.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl NormalLaw {
     /// Whether a contact ends, short of δ = 0, where [`factor`](Self::factor) falls below zero: F_N is a product
