@@ -49,8 +49,8 @@ pub struct RunRow {
     pub theta_max_at_s: f64,
     /// Mode changes, the start's own left out.
     pub n_events: usize,
-    /// Separations of pin and bush in the first [`TRANSIENT_S`].
-    pub separations: usize,
+    /// Separations of pin and bush in the first [`TRANSIENT_S`]; none of a part of a run that is shorter.
+    pub separations: Option<usize>,
     /// Largest normal force before the horizon [N].
     pub force_before_horizon_n: f64,
     /// Largest normal force of the whole run [N].
@@ -83,12 +83,11 @@ pub struct Course {
 impl Course {
     /// What there is of it up to `t` [s]: its motion, and whether it has arrived by then.
     pub(super) fn cut(&self, t: f64) -> Self {
-        let RunRow { reached_90_s, end_s, .. } = self.run;
+        let RunRow { reached_90_s, end_s, separations, .. } = self.run;
         let run = RunRow {
             reached_90_s: reached_90_s.filter(|at| *at <= t),
             end_s: end_s.min(t),
-            // Counted over 2 s: of a shorter part there is no such number.
-            separations: if t < TRANSIENT_S { usize::MAX } else { self.run.separations },
+            separations: separations.filter(|_| t >= TRANSIENT_S),
             ..self.run.clone()
         };
         Self { run, bins: self.until(t).to_vec(), end: self.end, nudged: Vec::new() }
@@ -186,7 +185,7 @@ fn followed(
         theta_max_rad: furthest.map_or(0.0, turned),
         theta_max_at_s: furthest.map_or(0.0, Bin::middle_s),
         n_events: events.len(),
-        separations: separations.count(),
+        separations: Some(separations.count()),
         force_before_horizon_n: largest_force(&bins),
         force_n: largest_force(&bins),
         force_moved_n: None,

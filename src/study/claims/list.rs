@@ -169,7 +169,7 @@ pub const CLAIMS: &[Claim] = &[
         "1",
         &[1, 2],
         Test::Above(0.0),
-        |of| Some(of.own.iter().map(|course| course.run.separations as f64).sum()),
+        |of| of.own.iter().map(|course| course.run.separations.map(|n| n as f64)).sum(),
     ),
     clearance(
         "x01_max",
