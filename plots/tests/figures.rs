@@ -104,7 +104,7 @@ fn a_figure_without_data_says_so() {
 }
 
 #[test]
-fn degenerate_data_is_drawn() {
+fn degenerate_data_is_drawn_without_an_error() {
     let extremes =
         [f64::MAX, f64::MIN, f64::MIN_POSITIVE, 5e-324, f64::INFINITY, f64::NAN, -0.0, 1.0];
     for points in [
@@ -171,12 +171,28 @@ fn a_stack_of_many_panels_is_higher_than_a_page() {
 
 #[test]
 fn stairs_are_as_long_as_the_steps() {
-    let stairs = StepHistory {
-        t: Axis::linear("").within(0.0, 1.0),
-        look: StepLook::Stairs,
-        ..history(vec![(0.0, 0.5), (0.5, 0.5)])
+    let (t, h) = (Axis::linear("").within(0.0, 1.0), Axis::log("").within(0.1, 1.0));
+    let last_x = |chart: Panel| {
+        let svg = Figure::single("", chart).svg().unwrap();
+        // The first colour of the palette.
+        let (_, path) = svg.split_once("<polyline fill=\"none\" stroke=\"#0072B2\"").unwrap();
+        let (_, points) = path.split_once("points=\"").unwrap();
+        let last = points.split_once('"').unwrap().0.split_whitespace().next_back().unwrap();
+        last.split_once(',').unwrap().0.to_owned()
     };
-    Figure::single("", stairs).svg().unwrap();
+    let stairs = |accepted: Vec<(f64, f64)>| {
+        let (t, h) = (t.clone(), h.clone());
+        last_x(
+            StepHistory { t, h, look: StepLook::Stairs, accepted, ..StepHistory::default() }.into(),
+        )
+    };
+    let line = |points: Vec<(f64, f64)>| {
+        let series = vec![Series::line("", 0, points)];
+        last_x(LineChart { x: t.clone(), y: h.clone(), series, ..LineChart::default() }.into())
+    };
+    // Two steps of half a second, and of a quarter.
+    assert_eq!(stairs(vec![(0.0, 0.5), (0.5, 0.5)]), line(vec![(0.0, 0.5), (1.0, 0.5)]));
+    assert_eq!(stairs(vec![(0.0, 0.25), (0.25, 0.25)]), line(vec![(0.0, 0.25), (0.5, 0.25)]));
 }
 
 #[test]
