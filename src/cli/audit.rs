@@ -39,6 +39,7 @@ pub(super) fn run(args: &AuditArgs, stop: &AtomicBool) -> Result<(), Failure> {
         return Err(Failure::Interrupted("nothing is written; the same command begins anew"));
     }
     let audit = audit.ok_or_else(|| Failure::Run("the method of the audit is missing".into()))?;
+    report::audit::cut_short(&audit).for_each(|run| bar.line(&format!("warning: {run}")));
     bar.say("figures");
     write(&output, &config, &audit)?;
     drop(bar);
@@ -68,6 +69,13 @@ fn one_bay(config: Config) -> Result<Config, Failure> {
     }
     if config.joints.iter().any(|joint| joint.friction.law == FrictionLaw::Lugre) {
         return refused("friction.law = lugre");
+    }
+    for (key, torque) in [("drive.m1", config.drive.m1), ("drive.m4", config.drive.m4)] {
+        if torque == 0.0 {
+            return Err(Failure::Usage(format!(
+                "{key} = 0: a strut without torque stays where it is, and the claims are of its way to 90°; `simulate` takes it"
+            )));
+        }
     }
     Ok(config)
 }

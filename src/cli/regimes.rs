@@ -6,6 +6,7 @@ use clap::Args;
 use deltazero::chunks::Chunks;
 use deltazero::config::Config;
 use deltazero::figures;
+use deltazero::keys::JointConfig;
 use deltazero::report::html::regimes_page;
 use deltazero::report::regimes::{csv, markdown};
 use deltazero::study::contests::keep;
@@ -42,9 +43,33 @@ pub(super) struct RegimesArgs {
     quick: bool,
 }
 
+/// Refuses what the map, which gives both joints the same stiffness and damping, would not be of.
+fn of_power(config: Config) -> Result<Config, Failure> {
+    let refused = |what: String| {
+        let way_out = "`--axis NAME=VALUES` twice makes a map over any two numbers";
+        Err(Failure::Usage(format!("{what}: {way_out}")))
+    };
+    let [one, two] = &config.joints;
+    if let Some(joint) = [one, two].into_iter().find(|joint| joint.contact.law.word != "power") {
+        let law = joint.contact.law;
+        return refused(format!(
+            "contact.law = {law} has no stiffness and damping ratio as F_N = K δⁿ + D δ̇ has"
+        ));
+    }
+    if one.joint.clearance == 0.0 && two.joint.clearance == 0.0 {
+        return refused("joint.clearance = 0: there is no contact to make a map of".to_owned());
+    }
+    let of_map = |joint: &JointConfig| (joint.contact.stiffness, joint.contact.damping);
+    if of_map(one) != of_map(two) {
+        let what = "contact.stiffness and contact.damping differ from joint to joint, and the map gives both the same";
+        return refused(what.to_owned());
+    }
+    Ok(config)
+}
+
 pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let why = "the map's damping ratio is that of the struts' masses under F_N = K δ + D δ̇";
-    let mut config = default_only(args.run.load()?, why)?;
+    let mut config = of_power(default_only(args.run.load()?, why)?)?;
     let mut dir = "deltazero-out/regimes";
     if args.quick {
         config = quick(&config);

@@ -112,15 +112,18 @@ pub(super) const VAGUE: &str = "beyond the horizon, where the motion cannot be p
 
 /// What was measured; bold where it reproduces the paper.
 fn cell(row: &ClaimRow) -> String {
+    // A time that does not come; what else there is not is not defined.
+    let none = if row.unit == "s" { "never" } else { "none" };
     let value = match row.measured {
         Some(value) if row.beyond_horizon => vague(value, row.digits(DIGITS)),
-        None if row.beyond_horizon => "~never".to_owned(),
-        measured => maybe(measured, "never"),
+        None if row.beyond_horizon => format!("~{none}"),
+        measured => maybe(measured, none),
     };
     match row.verdict {
         Verdict::Reproduced => format!("**{value}**"),
         Verdict::NotReproduced => value,
         Verdict::Impossible => format!("{value} (impossible)"),
+        Verdict::Undecided => "undecided".to_owned(),
     }
 }
 
@@ -164,12 +167,16 @@ pub fn text(audit: &Audit) -> String {
     let count = |verdict| audit.rows.iter().filter(|row| row.verdict == verdict).count();
     format!(
         "{}\nBold: reproduced, within 2 % or in the digits printed, or by the rule of the claim. ~: {VAGUE}. Of {} rows {} \
-         are reproduced, {} not, {} impossible.\n",
+         are reproduced, {} not, {} impossible{}.\n",
         all(&audit.rows),
         audit.rows.len(),
         count(Verdict::Reproduced),
         count(Verdict::NotReproduced),
-        count(Verdict::Impossible)
+        count(Verdict::Impossible),
+        match count(Verdict::Undecided) {
+            0 => String::new(),
+            n => format!(", {n} undecided"),
+        }
     )
 }
 
@@ -190,13 +197,20 @@ pub fn findings(config: &Config, audit: &Audit) -> Vec<String> {
         [] => "no reading".to_owned(),
         _ => readings.join(", "),
     };
+    findings.extend(cut_short(audit));
     let ideal = audit.row("ideal_theta2_90", "ideal").and_then(|row| row.measured);
+    let [late, alike] = [under("clearance_theta2_90"), under("theta2_deviation")];
+    let contradicts = match late.iter().any(|reading| alike.contains(reading)) {
+        true => String::new(),
+        false => format!(
+            " Both cannot be, for without clearance AF takes {} s: the paper's (1) and (4) contradict each other.",
+            maybe(ideal, "for ever")
+        ),
+    };
     findings.push(format!(
-        "AF at 90° after 9 s: {}. That clearance hardly influences θ2: {}. Both cannot be, for without \
-         clearance AF takes {} s: the paper's (1) and (4) contradict each other.",
-        list(&under("clearance_theta2_90")),
-        list(&under("theta2_deviation")),
-        maybe(ideal, "for ever"),
+        "AF at 90° after 9 s: {}. That clearance hardly influences θ2: {}.{contradicts}",
+        list(&late),
+        list(&alike),
     ));
     let settled = [under("theta1_ddot_settled"), under("theta2_ddot_settled")];
     let both: Vec<&str> =
@@ -210,24 +224,36 @@ pub fn findings(config: &Config, audit: &Audit) -> Vec<String> {
     let x01 = audit.rows.iter().find(|row| row.claim == "x01_max");
     if x01.is_some_and(|row| row.verdict == Verdict::Impossible) {
         let (force, elastic) = contact_at(PAPER_X01, config);
-        findings.push(format!(
-            "|x01| = {PAPER_X01} m with a clearance of {:e} m is a penetration that takes {} N, where the \
-             paper has {PAPER_FORCE} N; its elastic energy alone would be {} J, and M1 does {} J in all \
-             until 90°.",
-            audit.clearance_m,
-            short(force),
-            short(elastic),
-            short(config.drive.m1 * RIGHT_ANGLE),
-        ));
+        let what = format!("|x01| = {PAPER_X01} m with a clearance of {:e} m", audit.clearance_m);
+        findings.push(match force.is_finite() {
+            false => format!("{what} is a penetration that {} does not have.", config.joints[0].contact.law),
+            true => format!(
+                "{what} is a penetration that takes {} N, where the paper has {PAPER_FORCE} N; its elastic energy alone \
+                 would be {} J, and M1 does {} J in all until 90°.",
+                short(force),
+                short(elastic),
+                short(config.drive.m1.abs() * RIGHT_ANGLE),
+            ),
+        });
     }
     findings.extend(audit.runs.iter().filter_map(beyond));
     findings.extend(audit.runs.iter().filter_map(fed));
     findings
 }
 
+/// The runs that ended early, and why.
+pub fn cut_short(audit: &Audit) -> impl Iterator<Item = String> + '_ {
+    let told = |run: &RunRow| {
+        let error = run.error.as_ref()?;
+        let (reading, joint, end) = (name(run.reading), run.joint, run.end_s);
+        Some(format!("{reading}, joint {joint}: the run ends at {end:.4} s: {error}"))
+    };
+    audit.runs.iter().filter_map(told)
+}
+
 /// What is left of a run after its digits are lost.
 fn beyond(run: &RunRow) -> Option<String> {
-    let horizon = run.horizon_s?;
+    let horizon = run.horizon_s.filter(|_| run.error.is_none())?;
     let end = match (run.reached_90_s, run.moved_s) {
         (Some(t), Some(moved)) => format!(
             "it reaches 90° at {t:.4} s, which a last-bit change of the start moves by {moved:.1e} s"
@@ -293,7 +319,11 @@ pub(super) fn run_lines(audit: &Audit) -> Vec<Vec<String>> {
         vec![
             name(run.reading).to_owned(),
             run.joint.to_string(),
-            run.reached_90_s.map_or_else(|| "never".to_owned(), |t| format!("{t:.4}")),
+            match (run.reached_90_s, &run.error) {
+                (Some(t), _) => format!("{t:.4}"),
+                (None, None) => "never".to_owned(),
+                (None, Some(_)) => "not known".to_owned(),
+            },
             run.moved_s.map_or_else(String::new, |t| format!("{t:.1e}")),
             run.horizon_s.map_or_else(String::new, |t| format!("{t:.2}")),
             format!("{:.2}", run.end_s),

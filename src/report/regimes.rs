@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use deltazero_solvers::Method;
 use deltazero_study::digits::{as_meant, count_of};
 use deltazero_study::map::{CellStatus, Contested, Map, MapAxis, MapCell};
 use deltazero_study::quantile::quantile;
@@ -306,7 +307,12 @@ fn auto(cells: &[&Cell]) -> String {
     ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
     let decided = cells.iter().filter(|cell| cell.winner().is_some()).count();
     let (Some(median), Some((most, at))) = (median(&ratios), ratios.last()) else {
-        return "`auto` reaches it nowhere.".to_owned();
+        let chooses = |own: &Failure| Method::named(&own.method).is_some_and(Method::chooses);
+        let took_part = |cell: &&Cell| cell.standings.failures.iter().any(chooses);
+        return match cells.iter().any(took_part) {
+            true => "`auto` reaches it nowhere.".to_owned(),
+            false => "`auto` did not take part.".to_owned(),
+        };
     };
     let near = ratios.iter().filter(|(ratio, _)| *ratio <= NEAR).count();
     let mut text = format!(

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 pub use list::CLAIMS;
 
-use super::deployment::{Course, TRANSIENT_S};
+use super::deployment::{Course, TRANSIENT_S, under};
 use super::torque_ratio::TorqueRatio;
 use crate::config::Config;
 use crate::keys::ReadingName;
@@ -34,6 +34,8 @@ pub enum Verdict {
     NotReproduced,
     /// The paper's own parameters rule it out.
     Impossible,
+    /// A run that it is about ended early: by an error, or by the limit of its work.
+    Undecided,
 }
 
 impl Verdict {
@@ -43,6 +45,7 @@ impl Verdict {
             Self::Reproduced => "reproduced",
             Self::NotReproduced => "not_reproduced",
             Self::Impossible => "impossible",
+            Self::Undecided => "undecided",
         }
     }
 }
@@ -56,7 +59,7 @@ pub struct ClaimRow {
     pub paper: Option<f64>,
     /// A reading, or `ideal` without clearance.
     pub reading: String,
-    /// What comes out; none if it never happens.
+    /// What comes out; none if it never happens, or is not defined or not known.
     pub measured: Option<f64>,
     /// Unit of both; `1` for ratios and counts.
     pub unit: String,
@@ -97,6 +100,8 @@ pub fn digits(value: f64, moved: f64, most: usize) -> usize {
 enum Test {
     /// Equal to this figure, as the paper prints it.
     Is(&'static str),
+    /// Within 2 % of 1, where the paper says it in words.
+    IsOne,
     /// Equal to this pin displacement [m], as the paper prints it, unless that is impossible.
     Reaches(&'static str),
     /// At most this.
@@ -203,7 +208,9 @@ impl Claim {
         of: &Deployment<'_>,
         nudged: &[Deployment<'_>],
     ) -> ClaimRow {
-        let value = |of: &Deployment<'_>| (self.value)(of).filter(|value| value.is_finite());
+        let is_whole = self.joints.iter().all(|joint| of.own[joint - 1].run.error.is_none());
+        let value =
+            |of: &Deployment<'_>| (self.value)(of).filter(|value| is_whole && value.is_finite());
         let measured = value(of);
         let apart = nudged.iter().map(|other| match (measured, value(other)) {
             (Some(own), Some(other)) => (other - own).abs(),
@@ -225,7 +232,7 @@ impl Claim {
             reading: reading.map_or("ideal", ReadingName::name).to_owned(),
             measured,
             unit: self.unit.to_owned(),
-            verdict: self.test.verdict(measured, of),
+            verdict: if is_whole { self.test.verdict(measured, of) } else { Verdict::Undecided },
             horizon_s: horizons.reduce(f64::min),
             moved: measured.and(moved.is_finite().then_some(moved)),
             beyond_horizon,
@@ -238,7 +245,7 @@ impl Test {
     fn figure(self) -> Option<&'static str> {
         match self {
             Self::Is(figure) | Self::Reaches(figure) => Some(figure),
-            Self::AtMost(_) | Self::Above(_) | Self::IsNotIdeal => None,
+            Self::IsOne | Self::AtMost(_) | Self::Above(_) | Self::IsNotIdeal => None,
         }
     }
 
@@ -250,6 +257,7 @@ impl Test {
         }
         let holds = |value: f64| match self {
             Self::Is(figure) | Self::Reaches(figure) => is_figure(figure, value),
+            Self::IsOne => (value - 1.0).abs() <= CLOSE,
             Self::AtMost(bound) => value <= bound,
             Self::Above(bound) => value > bound,
             Self::IsNotIdeal => {
@@ -273,13 +281,16 @@ fn is_impossible(figure: &str, config: &Config) -> bool {
     figure.parse::<f64>().is_ok_and(|d| contact_at(d, config).0 > FAR_BEYOND * PAPER_FORCE)
 }
 
-/// Contact force `K δⁿ` [N] and elastic energy `K δⁿ⁺¹/(n + 1)` [J] with the pin of joint 1 at rest,
-/// displaced by `d` [m].
+/// Contact force [N] and elastic energy [J] with the pin of joint 1 at rest, displaced by `d` [m]; both without bound where the law
+/// of the contact ends before.
 pub fn contact_at(d: f64, config: &Config) -> (f64, f64) {
-    let joint = &config.joints[0];
-    let (n, delta) = (joint.contact.exponent, (d - joint.joint.clearance).max(0.0));
-    let force = joint.contact.stiffness * libm::pow(delta, n);
-    (force, force * delta / (n + 1.0))
+    let [block, _] = under(config, ReadingName::Pin);
+    let delta = (d - config.joints[0].joint.clearance).max(0.0);
+    let elastic = &block.normal.elastic;
+    if elastic.deepest().is_some_and(|deepest| delta > deepest) {
+        return (f64::INFINITY, f64::INFINITY);
+    }
+    (elastic.force(delta), elastic.energy(delta))
 }
 
 #[cfg(test)]
@@ -319,5 +330,18 @@ mod tests {
         assert!(!is_impossible("0.000054", &config));
         config.joints[0].joint.clearance = 1e-3;
         assert!(!is_impossible("0.00054", &config));
+    }
+
+    #[test]
+    fn the_force_of_a_displacement_is_that_of_the_contact_law() {
+        let of = |sets: &[&str]| {
+            let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+            contact_at(PAPER_X01, &Config::load(None, &sets).unwrap())
+        };
+        // F = (π/2) L E* δ √(δ/(2(ΔR + δ))) of Liu, by hand some 4.8 N.
+        let (force, _) = of(&["contact.law=liu", "contact.young_modulus=1e6"]);
+        assert!((force - 4.8).abs() < 0.2, "{force}");
+        let (force, energy) = of(&["contact.law=johnson", "contact.length=1e-4"]);
+        assert!(force.is_infinite() && energy.is_infinite(), "{force} {energy}");
     }
 }

@@ -23,6 +23,8 @@ use crate::run::{BlockTrajectory, mode_changes};
 pub const PATIENCE: f64 = 2.0;
 /// The first part of a deployment, in which the paper sees fluctuations [s].
 pub const TRANSIENT_S: f64 = 2.0;
+/// Most bins, and most samples: of a joint that takes longer they are wider.
+const MOST_BINS: f64 = 1e5;
 /// Width of the bins [s]: a rattling pin changes its mode some fifteen times a second.
 const BIN_S: f64 = 0.01;
 /// Spacing of the samples that the horizon is looked for on [s].
@@ -132,10 +134,14 @@ pub(super) fn course(
     let from = |y0| followed(reading, block, setting, y0, limits);
     let (mut own, trajectory) = from(block.initial_state());
     let nudged = [Start::Up, Start::Down].map(|start| from(start.of(block)));
-    own.run.horizon_s = lost_at(block, &trajectory, &nudged[0].1);
+    let lost = nudged.iter().filter_map(|(_, other)| lost_at(block, &trajectory, other));
+    own.run.horizon_s = lost.reduce(f64::min);
     own.nudged = nudged.into_iter().map(|(course, _)| course).collect();
 
-    let moved = |t: f64| own.nudged[0].run.reached_90_s.map(|other| (other - t).abs());
+    let moved = |t: f64| {
+        let apart = own.nudged.iter().map(|other| Some((other.run.reached_90_s? - t).abs()));
+        apart.reduce(|a, b| Some(a?.max(b?)))?
+    };
     own.run.moved_s = own.run.reached_90_s.and_then(moved);
     let horizon = own.run.horizon_s.unwrap_or(f64::INFINITY);
     own.run.force_before_horizon_n = largest_force(own.until(horizon));
@@ -158,10 +164,12 @@ fn followed(
     limits: Limits<'_>,
 ) -> (Course, BlockTrajectory) {
     let t_end = patience(block);
-    let samples = Trajectory::on(Grid::uniform(SAMPLE_S, t_end));
+    let least = t_end / MOST_BINS;
+    let samples = Trajectory::on(Grid::uniform(SAMPLE_S.max(least), t_end));
     let balance = EnergyBalance::new(block, Events::Located, &y0);
     let mut watch = limits.watch(Price::of_setting(setting));
-    let mut record = ((Binning::new(block, BIN_S), balance), (samples, Braked(&mut watch)));
+    let mut record =
+        ((Binning::new(block, BIN_S.max(least)), balance), (samples, Braked(&mut watch)));
     let run = block.integrate(setting, y0, t_end, &mut record);
     let ((binning, balance), (trajectory, _)) = record;
 

@@ -198,6 +198,22 @@ fn threads_change_nothing_and_every_figure_has_data() {
 }
 
 #[test]
+fn runs_that_end_early_leave_their_claims_undecided() {
+    let scratch = Scratch::new();
+    let args = with_sets(&["audit", "--out", "out", "--json"], &["study.max_rhs=20000"]);
+    let ran = scratch.succeed(&args);
+    assert!(ran.stderr.contains("warning: pin, joint 1: the run ends at 0."), "{}", ran.stderr);
+    let rows: Vec<Value> = serde_json::from_str(&ran.stdout).unwrap();
+    for row in rows.iter().filter(|row| row["reading"] != "ideal") {
+        assert!(row["verdict"] == "undecided" && row["measured"].is_null(), "{row}");
+    }
+    let page = scratch.text("out/audit.md");
+    assert!(page.contains("more than study.max_rhs = 20000") && !page.contains("never"), "{page}");
+    let ran = scratch.run(&with_sets(&["audit"], &["drive.m4=0"]));
+    assert!(ran.code == Some(2) && ran.stderr.contains("drive.m4 = 0"), "{}", ran.stderr);
+}
+
+#[test]
 fn an_ideal_joint_has_the_same_times_with_and_without_readings() {
     let scratch = Scratch::new();
     let args = ["audit", "--json", "--set", "joint.clearance=0", "--set", "drive.m1=2"];

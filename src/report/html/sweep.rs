@@ -57,7 +57,8 @@ fn glance(results: &Results, origin: &Origin, findings: &Findings) -> Vec<(Strin
     let config = &origin.config;
     let about = format!("{}, {}", config.mechanism.title(config), config.mechanism.entry.about);
     let Findings { ok, failed, .. } = findings;
-    let mut facts = vec![fact("Subject", about)];
+    let but_reading = but_for(results, |key| key == "reading" || key == "bays");
+    let mut facts = vec![fact("Subject", about + &but_reading)];
     facts.extend(varied(results));
     facts.push(fact("Runs", runs(&results.plan)));
     facts.push(fact("Came to their end", format!("{ok} ok, {failed} failed")));
