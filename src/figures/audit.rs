@@ -11,6 +11,7 @@ use deltazero_plots::{
 use super::Drawing;
 use crate::keys::ReadingName;
 use crate::study::audit::Audit;
+use crate::study::claims::{ClaimRow, Verdict};
 use crate::study::course::{Bin, Quantity, Range, coarser};
 use crate::study::deployment::{Course, TRANSIENT_S};
 use crate::study::ideal::RIGHT_ANGLE;
@@ -62,6 +63,19 @@ fn curves(audit: &Audit, joint: usize) -> Vec<Curve<'_>> {
         Some(Curve { course, label: reading.name(), color })
     };
     ReadingName::ALL.iter().enumerate().filter_map(curve).collect()
+}
+
+/// The readings under which it does not, which have no curve.
+fn not_drawn(audit: &Audit, joint: usize) -> String {
+    let is_short = |course: &Course| course.run.reached_90_s.is_none();
+    let left_out =
+        |reading: &&ReadingName| audit.course(Some(**reading), joint).is_some_and(is_short);
+    let names: Vec<&str> =
+        ReadingName::ALL.iter().filter(left_out).map(|reading| reading.name()).collect();
+    match names[..] {
+        [] => String::new(),
+        _ => format!(" Not drawn, as it does not reach 90°: {}.", names.join(", ")),
+    }
 }
 
 /// What a panel shows.
@@ -186,6 +200,9 @@ fn ideal(audit: &Audit, joint: usize, file: &'static str) -> Drawing {
         let alpha = |bin: &Bin| course.onward(bin, Quantity::Alpha);
         let by = |a: &&Bin, b: &&Bin| alpha(a).most.total_cmp(&alpha(b).most);
         let fastest = course.bins.iter().max_by(by)?;
+        // It grows to the end.
+        let falls = alpha(fastest).most > alpha(course.bins.last()?).most;
+        falls.then_some(())?;
         Some(format!(
             " θ̈{joint} grows to {:.3} rad/s² at {:.2} s, θ{joint} = {:.0}°, and falls to {:.3} rad/s² at 90°: \
              the paper says that it increases.",
@@ -239,7 +256,7 @@ fn strut(audit: &Audit, joint: usize, file: &'static str) -> Drawing {
     let caption = format!(
         "{} with clearance (the paper's Fig. {}), {}. θ = 90° at {}; without clearance at {}. Largest deviation \
          from the course without clearance, over its largest value: of θ {}; of θ̈ in the first 2 s {}. Where θ \
-         deviates little the curves coincide. {}",
+         deviates little the curves coincide.{} {}",
         name(joint),
         if joint == 1 { 9 } else { 13 },
         audit.method,
@@ -247,6 +264,7 @@ fn strut(audit: &Audit, joint: usize, file: &'static str) -> Drawing {
         seconds(audit.course(None, joint).and_then(|course| course.run.reached_90_s)),
         measured(audit, theta),
         measured(audit, alpha),
+        not_drawn(audit, joint),
         how(),
     );
     let figure = Figure {
@@ -280,7 +298,12 @@ fn displacement(audit: &Audit, quantity: Quantity, file: &'static str) -> Drawin
     ];
     let claim = if is_x { "x01_max" } else { "y01_max" };
     let says = if is_x {
-        "0.00054 m, which takes a contact force of kilonewtons".to_owned()
+        let is_impossible = |row: &ClaimRow| row.verdict == Verdict::Impossible;
+        let why = match audit.rows.iter().any(|row| row.claim == claim && is_impossible(row)) {
+            true => ", which takes a contact force of kilonewtons",
+            false => "",
+        };
+        format!("0.00054 m{why}")
     } else {
         format!(
             "0.0001 m, a sine; the best sine explains {} of the variance",
@@ -289,11 +312,12 @@ fn displacement(audit: &Audit, quantity: Quantity, file: &'static str) -> Drawin
     };
     let caption = format!(
         "{coordinate} of the pin of AB (the paper's Fig. {}), {}. Largest |{coordinate}| in m: {} (paper: {says}). \
-         The clearance is {:e} m; what lies beyond {ROOM} of it is cut off. {}",
+         The clearance is {:e} m; what lies beyond {ROOM} of it is cut off.{} {}",
         if is_x { 10 } else { 11 },
         audit.method,
         measured(audit, claim),
         audit.clearance_m,
+        not_drawn(audit, 1),
         how(),
     );
     two_panels(file, format!("{coordinate} of the pin of AB"), caption, panels)
@@ -319,13 +343,14 @@ fn force(audit: &Audit, joint: usize, file: &'static str) -> Drawing {
         _ => ("f_n2_settled", "f_n2_stays_settled", "0.4 N"),
     };
     let caption = format!(
-        "Normal force of {} (the paper's Fig. {}), {}. Mean from 2 to 3 s in N: {} (paper: {paper}). It does not \
-         stay there: in the last 0.5 s before 90° its mean is that times {}. {}",
+        "Normal force of {} (the paper's Fig. {}), {}. Mean from 2 to 3 s in N: {} (paper: {paper}). In the last 0.5 s before \
+         90° its mean is that times {}.{} {}",
         name(joint),
         if joint == 1 { 12 } else { 14 },
         audit.method,
         measured(audit, settled),
         measured(audit, stays),
+        not_drawn(audit, joint),
         how(),
     );
     two_panels(file, format!("Normal force of {}", name(joint)), caption, panels)

@@ -51,7 +51,7 @@ pub struct RunRow {
     pub theta_max_at_s: f64,
     /// Mode changes, the start's own left out.
     pub n_events: usize,
-    /// Separations of pin and bush in the first [`TRANSIENT_S`]; none of a part of a run that is shorter.
+    /// Separations of pin and bush in the first [`TRANSIENT_S`]; none of a run that is shorter.
     pub separations: Option<usize>,
     /// Largest normal force before the horizon [N].
     pub force_before_horizon_n: f64,
@@ -193,7 +193,7 @@ fn followed(
         theta_max_rad: furthest.map_or(0.0, turned),
         theta_max_at_s: furthest.map_or(0.0, Bin::middle_s),
         n_events: events.len(),
-        separations: Some(separations.count()),
+        separations: (run.t >= TRANSIENT_S).then(|| separations.count()),
         force_before_horizon_n: largest_force(&bins),
         force_n: largest_force(&bins),
         force_moved_n: None,

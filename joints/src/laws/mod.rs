@@ -187,7 +187,7 @@ const LAWS: &[ContactLaw] = &[
         word: "carvalho_martins",
         equation: "χ = 3(1 − e)(11 − e)/(2(1 + 9e))",
         source: "A. S. Carvalho, J. M. Martins, \"Exact restitution and generalizations for the Hunt–Crossley contact model\", Mech. Mach. Theory 139, 174–194 (2019)",
-        remark: "meets Gonthier's at e = 1/3, below which theirs is the better one",
+        remark: "meets Gonthier's at e = 2/7 and 1/3; below 2/7 theirs is the better one",
         relation: Power,
         hysteresis: Some(|e| 3.0 * (1.0 - e) * (11.0 - e) / (2.0 * (1.0 + 9.0 * e))),
     },

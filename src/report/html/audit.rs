@@ -97,7 +97,7 @@ fn claim_table(rows: &[ClaimRow]) -> Part {
     ];
     Part::Table(Table {
         caption: "Each claim under each reading; the paper's figure is empty where it speaks in words, the \
-                  measured one where it never happens"
+                  measured one where it never happens or is not defined"
             .into(),
         columns: columns.map(heading).into(),
         rows: rows.iter().map(cells).collect(),
@@ -105,11 +105,7 @@ fn claim_table(rows: &[ClaimRow]) -> Part {
 }
 
 fn lines(caption: &str, columns: &[&str], lines: Vec<Vec<String>>) -> Part {
-    let value = |text: String| match text.parse::<f64>() {
-        Ok(x) => Value::Number(Some(x)),
-        Err(_) => Value::Text(text),
-    };
-    let row = |line: Vec<String>| line.into_iter().map(value).collect();
+    let row = |line: Vec<String>| line.into_iter().map(Value::Text).collect();
     Part::Table(Table {
         caption: caption.into(),
         columns: columns.iter().map(|name| heading(name)).collect(),

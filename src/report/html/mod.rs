@@ -151,7 +151,7 @@ impl Part {
 impl Table {
     fn is_numeric(&self, column: usize) -> bool {
         let values = self.rows.iter().filter_map(|row| row.get(column));
-        !self.rows.is_empty() && values.into_iter().all(|value| !matches!(value, Value::Text(_)))
+        !self.rows.is_empty() && values.into_iter().all(is_number)
     }
 
     fn html(&self) -> Markup {
@@ -184,8 +184,17 @@ fn breakable(name: &str) -> Markup {
     }
 }
 
+/// Whether it is one, or a text that is one or nothing.
+fn is_number(value: &Value) -> bool {
+    match value {
+        Value::Text(text) => text.is_empty() || text.parse::<f64>().is_ok(),
+        _ => true,
+    }
+}
+
 fn cell(value: &Value) -> Markup {
     match value {
+        Value::Text(text) if is_number(value) => html! { td.number { (text) } },
         Value::Text(text) if text.chars().count() > LONG_TEXT => html! { td.long { (text) } },
         Value::Text(text) => html! { td { (text) } },
         Value::Number(x) => html! { td.number { (number(*x)) } },

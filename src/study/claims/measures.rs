@@ -68,16 +68,22 @@ fn mean(bins: &[Bin], quantity: Quantity) -> Option<f64> {
     coarser(bins, bins.len()).first().map(|bin| bin.of(quantity).mean)
 }
 
-/// Mean contact force in the second after the fluctuation [N].
+/// Mean contact force in the second after the fluctuation [N]; none of a run that ends within it.
 pub(super) fn settled_force(course: &Course) -> Option<f64> {
     let (from, to) = SETTLED_S;
+    if course.run.end_s < to {
+        return None;
+    }
     let bins = course.until(to);
     mean(&bins[course.until(from).len()..], Quantity::Force)
 }
 
-/// Mean contact force at the end of a deployment [N].
+/// Mean contact force at the end of a deployment [N]; none where that is not after the second of [`settled_force`].
 pub(super) fn last_force(course: &Course) -> Option<f64> {
     let end = course.run.reached_90_s?;
+    if end - LAST_S < SETTLED_S.1 {
+        return None;
+    }
     mean(&course.bins[course.until(end - LAST_S).len()..], Quantity::Force)
 }
 
