@@ -68,6 +68,8 @@ use layout::Layout;
 use parquet_file::Refused;
 use plan::Plan;
 
+/// The key of a record for what follows `run.t_end`.
+const FOLLOWING: &str = "follow_t_end";
 /// The record of a sweep in its directory.
 pub const RECORD: &str = "sweep.json";
 /// All rows.
@@ -109,7 +111,7 @@ impl Sweep {
         self.variants.config()
     }
 
-    /// What its rows follow from: the plan, the configuration, the version of the program and its [`RECIPE`], and its build
+    /// What its rows follow from: the plan, the configuration, which of its keys follow `run.t_end`, the version of the program and its [`RECIPE`], and its build
     /// where that has fused multiply-add.
     pub fn identity(&self) -> Value {
         let mut identity = json!({
@@ -118,6 +120,10 @@ impl Sweep {
             "version": env!("CARGO_PKG_VERSION"),
             "recipe": RECIPE,
         });
+        let following = self.variants.following();
+        if !following.is_empty() {
+            identity[FOLLOWING] = following.into();
+        }
         if FUSED {
             identity["build"] = "fused multiply-add".into();
         }

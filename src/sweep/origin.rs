@@ -6,7 +6,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::results::{Results, ResultsError};
-use super::{RECORD, SHARDS};
+use super::{FOLLOWING, RECORD, SHARDS};
 use crate::config::Config;
 use crate::study::machine::Machine;
 use crate::study::record::Provenance;
@@ -15,6 +15,8 @@ use crate::study::record::Provenance;
 pub struct Origin {
     /// The configuration that was varied.
     pub config: Config,
+    /// Keys of it that were not given, and follow `run.t_end` in each run.
+    pub following: Vec<String>,
     /// Version of the program, and the machine that made the sweep or joined it.
     pub provenance: Provenance,
     /// Time that its commands took by the clock, one after the other, those of shards included [s].
@@ -37,8 +39,10 @@ impl Origin {
         let shards: Vec<f64> = shards(dir).iter().filter(|shard| own(shard)).map(seconds).collect();
         let machine: Option<Machine> = serde_json::from_value(record["machine"].clone()).ok();
         let version = record["version"].as_str().unwrap_or_default().to_owned();
+        let following = record[FOLLOWING].as_array().into_iter().flatten();
         Ok(Self {
             config,
+            following: following.filter_map(|key| Some(key.as_str()?.to_owned())).collect(),
             provenance: Provenance { version, machine, time: None },
             wall_s: seconds(record) + shards.iter().sum::<f64>(),
             shards: shards.len() as u64,

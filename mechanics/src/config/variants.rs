@@ -9,7 +9,7 @@ use super::Config;
 use super::check::check;
 use super::error::{ConfigError, Place};
 use super::given::{Datum, Given, excerpt};
-use super::model::{Model, kind_of};
+use super::model::{Model, defaults, kind_of};
 use super::unused::law_without;
 use super::values::{Target, Values, parameter_path, table, typed};
 use crate::keys::{JOINT_TABLES, JOINTS, Key, Kind, one_joint};
@@ -108,7 +108,16 @@ impl Variants {
         &self.config
     }
 
-    /// Why the key number `i` cannot vary, if it cannot: the mechanism, both joints or the parts of a model do not use it, or
+    /// The keys that were not given and follow `run.t_end` in each variant: those of a model where that varies.
+    pub fn following(&self) -> Vec<&'static str> {
+        if !self.has_defaults {
+            return Vec::new();
+        }
+        let all = defaults(self.config.run.t_end).map(|(path, _)| path).into_iter();
+        all.filter(|path| self.settings.place(path) == Place::Default).collect()
+    }
+
+    /// Why the key number `i` cannot vary, if it cannot: the mechanism, a joint or the parts of a model have their own values, or
     /// no law has it, so that it would change nothing, or `--set` gives it a value, which would change nothing.
     pub fn why_not(&self, i: usize) -> Option<String> {
         let (entry, Varied { path, key, .. }) = (self.config.mechanism.entry, &self.keys[i]);
@@ -142,17 +151,19 @@ impl Variants {
             });
         };
         let table = key.table().filter(|table| JOINT_TABLES.contains(table))?;
-        let [one, two] = JOINTS;
-        if places.is_empty() {
+        // What is stored of a plan does not tell who gave a joint its value: it would be taken for one that reaches both.
+        let given = |joint: &&&str| self.settings.values.contains_key(&format!("{joint}.{path}"));
+        if let Some(own) = JOINTS.iter().find(given) {
+            let other = JOINTS.iter().find(|joint| !given(joint)).unwrap_or(own);
             return Some(format!(
-                "both joints have values of their own for it; give {one}.{path} and {two}.{path}"
+                "{own}.{path} has a value of its own, which it would not change; name the joint that is to vary, as in {other}.{path}"
             ));
         }
         let law = format!("{table}.law");
         if self.keys.iter().any(|varied| varied.key.is_some_and(|key| key.path == law)) {
             return None;
         }
-        let joint = |entered: &Entered| usize::from(self.parts[entered.part].0 == two);
+        let joint = |entered: &Entered| usize::from(self.parts[entered.part].0 == JOINTS[1]);
         let laws = places.iter().map(|at| law_without(key.path, &self.config.joints[joint(at)]));
         let laws: Option<Vec<String>> = laws.collect();
         let law = laws?.pop()?;
@@ -433,13 +444,15 @@ mod tests {
         let own = own.map(str::to_owned);
         let why = |sets: &[String], paths: &[&str]| variants(sets, paths).why_not(0);
         let said = why(&own, &["contact.stiffness"]).unwrap();
-        assert!(said.contains("give joint1.contact.stiffness and joint2.contact.s"), "{said}");
-        assert_eq!(why(&own, &["joint1.contact.stiffness"]), None);
-        assert_eq!(why(&own[..1], &["contact.stiffness"]), None);
+        assert!(said.starts_with("joint1.contact.stiffness has a value of its own"), "{said}");
+        let said = why(&own[1..], &["contact.stiffness"]).unwrap();
+        assert!(said.contains("as in joint1.contact.stiffness"), "{said}");
+        assert_eq!(why(&[], &["contact.stiffness", "joint2.contact.stiffness"]), None);
         let said = why(&[], &["contact.restitution"]).unwrap();
         assert!(said.starts_with("contact.law = power does not have it"), "{said}");
         assert_eq!(why(&[], &["contact.restitution", "contact.law"]), None);
         let of_one = ["joint2.contact.law=hunt_crossley".to_owned()];
+        assert_eq!(why(&of_one, &["joint1.contact.stiffness"]), None);
         assert_eq!(why(&of_one, &["contact.restitution"]), None);
         assert_eq!(why(&of_one, &["joint2.contact.restitution"]), None);
         assert!(why(&of_one, &["joint1.contact.restitution"]).is_some());

@@ -253,9 +253,13 @@ fn rounded(x: f64) -> Value {
 fn redo(results: &Results, origin: &Origin, report: &str) -> Vec<Part> {
     let code = |text: &str| Part::Code(text.to_owned());
     let folded = |name: &str, text: String| Part::Folded(name.into(), vec![Part::Code(text)]);
+    let without = match &origin.following[..] {
+        [] => String::new(),
+        keys => format!(" without {}, which follow run.t_end in each run", keys.join(", ")),
+    };
     vec![
         Part::Text(format!(
-            "With the plan below as plan.toml and the configuration as {CONFIG} beside it; the rows come out the same by the \
+            "With the plan below as plan.toml and the configuration as {CONFIG} beside it{without}; the rows come out the same by the \
              same build of the program:"
         )),
         code("deltazero sweep plan.toml --out redone"),
