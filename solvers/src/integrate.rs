@@ -252,11 +252,12 @@ impl<P: System> Transitions<P> {
         stats: &mut Stats,
         record: &mut dyn Record<P>,
     ) -> Result<Option<Outcome>, Error> {
-        let mut last = (at.mode.clone(), guard);
-        let mut before_last = last.clone();
+        // Modes and guards of the last three transitions, the last one first.
+        let mut last = std::array::from_fn(|_| (at.mode.clone(), guard));
         let most = CHATTER.max(2 * problem.n_guards());
         for _ in 0..most {
-            before_last = std::mem::replace(&mut last, (at.mode.clone(), guard));
+            last.rotate_right(1);
+            last[0] = (at.mode.clone(), guard);
             let before = at.point();
             let after = problem.transition(at.mode.clone(), guard, at.t, at.y);
             let mut outcome = enter(&mut at, (guard, before), after, stats, record)?;
@@ -281,13 +282,9 @@ impl<P: System> Transitions<P> {
                 Some(next) => guard = next,
             }
         }
-        let (mode, guard) = (format!("{:?}", last.0), last.1);
-        // What a mode carries may differ from one transition to the next.
-        let cure = match (format!("{:?}", before_last.0) == mode, before_last.1 == guard) {
-            (true, true) => UNPROJECTED,
-            (true, false) => UNDONE,
-            (false, _) => HANDED_OVER,
-        };
+        let last = last.map(|(mode, guard)| (format!("{mode:?}"), guard));
+        let cure = cure(&last);
+        let [(mode, guard), ..] = last;
         Err(Error::Chatter { t: at.t.value(), n: most, mode, guard, cure })
     }
 
@@ -307,6 +304,30 @@ impl<P: System> Transitions<P> {
         self.last_events.clear();
         Some(span)
     }
+}
+
+/// What to change, by the modes, as texts, and the guards of the last three transitions, the last one first.
+///
+/// What a mode carries may differ from one transition to the next, as an impact speed that is stored anew. So a mode whose
+/// [variant] stays is held to stay, unless it comes back after one transition: then two values of what it carries, as two
+/// corners, are two modes that hand over to each other.
+fn cure([last, before, third]: &[(String, usize); 3]) -> &'static str {
+    let alternates = third.0 == last.0 && before.0 != last.0;
+    let stays = variant(&before.0) == variant(&last.0) && !alternates;
+    match (stays, before.1 == last.1) {
+        (true, true) => UNPROJECTED,
+        (true, false) => UNDONE,
+        (false, _) => HANDED_OVER,
+    }
+}
+
+/// The variant in the text that a derived `Debug` makes of a mode: `Flight` of `Flight { speed: 2.0 }` and of `Flight(2.0)`.
+/// Another text is returned whole.
+fn variant(mode: &str) -> &str {
+    let end = mode.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(mode.len());
+    let (name, rest) = mode.split_at(end);
+    let is_derived = !name.is_empty() && (rest.starts_with('(') || rest.starts_with(" {"));
+    if is_derived { name } else { mode }
 }
 
 /// Enters the mode after an event of a guard at the point before, and shows the event to the recorder; the state is

@@ -184,7 +184,9 @@
 //!
 //! **Modes that carry data.** Kept to the bit from the transition to the next one, and seen by the
 //! recorder. `modes::a_mode_carries_what_its_entry_stored`. Others: parameters of the right-hand
-//! side.
+//! side. An error of chatter tells whether one mode violates its own guard, whatever it carries then,
+//! or modes hand over to each other: `modes::a_mode_that_carries_data_and_violates_itself_is_told_as_one`,
+//! `modes::two_values_that_a_mode_carries_in_turn_are_told_as_two_modes`.
 //!
 //! **Events that accumulate, and chatter.** At a Zeno point the run goes on in the limiting mode, if
 //! the model [names one](crate::System::accumulation): a ball comes to rest. Else an error, not a

@@ -1,6 +1,6 @@
 //! Modes that carry data.
 
-use deltazero_solvers::{Next, Outcome, Real, System};
+use deltazero_solvers::{Error, Next, Outcome, Real, System};
 
 use crate::common::{at_most, steps_itself};
 use crate::log::{run, settings};
@@ -93,4 +93,70 @@ fn a_mode_carries_what_its_entry_stored() {
             assert_eq!(pair[0].3, Next::Mode(pair[1].2), "{name}: data are kept to the bit");
         }
     }
+}
+
+/// What an [`Unresting`] system carries from one transition to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Restless {
+    /// The number of impacts so far.
+    Bouncing { impacts: u32 },
+    /// The corner that it stands on, by its sign.
+    Rocking(i8),
+}
+
+/// A state that rests below its surface, whatever the transition.
+struct Unresting(Restless);
+
+impl System for Unresting {
+    type Mode = Restless;
+    type State<S: Real> = [S; 2];
+    type Guards<S: Real> = [S; 1];
+
+    fn initial_mode(&self, _t: f64, _y: &[f64; 2]) -> Restless {
+        self.0
+    }
+
+    fn rhs<S: Real>(&self, _: Restless, _t: S, _y: &[S; 2], dydt: &mut [S; 2]) {
+        *dydt = [S::cst(0.0); 2];
+    }
+
+    fn guards<S: Real>(&self, _: Restless, _t: S, &[y, _]: &[S; 2], g: &mut [S; 1]) {
+        *g = [y];
+    }
+
+    fn guard_bounds(&self, _: Restless, _t: f64, _y: &[f64; 2], bounds: &mut [f64; 1]) {
+        *bounds = [1e-15];
+    }
+
+    fn transition<S: Real>(
+        &self,
+        mode: Restless,
+        _guard: usize,
+        _t: S,
+        _y: &mut [S; 2],
+    ) -> Next<Restless> {
+        Next::Mode(match mode {
+            Restless::Bouncing { impacts } => Restless::Bouncing { impacts: impacts + 1 },
+            Restless::Rocking(corner) => Restless::Rocking(-corner),
+        })
+    }
+}
+
+/// What an error of chatter tells to change in an [`Unresting`] system, with every method.
+fn expect_cure(mode: Restless, expected: &str) {
+    for setting in settings() {
+        let (_, outcome, ..) = run(&Unresting(mode), &setting, (0.0, [-1.0, 0.0]), 1.0);
+        let Err(Error::Chatter { cure, .. }) = outcome else { panic!("{outcome:?}") };
+        assert!(cure.contains(expected), "{}: {cure}", setting.0.name);
+    }
+}
+
+#[test]
+fn a_mode_that_carries_data_and_violates_itself_is_told_as_one() {
+    expect_cure(Restless::Bouncing { impacts: 0 }, "stays violated after its own transition");
+}
+
+#[test]
+fn two_values_that_a_mode_carries_in_turn_are_told_as_two_modes() {
+    expect_cure(Restless::Rocking(1), "hand over to each other");
 }
