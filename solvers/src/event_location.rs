@@ -84,8 +84,10 @@ pub struct GuardCrossing {
 pub struct GuardWatch<P: System> {
     /// Values and rates at the start of a step.
     start: P::Guards<Dual64>,
-    /// Values and rates at its end.
+    /// Values and rates at its end, or wherever the [rates](Self::rates) were asked for last.
     end: P::Guards<Dual64>,
+    /// Values and derivatives along a [direction](Self::look_along), or a little past the end of a step.
+    along: P::Guards<Dual64>,
     values: P::Guards<f64>,
     bounds: P::Guards<f64>,
     /// Time at which the bounds were found last; not a number where they were not, or the step was forgotten.
@@ -96,7 +98,9 @@ pub struct GuardWatch<P: System> {
     y: P::State<f64>,
     slope: P::State<f64>,
     seeded: P::State<Dual64>,
-    /// Values at the quarters of a step on its dense output.
+    /// Values in the middle of the step [looked at](Self::look_at_middle) last.
+    middle: P::Guards<f64>,
+    /// Values between the ends of a step: at the quarters on its dense output, or at two states that the method knows.
     quarters: [P::Guards<f64>; 3],
     /// Values at the time of the first fall found so far.
     at_first: P::Guards<f64>,
@@ -133,6 +137,7 @@ impl<P: System> GuardWatch<P> {
         Self {
             start: duals(),
             end: duals(),
+            along: duals(),
             values: zeros(),
             bounds: zeros(),
             bounded_at: f64::NAN,
@@ -140,6 +145,7 @@ impl<P: System> GuardWatch<P> {
             y: Vector::from_fn(problem.dim(), |_| 0.0),
             slope: Vector::from_fn(problem.dim(), |_| 0.0),
             seeded: Vector::from_fn(problem.dim(), |_| Dual64::from_re(0.0)),
+            middle: zeros(),
             quarters: std::array::from_fn(|_| zeros()),
             at_first: zeros(),
             deepest: vec![0.0; n],
@@ -271,12 +277,12 @@ impl<P: System> GuardWatch<P> {
         direction: &P::State<f64>,
     ) {
         let t = Dual64::from_re(t);
-        along(problem, mode, (t, y), direction, &mut self.seeded, &mut self.start);
+        along(problem, mode, (t, y), direction, &mut self.seeded, &mut self.along);
     }
 
     /// The derivative of guard `i` [looked along](Self::look_along) last.
     pub(crate) fn slope_along(&self, i: usize) -> f64 {
-        self.start.as_ref()[i].eps
+        self.along.as_ref()[i].eps
     }
 
     /// Evaluates all guards in the middle of `step`.
@@ -288,12 +294,12 @@ impl<P: System> GuardWatch<P> {
     ) {
         let t = step.t0() + 0.5 * (step.t1() - step.t0());
         step.interpolate(t, &mut self.y);
-        problem.guards(mode, t, &self.y, &mut self.quarters[1]);
+        problem.guards(mode, t, &self.y, &mut self.middle);
     }
 
     /// Guard `i` in the middle of the step looked at last.
     pub(crate) fn middle(&self, i: usize) -> f64 {
-        self.quarters[1].as_ref()[i]
+        self.middle.as_ref()[i]
     }
 
     /// Whether guard `i`, as last evaluated, is at or past its surface.

@@ -316,9 +316,9 @@ impl<P: System> GuardWatch<P> {
             *y += short * slope;
         }
         problem.rhs(mode.clone(), ahead, &self.y, &mut self.slope);
-        let Self { y, slope, seeded, end, .. } = self;
-        along_flow(problem, mode, (ahead, y), slope, seeded, end);
-        (self.rate(i) - rate) / short
+        let Self { y, slope, seeded, along, .. } = self;
+        along_flow(problem, mode, (ahead, y), slope, seeded, along);
+        (self.slope_along(i) - rate) / short
     }
 
     /// Begins the arcs of guards at the start of a phase.
