@@ -1,8 +1,11 @@
 //! Guards over a step: which guards fall below zero, which of them falls first, and when.
 //!
-//! A guard `g` is *violated* where `g < −bound`, its rounding bound. Events are located as roots of `g`, or of `g + bound/2`
-//! for dips and where no cubic tells the fall, at or past the surface and within rounding of it. A *fall* is a crossing of a
-//! guard from above its surface to below; a *dip* is a fall followed by a rise within the same step.
+//! A guard `g` is *violated* where `g < −bound`, its rounding bound. A *fall* is a crossing of a guard from above its surface to
+//! below; a *dip* is a fall followed by a rise within the same step.
+//!
+//! An event is located as the root of `g` next to that of the cubic through values and rates at both ends. Where the guard
+//! dips, and where the cubic does not lead to a root, the root of `g + bound/2` is located instead. Either lies at or past the
+//! surface and within rounding of it.
 //!
 //! # What is found within one step
 //!
@@ -35,12 +38,13 @@
 //! its surface, the dense output shows such a dip in almost every step; a Radau method looks only for dips deeper than
 //! the error that the tolerance allows where its stages show none.
 //!
-//! # What hardly is an event
+//! # Grazing
 //!
-//! A guard that turns, or falls, within the error of the method of its surface is [told](crate::Grazing). Each stage knows
-//! turns that are no dips without a further evaluation: by the cubic, at the nodes, in the march. One that is
-//! low is noted, and judged when the step is accepted. A guard that falls with the rate ġ and the curvature g̈ > 0 would
-//! fall by ġ²/(2 g̈); that is asked at each event.
+//! Where a guard turns nearer to its surface than the error of the method, or crosses it and would turn again no deeper than
+//! that, the error decides whether there is an event. The recorder is told of it as [grazing](crate::Grazing). Each stage of
+//! the search finds turns that are no dips without a further evaluation: by the cubic, at the nodes, in the march. A turn
+//! near the surface is noted, and compared with the error when the step is accepted. At each event the depth of the turn that
+//! would follow is estimated: from the rate ġ and the curvature g̈ > 0 there it is ġ²/(2 g̈).
 
 mod along;
 mod dip;
