@@ -11,8 +11,8 @@ use crate::system::System;
 /// of the range. For the sine of three quarters of a period, the minimum may lie lower between two nodes by 0.7 % of
 /// the range, and the error of the polynomial is 0.6 % of it.
 const MISFIT: f64 = 0.02;
-/// Number of dips on one step that the dense output shows and retaken steps do not, beyond which it tells nothing: that of
-/// a step far beyond stability may have millions.
+/// A dense output that has shown this many dips which retaken steps do not show is taken to be useless. In a step far beyond
+/// the stability limit there may be millions.
 const MOST_VAIN: usize = 100;
 
 impl<P: System> GuardWatch<P> {

@@ -8,7 +8,7 @@ use crate::step::Step;
 use crate::system::System;
 use crate::tolerance::Tolerance;
 
-/// A fall is looked for around its guess no nearer to the last maximum than this fraction of the distance between them.
+/// The search around a guess begins at this fraction of the way from the last maximum to the guess.
 const LEAST: f64 = 0.25;
 
 impl<P: System> GuardWatch<P> {

@@ -6,8 +6,8 @@ use crate::root::{minimum, parabola};
 /// A guard is followed on an interval where the parabola through three of its values gives two more to this fraction
 /// of their range.
 const MISFIT: f64 = 0.05;
-/// The next interval is longer by this factor where the parabola is better than the cube of its inverse, as a fraction
-/// of the misfit allowed: an error of the third order grows with the cube of the length.
+/// The next interval is longer by the first of these factors `f` for which the misfit is at most the misfit allowed over
+/// f³: an error of the third order grows with the cube of the length.
 const GROWTH: [f64; 2] = [4.0, 2.0];
 /// What is at least this many times further from zero than from its parabola is followed too: it stays above zero.
 const HEADROOM: f64 = 8.0;

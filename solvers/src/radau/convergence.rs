@@ -31,7 +31,7 @@ pub(super) struct Convergence {
     pub(super) is_to_rounding: bool,
     /// Number of corrections that may grow under a tolerance.
     patience: usize,
-    /// Error after a correction as a fraction of the correction.
+    /// `η = θ/(1 − θ)`: the error after a correction as a fraction of the correction.
     pub(super) left: f64,
     first: f64,
     last: f64,

@@ -68,7 +68,8 @@ pub struct RadauMethod<Y> {
     error_of_guess_sq: f64,
     /// Whether phases begin on the slow solution, where the slope at the start is a good guess.
     is_smooth: bool,
-    /// Error after a correction as a fraction of the correction, estimated from the last iteration.
+    /// `η = θ/(1 − θ)` of the last iteration, whose corrections shrank by the factor θ: the error after a correction is η times
+    /// the correction. Hairer & Wanner, IV.8.
     left: f64,
     z: [Y; 3],
     w: [Y; 3],
