@@ -60,7 +60,7 @@ use along::{along, along_flow};
 use graze::Touch;
 use shape::{has_no_dip, stays_above_zero};
 
-pub(crate) use graze::{Graze, STEPS};
+pub(crate) use graze::{ERROR_GROWTH, Graze};
 pub(crate) use shape::{cubic_root, is_far, no_turn};
 
 use crate::error::Error;
@@ -115,18 +115,20 @@ pub struct GuardWatch<P: System> {
     n_disproved: usize,
     /// Length of the last step of this phase on which all guards were seen to follow their cubics, also beside their range: one
     /// that is far from zero may follow beside its size, and need not when it is near.
-    followed: f64,
+    verified_step: f64,
     /// Guards that were seen to stray from their cubics on the present step.
-    strays: Vec<bool>,
+    straying: Vec<bool>,
     /// Heights below which a turn of a guard is noted as a touch: infinite until one has turned, and below all numbers
     /// where no touches are [watched for](Self::watch_touches).
-    lows: P::Guards<f64>,
-    /// When this phase began, and when the errors were found last, if they were.
-    found: [f64; 2],
+    turn_limits: P::Guards<f64>,
+    /// When this phase began.
+    phase_began: f64,
+    /// When the errors of the guards were found last; not a number where they were not in this phase.
+    errors_found_at: f64,
     /// Touches on the present step.
     touches: Vec<Touch>,
     /// Guards that fall at the end of the last step, where steps have slopes that jump between them.
-    fell: Vec<bool>,
+    falling_at_end: Vec<bool>,
     /// Values and rates at the start of a phase whose arcs are measured.
     #[cfg(feature = "diffsol")]
     arcs: P::Guards<Dual64>,
@@ -155,12 +157,13 @@ impl<P: System> GuardWatch<P> {
             deepest: vec![0.0; n],
             disproved: vec![0.0; n],
             n_disproved: 0,
-            followed: 0.0,
-            strays: vec![false; n],
-            lows: Vector::from_fn(n, |_| f64::NEG_INFINITY),
-            found: [f64::NAN; 2],
+            verified_step: 0.0,
+            straying: vec![false; n],
+            turn_limits: Vector::from_fn(n, |_| f64::NEG_INFINITY),
+            phase_began: f64::NAN,
+            errors_found_at: f64::NAN,
             touches: Vec::with_capacity(MOST_TOUCHES),
-            fell: vec![false; n],
+            falling_at_end: vec![false; n],
             #[cfg(feature = "diffsol")]
             arcs: duals(),
         }
@@ -327,7 +330,7 @@ impl<P: System> GuardWatch<P> {
     ) {
         self.start_at(problem, mode, t, y, dydt);
         self.forget_step();
-        self.followed = 0.0;
+        self.verified_step = 0.0;
     }
 
     /// Evaluates values and rates at the start of a step. Needed where they do not carry over from the end of the
@@ -393,27 +396,27 @@ impl<P: System> GuardWatch<P> {
         let (t0, t1) = (step.t0(), step.t1());
         let h = t1 - t0;
         let ends = [(step.y0(), step.slope0()), (step.y1(), step.slope1())];
-        if !self.knows(h) && !self.all_follow(problem, mode, (t0, t1), ends) {
+        if !self.is_verified_for(h) && !self.all_follow(problem, mode, (t0, t1), ends) {
             return false;
         }
         // All guards are tested without a branch between them, so that the tests run as vector instructions.
-        let ends = self.start.as_ref().iter().zip(self.end.as_ref()).zip(self.lows.as_ref());
-        let (far, high) = ends.fold((true, true), |(far, high), ((g0, g1), low)| {
+        let ends = self.start.as_ref().iter().zip(self.end.as_ref()).zip(self.turn_limits.as_ref());
+        let (far, high) = ends.fold((true, true), |(far, high), ((g0, g1), limit)| {
             let (from, to) = ([g0.re, g0.eps], [g1.re, g1.eps]);
-            (far & is_far(from, to, h), high & (no_turn(from, to, h, *low) >= 0.0))
+            (far & is_far(from, to, h), high & (no_turn(from, to, h, *limit) >= 0.0))
         });
         if far {
             if !high {
                 self.note_turns(t0, h);
             }
-            self.keep();
+            self.advance();
             return true;
         }
         let is_clear = (0..self.end.as_ref().len())
             .all(|i| (0.0..f64::INFINITY).contains(&self.end.as_ref()[i].re) && self.holds(i, h));
         if is_clear {
             self.note_turns(t0, h);
-            self.keep();
+            self.advance();
         }
         is_clear
     }
@@ -448,7 +451,7 @@ impl<P: System> GuardWatch<P> {
     }
 
     /// Makes the end of the present step the start of the next one.
-    pub fn keep(&mut self) {
+    pub fn advance(&mut self) {
         self.start.clone_from(&self.end);
         self.forget_dips();
     }

@@ -78,7 +78,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
     ) {
         field.set(lane, &self.parameters);
         steps.judgement_mut().tolerate(lane, self.own.solver.controller.control());
-        steps.load(lane, &self.own.solver.method, self.own.solver.watch.lows());
+        steps.load(lane, &self.own.solver.method, self.own.solver.watch.turn_limits());
     }
 
     /// Takes over the start in its `lane` where that is [newer](Self::is_stale) than its own.
@@ -154,9 +154,9 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
         let Runner { run, solver, .. } = &mut self.own;
         let (is_proposed, error_sq) = (solver.is_proposed, judgement.error_sq.lane(lane));
         let verdict = solver.controller.verdict(is_proposed, self.h, |_| error_sq);
-        let knows = !S::TESTS_ENDS || solver.watch.knows(self.h);
-        let is_plain = judgement.is_plain & (1 << lane) != 0 && knows;
-        let is_clear = || judgement.is_clear & (1 << lane) != 0 && knows;
+        let is_verified = !S::TESTS_ENDS || solver.watch.is_verified_for(self.h);
+        let is_plain = judgement.is_plain & (1 << lane) != 0 && is_verified;
+        let is_clear = || judgement.is_clear & (1 << lane) != 0 && is_verified;
         run.stats.work.n_rhs += S::N_RHS;
         if let Verdict::Accept(next) = verdict
             && (is_plain || is_clear() && self.tell_touches(lane, steps))

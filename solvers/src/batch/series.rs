@@ -23,7 +23,7 @@ where
     method: Taylor<P, Lanes<V>>,
     judgement: Judgement<V>,
     /// Heights below which a turn of a guard is noted.
-    lows: P::Guards<Lanes<V>>,
+    turn_limits: P::Guards<Lanes<V>>,
     /// The guards along the last term of the states that theirs are looked at to.
     along: P::Guards<DualLanes<V>>,
     /// Whether the series are begun at the present starts.
@@ -40,7 +40,7 @@ where
         Self {
             method: TaylorMethod::new(n, problem.n_guards(), order),
             judgement: Judgement::new(n),
-            lows: Vector::from_fn(problem.n_guards(), |_| Lanes::cst(f64::INFINITY)),
+            turn_limits: Vector::from_fn(problem.n_guards(), |_| Lanes::cst(f64::INFINITY)),
             along: Vector::from_fn(problem.n_guards(), |_| DualLanes::cst(0.0)),
             is_begun: false,
         }
@@ -55,11 +55,11 @@ where
     #[inline(always)]
     fn look(&self, h: Lanes<V>, explained: impl Fn(usize) -> Lanes<V>) -> (u32, Lanes<V>) {
         let guards = &self.method.guards;
-        let ends = guards.end.as_ref().iter().zip(self.lows.as_ref()).enumerate();
+        let ends = guards.end.as_ref().iter().zip(self.turn_limits.as_ref()).enumerate();
         let all = (every_lane::<V>(), Lanes::cst(f64::INFINITY));
-        ends.fold(all, |(all, least): (u32, Lanes<V>), (i, (end, low))| {
+        ends.fold(all, |(all, least): (u32, Lanes<V>), (i, (end, limit))| {
             let highest = guards.highest_low();
-            let (is_clear, no_turn) = guards.look(i, h, highest, (*end, *low), explained(i));
+            let (is_clear, no_turn) = guards.look(i, h, highest, (*end, *limit), explained(i));
             (all & is_clear, least.lesser(no_turn))
         })
     }
@@ -94,11 +94,11 @@ where
         &mut self.judgement
     }
 
-    fn load(&mut self, lane: usize, method: &Self::Method, lows: &P::Guards<f64>) {
+    fn load(&mut self, lane: usize, method: &Self::Method, turn_limits: &P::Guards<f64>) {
         let (all, one) = (&mut self.method.step, &method.step);
         all.t0.set(lane, one.t0);
         set(&mut all.y[0], lane, &one.y[0]);
-        set(&mut self.lows, lane, lows);
+        set(&mut self.turn_limits, lane, turn_limits);
         self.is_begun = false;
     }
 

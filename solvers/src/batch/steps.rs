@@ -37,7 +37,7 @@ pub(super) trait Steps<P: Alike, V: Simd> {
     fn judgement_mut(&mut self) -> &mut Judgement<V>;
 
     /// Writes the start of the next step of `method` to `lane`, with the heights below which turns of guards are noted.
-    fn load(&mut self, lane: usize, method: &Self::Method, lows: &P::Guards<f64>);
+    fn load(&mut self, lane: usize, method: &Self::Method, turn_limits: &P::Guards<f64>);
 
     /// Computes what steps of any size from the present starts have in common.
     fn prepare(&mut self, field: &ByParameters<P, V>);

@@ -20,7 +20,7 @@ pub(super) struct TableauSteps<P: Alike, V: Simd, const S: usize> {
     start: P::Guards<DualLanes<V>>,
     end: P::Guards<DualLanes<V>>,
     /// Heights below which a turn of a guard is noted.
-    lows: P::Guards<Lanes<V>>,
+    turn_limits: P::Guards<Lanes<V>>,
     /// Whether those at the starts are known.
     is_prepared: bool,
 }
@@ -35,7 +35,7 @@ impl<P: Alike, V: Simd, const S: usize> TableauSteps<P, V, S> {
             judgement: Judgement::new(n),
             start: guards(),
             end: guards(),
-            lows: Vector::from_fn(n_guards, |_| Lanes::cst(f64::INFINITY)),
+            turn_limits: Vector::from_fn(n_guards, |_| Lanes::cst(f64::INFINITY)),
             is_prepared: false,
         }
     }
@@ -61,12 +61,12 @@ impl<P: Alike, V: Simd, const S: usize> Steps<P, V> for TableauSteps<P, V, S> {
         &mut self.judgement
     }
 
-    fn load(&mut self, lane: usize, method: &Self::Method, lows: &P::Guards<f64>) {
+    fn load(&mut self, lane: usize, method: &Self::Method, turn_limits: &P::Guards<f64>) {
         let (all, one) = (&mut self.method.step, &method.step);
         all.t0.set(lane, one.t0);
         set(&mut all.y0, lane, &one.y0);
         set(&mut all.k[0], lane, &one.k[0]);
-        set(&mut self.lows, lane, lows);
+        set(&mut self.turn_limits, lane, turn_limits);
         self.is_prepared = false;
     }
 
@@ -112,12 +112,12 @@ impl<P: Alike, V: Simd, const S: usize> Steps<P, V> for TableauSteps<P, V, S> {
         self.judgement.look_at_ends(end.0, end.1);
         field.guards_along(DualLanes::new(t1, Lanes::cst(1.0)), end, &mut self.end);
         let h = t1 - step.t0;
-        let ends = self.start.as_ref().iter().zip(self.end.as_ref()).zip(self.lows.as_ref());
+        let ends = self.start.as_ref().iter().zip(self.end.as_ref()).zip(self.turn_limits.as_ref());
         let mut high: Lanes<V> = Lanes::cst(f64::INFINITY);
-        for ((g0, g1), low) in ends {
+        for ((g0, g1), limit) in ends {
             let (from, to) = ([g0.re, g0.eps], [g1.re, g1.eps]);
             self.judgement.is_clear &= is_far(from, to, h);
-            high = high.lesser(no_turn(from, to, h, *low));
+            high = high.lesser(no_turn(from, to, h, *limit));
         }
         self.judgement.end_with(high);
     }

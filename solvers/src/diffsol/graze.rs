@@ -1,7 +1,7 @@
 //! Grazing guards of accepted steps, and bounces too low to resolve.
 
 use super::{DiffsolSolver, SolverStep};
-use crate::event_location::{Graze, STEPS};
+use crate::event_location::{ERROR_GROWTH, Graze};
 use crate::record::Record;
 use crate::step::Step;
 use crate::system::System;
@@ -55,7 +55,7 @@ impl<P: System> DiffsolSolver<P> {
     ) -> u64 {
         let y = step.y1.as_ref();
         let allowed = |i: usize| self.tolerance.allowed(i, y);
-        let many = STEPS.max(n_steps as f64);
+        let many = ERROR_GROWTH.max(n_steps as f64);
         let (mut n, mut is_told) = (0, false);
         let mut told = |graze: Graze| {
             (n, is_told) = (n + 1, is_told || graze.is_event);

@@ -25,7 +25,7 @@ impl<P: System> GuardWatch<P> {
         i: usize,
     ) -> (f64, Option<f64>) {
         let (t0, h) = (step.t0(), step.t1() - step.t0());
-        let low = self.lows.as_ref()[i];
+        let limit = self.turn_limits.as_ref()[i];
         let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
         let quarters: [f64; 3] = std::array::from_fn(|k| self.quarters[k].as_ref()[i]);
         // A rate may be infinite where the guard is finite. The slope of the chord to the next quarter then replaces
@@ -60,7 +60,7 @@ impl<P: System> GuardWatch<P> {
                 if least >= 0.0 {
                     self.note(i, t0 + theta * h, least - margin - 0.5 * self.bounds.as_ref()[i]);
                 }
-            } else if nodes[k] < low {
+            } else if nodes[k] < limit {
                 self.note(i, t0 + at(k) * h, nodes[k]);
             }
             top = k;

@@ -47,7 +47,7 @@ impl<P: System> GuardWatch<P> {
         for guard in 0..self.end.as_ref().len() {
             let is_violated = self.end.as_ref()[guard].re < -self.bounds.as_ref()[guard];
             self.note_jump(guard, t0, h);
-            if !self.strays(guard, h) && !is_violated && self.holds(guard, h) {
+            if !self.is_straying(guard, h) && !is_violated && self.holds(guard, h) {
                 self.note_turn(guard, t0, h);
                 continue;
             }
@@ -77,7 +77,7 @@ impl<P: System> GuardWatch<P> {
             }
         }
         if first.is_none() {
-            self.keep();
+            self.advance();
         }
         Ok(first)
     }

@@ -25,13 +25,13 @@ type End<'a, Y> = (&'a Y, &'a Y);
 
 impl<P: System> GuardWatch<P> {
     /// Whether the guards need not be compared with their cubics on a step of size `h`.
-    pub(crate) fn knows(&self, h: f64) -> bool {
-        h.abs() <= LONGER * self.followed
+    pub(crate) fn is_verified_for(&self, h: f64) -> bool {
+        h.abs() <= LONGER * self.verified_step
     }
 
     /// Whether guard `i` was seen to stray from its cubic on the present step, of size `h`.
-    pub(super) fn strays(&self, i: usize, h: f64) -> bool {
-        self.strays[i] && !self.knows(h)
+    pub(super) fn is_straying(&self, i: usize, h: f64) -> bool {
+        self.straying[i] && !self.is_verified_for(h)
     }
 
     /// Whether all guards follow their cubics on a step from `t0` to `t1`: between its ends, each a state and its slope, they
@@ -48,7 +48,7 @@ impl<P: System> GuardWatch<P> {
     ) -> bool {
         let h = t1 - t0;
         self.find_bounds(problem, mode.clone(), (t1, end.0), 0.0);
-        self.strays.fill(false);
+        self.straying.fill(false);
         let mut also_near = true;
         for theta in PROBES {
             hermite(theta, h, start, end, &mut self.y);
@@ -61,13 +61,13 @@ impl<P: System> GuardWatch<P> {
                 let range = (value - g0.re).abs().max((value - g1.re).abs());
                 let within = |allowed: f64| off <= STRAYS * allowed + self.bounds.as_ref()[i];
                 // A guard that is not a number strays.
-                self.strays[i] |= !within(size);
+                self.straying[i] |= !within(size);
                 also_near &= within(range);
             }
         }
-        let all = !self.strays.contains(&true);
+        let all = !self.straying.contains(&true);
         if all && also_near {
-            self.followed = h.abs();
+            self.verified_step = h.abs();
         }
         all
     }
@@ -86,7 +86,7 @@ impl<P: System> GuardWatch<P> {
         i: usize,
     ) -> Result<(f64, Option<f64>), Error> {
         let (t0, h) = (step.t0(), step.t1() - step.t0());
-        if self.strays(i, h) {
+        if self.is_straying(i, h) {
             return self.march(problem, mode, step, i);
         }
         let (top, dip) = self.dip(problem, mode.clone(), step, i);
@@ -117,13 +117,13 @@ impl<P: System> GuardWatch<P> {
         let (bound, from) = (self.bounds.as_ref()[i], self.disproved[i]);
         let margin = 0.5 * bound + self.doubts.as_ref()[i];
         let mut touches = std::mem::take(&mut self.touches);
-        let low = self.lows.as_ref()[i];
+        let limit = self.turn_limits.as_ref()[i];
         let g =
             |theta: f64| self.clearance_on(problem, mode.clone(), step, i, t0 + theta * h) + margin;
         let slopes = (from == 0.0 && g0.eps * h < 0.0, g1.eps * h > 0.0);
         let turned = |theta: f64, above: f64| {
             let touch = Touch::new(i, t0 + theta * h, above - margin - 0.5 * bound);
-            if touch.height < low {
+            if touch.height < limit {
                 touches.push(touch);
             }
         };

@@ -18,7 +18,7 @@ use crate::system::System;
 /// Errors add up along a run: a state is taken to be wrong by up to this many times what is allowed in one step. The
 /// error of methods that extrapolate was 65 times that at most (bs32), over 12 units of time of the guards of
 /// `tests/grazing`.
-pub(crate) const STEPS: f64 = 100.0;
+pub(crate) const ERROR_GROWTH: f64 = 100.0;
 /// A turn is noted below this many times the error of the guard as found last: that error may grow by half, and on a step
 /// whose guard [is far](super::is_far) a turn may be half as high as the lower end.
 const LOW: f64 = 3.0;
@@ -73,13 +73,13 @@ impl<P: System> GuardWatch<P> {
     /// Has touches noted in a phase that began at `t`, by errors that are found anew at the next turn of a guard. Whoever
     /// asks for it looks after each accepted step whether [there is one](Self::has_touches).
     pub(crate) fn watch_touches(&mut self, t: f64) {
-        self.lows.as_mut().fill(f64::INFINITY);
-        self.found = [t, f64::NAN];
+        self.turn_limits.as_mut().fill(f64::INFINITY);
+        (self.phase_began, self.errors_found_at) = (t, f64::NAN);
     }
 
     /// Heights below which a turn of each guard is noted.
-    pub(crate) fn lows(&self) -> &P::Guards<f64> {
-        &self.lows
+    pub(crate) fn turn_limits(&self) -> &P::Guards<f64> {
+        &self.turn_limits
     }
 
     /// Begins to search a step, or one more time after a dip of it was discarded.
@@ -92,7 +92,7 @@ impl<P: System> GuardWatch<P> {
 
     /// Notes that guard `i` turns at `t` with the value `height`.
     pub(crate) fn note(&mut self, i: usize, t: f64, height: f64) {
-        if height < self.lows.as_ref()[i] {
+        if height < self.turn_limits.as_ref()[i] {
             self.touches.push(Touch::new(i, t, height));
         }
     }
@@ -112,7 +112,7 @@ impl<P: System> GuardWatch<P> {
         // Where rounding hides the curvature the turn is taken to be at the end.
         let to_turn = if curvature > 0.0 { 0.5 * g.eps * g.eps / curvature } else { 0.0 };
         let height = g.re - to_turn;
-        if height < self.lows.as_ref()[i] {
+        if height < self.turn_limits.as_ref()[i] {
             self.touches.push(Touch { is_discarded: true, ..Touch::new(i, step.t1(), height) });
         }
     }
@@ -153,15 +153,15 @@ impl<P: System> GuardWatch<P> {
     /// interpolant.
     #[cfg(feature = "diffsol")]
     pub(crate) fn note_falls(&mut self, h: f64) {
-        for (fell, start) in self.fell.iter_mut().zip(self.start.as_ref()) {
-            *fell = start.eps * h < 0.0;
+        for (falls, start) in self.falling_at_end.iter_mut().zip(self.start.as_ref()) {
+            *falls = start.eps * h < 0.0;
         }
     }
 
     /// Notes the turn of guard `i` right at the start of a step of size `h`, where the slope of the interpolant jumps.
     pub(super) fn note_jump(&mut self, i: usize, t0: f64, h: f64) {
         let g0 = self.start.as_ref()[i];
-        if self.fell[i] && g0.eps * h >= 0.0 {
+        if self.falling_at_end[i] && g0.eps * h >= 0.0 {
             self.note(i, t0, g0.re);
         }
     }
@@ -203,7 +203,7 @@ impl<P: System> GuardWatch<P> {
         self.touches.retain(|touch| (touch.t - t1) * (t1 - t0) <= 0.0);
         let landed = landed_on.map(|i| (i, self.at_end_of(problem, mode.clone(), step, i)));
         let shallow = landed.filter(|(i, g)| {
-            self.strays(*i, h) || self.may_rise(problem, mode.clone(), step, (*i, g.eps), h)
+            self.is_straying(*i, h) || self.may_rise(problem, mode.clone(), step, (*i, g.eps), h)
         });
         if shallow.is_some() || self.touches.iter().any(|touch| self.is_new(touch)) {
             self.find_errors(problem, mode.clone(), step, error);
@@ -212,7 +212,7 @@ impl<P: System> GuardWatch<P> {
         if let Some((guard, g)) = shallow
             && is_resolved(t1, t1 - t0)
         {
-            let error = self.lows.as_ref()[guard] / LOW;
+            let error = self.turn_limits.as_ref()[guard] / LOW;
             let dip = self.depth_after(problem, mode, step, (guard, g), (error, h));
             if let Some(depth) = dip {
                 told(Graze { guard, t: t1, depth, error, is_event: true });
@@ -222,7 +222,7 @@ impl<P: System> GuardWatch<P> {
 
     /// What is told of a touch on a step of size `h` to `t1`: it is within the error.
     fn grazing(&self, Touch { guard, t, height, .. }: Touch, t1: f64, h: f64) -> Option<Graze> {
-        let error = self.lows.as_ref()[guard] / LOW;
+        let error = self.turn_limits.as_ref()[guard] / LOW;
         let is_within = height.abs() <= error && error.is_finite();
         let graze = Graze { guard, t, depth: -height, error, is_event: false };
         (is_resolved(t1, h) && is_within).then_some(graze)
@@ -230,9 +230,9 @@ impl<P: System> GuardWatch<P> {
 
     /// Whether errors are to be found anew at a `touch`, because they are not known or are old.
     fn is_new(&self, touch: &Touch) -> bool {
-        let [begun, found] = self.found;
+        let began = self.phase_began;
         // False where they are not known.
-        let is_known = (touch.t - begun).abs() <= LATER * (found - begun).abs();
+        let is_known = (touch.t - began).abs() <= LATER * (self.errors_found_at - began).abs();
         !is_known
     }
 
@@ -248,12 +248,12 @@ impl<P: System> GuardWatch<P> {
         let within = ALIKE * (step.t1() - step.t0()).abs();
         self.find_bounds(problem, mode, (step.t1(), step.y1()), within);
         let errors = self.doubts.as_ref().iter().zip(self.bounds.as_ref());
-        for ((doubt, bound), low) in errors.zip(self.lows.as_mut()) {
+        for ((doubt, bound), limit) in errors.zip(self.turn_limits.as_mut()) {
             // Not a number where a derivative is infinite.
             let error = doubt + bound;
-            *low = if error.is_nan() { f64::INFINITY } else { LOW * error };
+            *limit = if error.is_nan() { f64::INFINITY } else { LOW * error };
         }
-        self.found[1] = step.t1();
+        self.errors_found_at = step.t1();
     }
 
     /// Whether guard `i`, on which `step` landed with a `rate`, would rise again by its curvature there, from no deeper than a
@@ -267,7 +267,7 @@ impl<P: System> GuardWatch<P> {
         h: f64,
     ) -> bool {
         let curvature = self.curvature(problem, mode, step, (i, rate), LOCAL * h);
-        curvature > 0.0 && 0.5 * rate * rate / curvature < self.lows.as_ref()[i]
+        curvature > 0.0 && 0.5 * rate * rate / curvature < self.turn_limits.as_ref()[i]
     }
 
     /// How far guard `i`, on which `step` landed with the value and rate `g`, would fall below zero by its curvature there, where

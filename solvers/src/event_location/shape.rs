@@ -24,12 +24,12 @@ pub(crate) fn is_far<T: Ordered>(from: [T; 2], to: [T; 2], h: T) -> T::Mask {
 }
 
 /// Zero or more where a guard with these values and rates at both ends of a step of size `h`, on which it
-/// [is far](is_far), does not turn below `low` there: it does not fall at the start, or does not rise at the end, or is
-/// not below `low`.
+/// [is far](is_far), does not turn below `limit` there: it does not fall at the start, or does not rise at the end, or is
+/// not below `limit`.
 #[inline]
-pub(crate) fn no_turn<T: Ordered>(from: [T; 2], to: [T; 2], h: T, low: T) -> T {
+pub(crate) fn no_turn<T: Ordered>(from: [T; 2], to: [T; 2], h: T, limit: T) -> T {
     let slopes = (from[1] * h).larger(-(to[1] * h));
-    slopes.larger(from[0].lesser(to[0]) - low)
+    slopes.larger(from[0].lesser(to[0]) - limit)
 }
 
 /// Sum of the absolute differences of both end slopes from the slope of the chord, over the step.

@@ -3,7 +3,7 @@
 use super::{OneStep, OneStepSolver, PhaseContext};
 use crate::control::Control;
 use crate::dense::hermite;
-use crate::event_location::{Graze, STEPS};
+use crate::event_location::{ERROR_GROWTH, Graze};
 use crate::step::Step;
 use crate::system::{System, Vector};
 
@@ -39,7 +39,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             stats.n_grazing += 1;
             record.grazing(&graze.in_mode(point.mode.clone()));
         };
-        let error = |i: usize| STEPS * of_step(i);
+        let error = |i: usize| ERROR_GROWTH * of_step(i);
         self.watch.graze(*problem, mode(), self.method.step(), (landed_on, h), &error, &mut told);
     }
 

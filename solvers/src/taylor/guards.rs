@@ -163,15 +163,15 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
     /// than its last two terms and the error of the polynomial at the end, and whether its last term, without what is
     /// `explained` of that coefficient by the states, is no larger than those before: a series whose terms grow tells nothing of
     /// a guard that moves faster than the states. Besides, a number that is zero or more where such
-    /// a guard does not turn below `low`: it does not fall at the start, or falls at the end by more than its last two terms,
-    /// or is above `low`.
+    /// a guard does not turn below `limit`: it does not fall at the start, or falls at the end by more than its last two terms,
+    /// or is above `limit`.
     #[inline]
     pub(crate) fn look(
         &self,
         i: usize,
         h: B::Rounded,
         degree: usize,
-        (end, low): (B::Rounded, B::Rounded),
+        (end, limit): (B::Rounded, B::Rounded),
         explained: B::Rounded,
     ) -> (<B::Rounded as Ordered>::Mask, B::Rounded) {
         let zero = B::Rounded::cst(0.0);
@@ -192,7 +192,7 @@ impl<G: Vector<B::Rounded>, B: Coefficient> GuardSeries<G, B> {
         // With s_j the sum to order j, Σ_k≤N k g_k hᵏ = N s_N − Σ_j<N s_j. What the sum lacks at the end is taken for a
         // term of the next order.
         let falls_at_end = sums + sum - end * (degree + 1) as f64 - of_last;
-        let no_turn = (self.g[1].as_ref()[i] * h).larger(falls_at_end).larger(least - low);
+        let no_turn = (self.g[1].as_ref()[i] * h).larger(falls_at_end).larger(least - limit);
         let falls_off = (before.larger(last_but_one) + g_0 * NOISE).is_above(own);
         // False where a value is NaN.
         (least.is_above(of_last + (sum - end).abs() * 2.0) & falls_off, no_turn)
@@ -318,7 +318,7 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
             }
         }
         if first.is_none() {
-            watch.keep();
+            watch.advance();
         }
         Ok(Look::of(first))
     }
@@ -333,18 +333,18 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         explained: impl Fn(&GuardWatch<P>, usize) -> f64,
         watch: &mut GuardWatch<P>,
     ) -> bool {
-        let ends = self.end.as_ref().iter().zip(watch.lows().as_ref()).enumerate();
+        let ends = self.end.as_ref().iter().zip(watch.turn_limits().as_ref()).enumerate();
         // All guards are tested without a branch between them. Where all are clear, none is violated at the end.
-        let (all, high) = ends.fold((true, true), |(all, high), (guard, (end, touch))| {
+        let (all, high) = ends.fold((true, true), |(all, high), (guard, (end, limit))| {
             let explained = explained(watch, guard);
-            let (is_clear, no_turn) = self.look(guard, h, low, (*end, *touch), explained);
+            let (is_clear, no_turn) = self.look(guard, h, low, (*end, *limit), explained);
             (all & is_clear, high & (no_turn >= 0.0))
         });
         if all {
             if !high {
                 self.note_turns_of_clear((start, h), |x| *x, watch);
             }
-            watch.keep();
+            watch.advance();
         }
         all
     }
@@ -392,11 +392,11 @@ fn note_turns<P: System, const N: usize>(
     (t0, h): (f64, f64),
     watch: &mut GuardWatch<P>,
 ) {
-    let low = watch.lows().as_ref()[i];
+    let limit = watch.turn_limits().as_ref()[i];
     // False where no touches are to be noted.
-    if p.lower_bound() < low {
+    if p.lower_bound() < limit {
         p.extend_to(end);
-        p.minima::<N>(low, |s, least| watch.note(i, t0 + s * h, least));
+        p.minima::<N>(limit, |s, least| watch.note(i, t0 + s * h, least));
     }
 }
 
