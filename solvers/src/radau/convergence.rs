@@ -20,19 +20,26 @@ pub(super) enum Iteration {
 
 /// The test of convergence, with what it remembers of the corrections so far.
 ///
-/// If corrections shrink by the factor θ, the error after one is θ/(1 − θ) of it. Under a tolerance the first
-/// correction is judged by the factor of the previous iteration. RADAU5. Beyond it, the first corrections may be
-/// allowed to grow.
+/// ```text
+/// θ_k = ‖ΔZ_k‖/‖ΔZ_(k−1)‖,   η_k = θ_k/(1 − θ_k)
+/// converged:  η_k ‖ΔZ_k‖ ≤ κ
+/// diverged:   θ_k ≥ 1,  or  θ_k^(k_max − k)/(1 − θ_k) ‖ΔZ_k‖ > κ
+/// ```
+///
+/// with the corrections ΔZ_k, counted from one, in units of the tolerance. From the third one on θ_k is the geometric mean of
+/// the last two quotients, and 0.99 stands for the one. Under a tolerance the first correction is judged by
+/// `η₁ = max(η, ε)^0.8`, with the η of the previous iteration. Hairer & Wanner, IV.8, and RADAU5. Beyond these, the first
+/// corrections may be allowed to grow.
 pub(super) struct Convergence {
     /// Largest number of iterations.
     pub(super) most: usize,
-    /// Error that the iteration may leave.
-    rest: f64,
+    /// κ: the error that the iteration may leave.
+    tolerance: f64,
     pub(super) is_to_rounding: bool,
     /// Number of corrections that may grow under a tolerance.
     patience: usize,
-    /// `η = θ/(1 − θ)`: the error after a correction as a fraction of the correction.
-    pub(super) left: f64,
+    /// η: the error after a correction as a fraction of the correction.
+    pub(super) eta: f64,
     first: f64,
     last: f64,
     last_ratio: f64,
@@ -43,25 +50,25 @@ impl Convergence {
     pub(super) fn to_rounding() -> Self {
         Self {
             most: ITERATIONS_TO_ROUNDING,
-            rest: f64::EPSILON,
+            tolerance: f64::EPSILON,
             is_to_rounding: true,
             patience: 0,
-            left: f64::INFINITY,
+            eta: f64::INFINITY,
             first: f64::NAN,
             last: f64::NAN,
             last_ratio: f64::NAN,
         }
     }
 
-    /// The test of an iteration to an error of `rest`; `left` is that of the iteration before, and the first
+    /// The test of an iteration to an error of `tolerance`; `eta` is that of the iteration before, and the first
     /// `patience` corrections may grow.
-    pub(super) fn to_tolerance(rest: f64, left: f64, patience: usize) -> Self {
+    pub(super) fn to_tolerance(tolerance: f64, eta: f64, patience: usize) -> Self {
         Self {
             most: ITERATIONS,
-            rest,
+            tolerance,
             is_to_rounding: false,
             patience,
-            left: libm::pow(left.max(f64::EPSILON), 0.8),
+            eta: libm::pow(eta.max(f64::EPSILON), 0.8),
             ..Self::to_rounding()
         }
     }
@@ -79,18 +86,18 @@ impl Convergence {
             let rate = if n == 2 { ratio } else { (ratio * self.last_ratio).sqrt() };
             self.last_ratio = ratio;
             if rate < 0.99 {
-                self.left = rate / (1.0 - rate);
+                self.eta = rate / (1.0 - rate);
                 // The iteration is given up early where the remaining iterations cannot suffice.
                 let to_come = n + 1..self.most;
-                let in_the_end = to_come.fold(self.left * size, |error, _| error * rate);
-                if in_the_end > self.rest && n > self.patience && !self.is_to_rounding {
+                let in_the_end = to_come.fold(self.eta * size, |error, _| error * rate);
+                if in_the_end > self.tolerance && n > self.patience && !self.is_to_rounding {
                     return Some(Iteration::Diverged);
                 }
             } else if self.is_to_rounding && size <= NOISE {
                 // Rounding is reached.
                 return Some(Iteration::Converged);
             } else if n <= self.patience {
-                self.left = f64::INFINITY;
+                self.eta = f64::INFINITY;
             } else if !self.is_to_rounding {
                 return Some(Iteration::Diverged);
             }
@@ -99,6 +106,6 @@ impl Convergence {
             return Some(Iteration::Diverged);
         }
         self.last = size;
-        (self.left * size <= self.rest).then_some(Iteration::Converged)
+        (self.eta * size <= self.tolerance).then_some(Iteration::Converged)
     }
 }

@@ -1,6 +1,7 @@
 //! The stages of a Radau step, computed by Newton iteration.
 
 mod attempt;
+mod guess;
 
 use num_complex::Complex;
 
@@ -12,9 +13,10 @@ use crate::linear::{Jacobian, Shifted};
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 use crate::work::Stats;
+use guess::StartingGuess;
 
-/// Largest error of the iteration, as a fraction of the tolerance. RADAU5.
-const REST: f64 = 0.03;
+/// Largest error that the iteration may leave, κ, as a fraction of the tolerance of the estimate. RADAU5.
+const NEWTON_TOLERANCE_MAX: f64 = 0.03;
 /// A correction up to this many times the estimated rounding is taken for rounding once the iteration does not converge.
 const ROUNDINGS: f64 = 30.0;
 /// States smaller than this fraction of the largest one are iterated as if they had that size.
@@ -36,11 +38,12 @@ const PATIENCE: usize = 3;
 pub struct RadauMethod<Y> {
     tableau: &'static Radau,
     /// The tolerance for the error estimate; `None` with a fixed step.
-    tolerance: Option<Tolerance>,
+    estimate_tolerance: Option<Tolerance>,
     /// The tolerance of the run; `None` with a fixed step.
-    asked: Option<Tolerance>,
-    /// Error that an iteration may leave, as a fraction of that tolerance.
-    rest: f64,
+    run_tolerance: Option<Tolerance>,
+    /// Error that an iteration may leave, as a fraction of the tolerance of the estimate: κ of Hairer & Wanner, FNEWT of RADAU5,
+    /// `max(10 ε/rtol, min(0.03, √rtol))` with the rtol of the estimate.
+    newton_tolerance: f64,
     jacobian: Jacobian,
     real: Shifted<f64>,
     complex: Shifted<Complex<f64>>,
@@ -56,21 +59,12 @@ pub struct RadauMethod<Y> {
     /// Whether a step from the present start was completed. Further attempts are then retaken steps.
     is_completed: bool,
     has_converged: bool,
-    /// Starting guess of the increments, `g₁ x + g₂ x² + g₃ x³` at the time `t0 + x h_guess`.
-    guess: [Y; 3],
-    /// Step size that the guess belongs to; `None` at the start of a phase, where there is no guess.
-    h_guess: Option<f64>,
-    /// Whether the guess extrapolates the step before.
-    is_extrapolated: bool,
-    /// End of the guess, as an increment.
-    guess_end: Y,
-    /// Square of the norm of the error estimated from the guess; zero where it is not.
-    error_of_guess_sq: f64,
+    guess: StartingGuess<Y>,
     /// Whether phases begin on the slow solution, where the slope at the start is a good guess.
-    is_smooth: bool,
+    starts_on_slow_solution: bool,
     /// `η = θ/(1 − θ)` of the last iteration, whose corrections shrank by the factor θ: the error after a correction is η times
     /// the correction. Hairer & Wanner, IV.8.
-    left: f64,
+    eta: f64,
     z: [Y; 3],
     w: [Y; 3],
     k: [Y; 3],
@@ -101,14 +95,15 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
                 Some(Tolerance { rtol: held, atol })
             }
         };
-        let rest = tolerance.as_ref().map_or(0.0, |tolerance| {
-            (10.0 * f64::EPSILON / tolerance.rtol).max(tolerance.rtol.sqrt().min(REST))
+        let newton_tolerance = tolerance.as_ref().map_or(0.0, |tolerance| {
+            (10.0 * f64::EPSILON / tolerance.rtol)
+                .max(tolerance.rtol.sqrt().min(NEWTON_TOLERANCE_MAX))
         });
         Self {
             tableau,
-            tolerance,
-            asked: control.tolerance().cloned(),
-            rest,
+            estimate_tolerance: tolerance,
+            run_tolerance: control.tolerance().cloned(),
+            newton_tolerance,
             jacobian: Jacobian::new(n),
             real: Shifted::new(n),
             complex: Shifted::new(n),
@@ -119,13 +114,9 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
             is_linearised: false,
             is_completed: false,
             has_converged: true,
-            guess: three(),
-            h_guess: None,
-            is_extrapolated: false,
-            guess_end: zero(),
-            error_of_guess_sq: 0.0,
-            is_smooth: false,
-            left: 1.0,
+            guess: StartingGuess::new(n),
+            starts_on_slow_solution: false,
+            eta: 1.0,
             z: three(),
             w: three(),
             k: three(),
@@ -141,7 +132,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
     /// The method for phases that begin on the slow solution, as after steps of another method: the first iteration
     /// of a phase begins along the slope and not at zero increments.
     pub(crate) fn on_slow_solutions(self) -> Self {
-        Self { is_smooth: true, ..self }
+        Self { starts_on_slow_solution: true, ..self }
     }
 
     /// Entry `i` of each of three vectors.
@@ -163,15 +154,15 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
 
     /// Starts an iteration at the guess, or at zero increments where there is no guess.
     fn begin(&mut self) {
-        let Some(h_guess) = self.h_guess else {
+        let Some(h_guess) = self.guess.h else {
             self.z.iter_mut().chain(&mut self.w).for_each(|all| all.as_mut().fill(0.0));
             return;
         };
         let x = self.tableau.c.map(|c| c * self.step.h / h_guess);
         for i in 0..self.n() {
-            let [g1, g2, g3] = Self::at(&self.guess, i);
+            let [g1, g2, g3] = Self::at(&self.guess.polynomial, i);
             let z = x.map(|x| x * (g1 + x * (g2 + x * g3)));
-            self.guess_end.as_mut()[i] = z[2];
+            self.guess.end.as_mut()[i] = z[2];
             Self::set(&mut self.z, i, z);
             Self::set(&mut self.w, i, transformed(&self.tableau.t_inverse, z));
         }
@@ -217,7 +208,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
             }
         }
         // The corrections of full iteration shrink ever faster, so their rate says nothing of the next iteration.
-        self.left = if is_full { 1.0 } else { convergence.left };
+        self.eta = if is_full { 1.0 } else { convergence.eta };
         end
     }
 
@@ -225,7 +216,7 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
     /// one before allows, is [so many times](PAYING) longer than one that simplified iteration can solve.
     /// A retaken step begins no full iteration.
     fn full_pays(&mut self) -> bool {
-        let (Some(h_before), false) = (self.h_guess, self.is_completed) else { return false };
+        let (Some(h_before), false) = (self.guess.h, self.is_completed) else { return false };
         let h = self.step.h.abs();
         self.least_diverged = self.least_diverged.min(h);
         let exponent = 0.5 / (self.tableau.embedded_order + 1) as f64;
@@ -236,14 +227,16 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
     /// The test of convergence of an iteration that is to begin. Under a tolerance it also sets the scales of the
     /// corrections.
     fn convergence(&mut self, is_full: bool) -> Convergence {
-        let Some(tolerance) = self.tolerance.as_ref().filter(|_| !self.is_completed) else {
+        let Some(tolerance) = self.estimate_tolerance.as_ref().filter(|_| !self.is_completed)
+        else {
             return Convergence::to_rounding();
         };
         let y0 = self.step.y0.as_ref().iter().zip(&tolerance.atol);
         for (scale, (y0, atol)) in self.scale.as_mut().iter_mut().zip(y0) {
             *scale = atol + tolerance.rtol * y0.abs();
         }
-        Convergence::to_tolerance(self.rest, self.left, if is_full { PATIENCE } else { 0 })
+        let patience = if is_full { PATIENCE } else { 0 };
+        Convergence::to_tolerance(self.newton_tolerance, self.eta, patience)
     }
 
     /// Evaluates the slopes at the stages. Returns the first state whose slope is not finite, if there is one.
@@ -436,21 +429,22 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
     ///
     /// with r the size of the step divided by that of the step before.
     fn estimate_from_guess(&mut self) {
-        let (Some(tolerance), Some(h_guess)) = (&self.tolerance, self.h_guess) else { return };
-        let ends = self.z[2].as_ref().iter().zip(self.guess_end.as_mut());
+        let (Some(tolerance), Some(h_guess)) = (&self.estimate_tolerance, self.guess.h) else {
+            return;
+        };
+        let ends = self.z[2].as_ref().iter().zip(self.guess.end.as_mut());
         ends.for_each(|(z, guess)| *guess = z - *guess);
         let ([c1, c2, _], r) = (self.tableau.c, self.step.h / h_guess);
         let apart = 0.25 + ((2.0 - c1 - c2) / 3.0 + 0.5 * (1.0 - c1) * (1.0 - c2) / r) / r;
         let ratio = apart * self.tableau.real / (c1 * c2);
         let (y0, y1) = (self.step.y0.as_ref(), self.step.y1.as_ref());
-        self.error_of_guess_sq =
-            tolerance.norm_sq(self.guess_end.as_ref(), y0, y1) / (ratio * ratio);
+        self.guess.error_sq = tolerance.norm_sq(self.guess.end.as_ref(), y0, y1) / (ratio * ratio);
     }
 
     /// Square of the norm of the larger error estimate; not a number where that by the defect is none.
     fn error_sq(&self, tolerance: &Tolerance) -> f64 {
         let of_defect = self.step.norm_sq(tolerance);
-        if of_defect < self.error_of_guess_sq { self.error_of_guess_sq } else { of_defect }
+        if of_defect < self.guess.error_sq { self.guess.error_sq } else { of_defect }
     }
 
     /// Makes the cubic of the last attempt the guess for further attempts from the same start.
@@ -458,16 +452,16 @@ impl<Y: Vector<f64>> RadauMethod<Y> {
         for i in 0..self.n() {
             let z3 = self.z[2].as_ref()[i];
             let [e, d] = self.step.bend.each_ref().map(|bend| bend.as_ref()[i]);
-            Self::set(&mut self.guess, i, [z3 - e, e - d, d]);
+            Self::set(&mut self.guess.polynomial, i, [z3 - e, e - d, d]);
         }
-        self.h_guess = Some(self.step.h);
+        self.guess.h = Some(self.step.h);
     }
 
     /// Moves the origin of the guess to the end of the step, so that it extrapolates over the next step.
     fn shift_guess(&mut self) {
         for i in 0..self.n() {
-            let [g1, g2, g3] = Self::at(&self.guess, i);
-            Self::set(&mut self.guess, i, [g1 + 2.0 * g2 + 3.0 * g3, g2 + 3.0 * g3, g3]);
+            let [g1, g2, g3] = Self::at(&self.guess.polynomial, i);
+            Self::set(&mut self.guess.polynomial, i, [g1 + 2.0 * g2 + 3.0 * g3, g2 + 3.0 * g3, g3]);
         }
     }
 }

@@ -34,21 +34,18 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
         problem.rhs(mode, t, y, &mut step.slope0);
         stats.work.n_rhs += 1;
         (self.is_linearised, self.is_completed) = (false, false);
-        (self.h_guess, self.left, self.n_full) = (None, 1.0, 0);
+        (self.eta, self.n_full) = (1.0, 0);
         (self.least_diverged, self.error_before_sq) = (f64::INFINITY, f64::NAN);
-        self.is_extrapolated = false;
-        if self.is_smooth {
-            self.h_guess = Some(1.0);
-            let [linear, rest @ ..] = &mut self.guess;
-            linear.clone_from(&self.step.slope0);
-            rest.iter_mut().for_each(|all| all.as_mut().fill(0.0));
+        self.guess.forget();
+        if self.starts_on_slow_solution {
+            self.guess.follow(&self.step.slope0);
         }
     }
 
     fn attempt(&mut self, problem: &P, mode: P::Mode, t1: f64, h: f64, stats: &mut Stats) {
         let tableau = self.tableau;
         (self.step.t1, self.step.h) = (t1, h);
-        self.error_of_guess_sq = 0.0;
+        self.guess.error_sq = 0.0;
         if !std::mem::replace(&mut self.is_linearised, true) {
             let non_finite =
                 self.jacobian.evaluate(problem, mode.clone(), self.step.t0, &self.step.y0);
@@ -67,7 +64,7 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
             stats.work.n_factorisations += 1;
             end = self.iterate(problem, mode.clone(), stats);
             if matches!(end, Iteration::Diverged) && self.full_pays() {
-                (self.n_full, self.left) = (FULL_STEPS, 1.0);
+                (self.n_full, self.eta) = (FULL_STEPS, 1.0);
             }
         }
         if self.n_full > 0 {
@@ -81,10 +78,11 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
         }
         self.slope.clone_from(&self.step.slope0);
         self.estimate(stats);
-        if self.tolerance.as_ref().is_some_and(|tolerance| self.step.norm_sq(tolerance) > 1.0) {
+        let is_above = |tolerance: &Tolerance| self.step.norm_sq(tolerance) > 1.0;
+        if self.estimate_tolerance.as_ref().is_some_and(is_above) {
             self.estimate_again(problem, mode, stats);
         }
-        if self.n_full > 0 && self.is_extrapolated {
+        if self.n_full > 0 && self.guess.is_extrapolated {
             self.estimate_from_guess();
         }
     }
@@ -94,7 +92,7 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
     }
 
     fn repeats(&self) -> bool {
-        self.tolerance.is_none()
+        self.estimate_tolerance.is_none()
     }
 
     fn complete(&mut self, problem: &P, mode: P::Mode, stats: &mut Stats) {
@@ -103,7 +101,7 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
         stats.work.n_rhs += 1;
         if !std::mem::replace(&mut self.is_completed, true) {
             self.keep_polynomial();
-            self.is_extrapolated = false;
+            self.guess.is_extrapolated = false;
         }
     }
 
@@ -124,19 +122,19 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
         let [y1, y2, _] = &self.y_stages;
         let ends = (self.step.t0, self.step.t1);
         let is_clear = watch.is_clear_between(problem, mode.clone(), ends, [(t1, y1), (t2, y2)]);
-        let doubt = self.asked.as_ref().filter(|_| is_clear);
+        let doubt = self.run_tolerance.as_ref().filter(|_| is_clear);
         watch.first_to_fall(problem, mode, &self.step, PREDICTION, doubt)
     }
 
     fn advance(&mut self) {
         self.keep_polynomial();
         self.shift_guess();
-        self.is_extrapolated = true;
+        self.guess.is_extrapolated = true;
         if self.n_full == 0 && self.step.h.abs() > self.least_diverged {
             self.least_diverged = f64::INFINITY;
         }
         self.n_full = self.n_full.saturating_sub(1);
-        if let Some(tolerance) = &self.tolerance {
+        if let Some(tolerance) = &self.estimate_tolerance {
             self.error_before_sq = self.error_sq(tolerance);
         }
         let step = &mut self.step;
@@ -155,6 +153,6 @@ impl<P: System> OneStep<P> for RadauMethod<P::State<f64>> {
     }
 
     fn error_norm_sq(&self, tolerance: &Tolerance) -> f64 {
-        self.error_sq(self.tolerance.as_ref().unwrap_or(tolerance))
+        self.error_sq(self.estimate_tolerance.as_ref().unwrap_or(tolerance))
     }
 }
