@@ -76,6 +76,26 @@ pub struct Steps {
     pub longest: f64,
 }
 
+/// The limits of [`Steps`], apart from the control.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StepLimits {
+    /// As [`Steps::first`].
+    pub(crate) first: Option<f64>,
+    /// As [`Steps::longest`].
+    pub(crate) longest: f64,
+}
+
+impl StepLimits {
+    /// No limits.
+    pub(crate) const NONE: Self = Self { first: None, longest: f64::INFINITY };
+
+    /// Steps chosen by `control` within these limits.
+    pub(crate) fn with(self, control: Control) -> Steps {
+        let Self { first, longest } = self;
+        Steps { control, first, longest }
+    }
+}
+
 #[cfg(feature = "serde")]
 fn unlimited() -> f64 {
     f64::INFINITY
@@ -97,7 +117,7 @@ mod maybe_infinite {
 
 impl From<Control> for Steps {
     fn from(control: Control) -> Self {
-        Self { control, first: None, longest: f64::INFINITY }
+        StepLimits::NONE.with(control)
     }
 }
 

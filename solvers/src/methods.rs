@@ -7,7 +7,7 @@ pub use crate::tableaux::*;
 
 use crate::auto::{self, AutoSolver, LOOSE};
 use crate::batch::{self, Entry};
-use crate::control::{Control, Steps};
+use crate::control::{Control, StepLimits, Steps};
 use crate::diffsol::DiffsolScheme;
 use crate::erk::ExplicitRk;
 use crate::error::{Error, Outcome};
@@ -305,7 +305,8 @@ impl Method {
             }
             Scheme::Auto => {
                 let Steps { control, first, longest } = steps;
-                Box::new(AutoSolver::new(self.tolerance(control)?, (first, longest)))
+                let limits = StepLimits { first, longest };
+                Box::new(AutoSolver::new(self.tolerance(control)?, limits))
             }
         })
     }

@@ -150,15 +150,15 @@ pub struct OneStepSolver<P: System, M> {
     error_order: usize,
     /// Step size with which the next phase begins: that which the controller proposed last, after an event no longer than the step
     /// tried.
-    h: Option<f64>,
+    next_h: Option<f64>,
     /// Size that the first step of the run does not exceed; infinite after it.
-    first: f64,
+    first_limit: f64,
     /// Size that was proposed last, whatever the longest step.
-    proposed: f64,
-    /// Longest step at present.
-    longest: f64,
+    last_proposed: f64,
+    /// Longest step at present, at most that of the run; [set](Paced::keep_below) between phases.
+    longest_now: f64,
     /// Longest step of the run.
-    limit: f64,
+    longest_of_run: f64,
     /// Whether the method proposed the size of the step from the present start; the controller then only accepts or
     /// rejects it.
     pub(crate) is_proposed: bool,
@@ -174,11 +174,11 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         let embedded_order = method.embedded_order().unwrap_or(0);
         Self {
             method,
-            h: first,
-            first: first.unwrap_or(f64::INFINITY),
-            proposed: 0.0,
-            longest,
-            limit: longest,
+            next_h: first,
+            first_limit: first.unwrap_or(f64::INFINITY),
+            last_proposed: 0.0,
+            longest_now: longest,
+            longest_of_run: longest,
             is_proposed: false,
             controller: StepController::new(control, embedded_order),
             watch: GuardWatch::new(problem),
@@ -341,7 +341,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             record.passed(point.t, stats)
         } else {
             let (mode, step) = (point.mode.clone(), self.method.step());
-            let proposed = Some(self.proposed);
+            let proposed = Some(self.last_proposed);
             record.step(&Accepted { mode, step, landed_on, proposed, stats })
         };
         if go_on.is_break() {
@@ -364,7 +364,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     ) {
         stats.n_accepted += 1;
         *t = t1;
-        self.h = Some(phase.h);
+        self.next_h = Some(phase.h);
         phase.due = M::PROPOSES.then_some(Due::Next);
     }
 }

@@ -46,7 +46,7 @@ mod pilot;
 mod spectrum;
 mod turns;
 
-use crate::control::{Control, Steps};
+use crate::control::{Control, StepLimits};
 use crate::error::Error;
 use crate::one_step::Paced;
 use crate::phase::{PhaseEnd, PhaseSolver};
@@ -65,15 +65,15 @@ pub(crate) const LOOSE: f64 = 1e-4;
 /// Both methods applied to one system.
 pub(crate) struct AutoSolver<'p, P: System> {
     tolerance: Tolerance,
-    /// Size of the first step, where it is given, and the longest step.
-    limits: (Option<f64>, f64),
+    /// Limits of the steps; that of the first one until a run has begun.
+    limits: StepLimits,
     /// Chosen where the first run begins, and anew where a mode has too many operations for a series.
     methods: Option<(Box<dyn Paced<P> + 'p>, Turns<'p, P>)>,
 }
 
 impl<'p, P: System + 'p> AutoSolver<'p, P> {
-    /// Both methods on a system, with the first and the longest step as limits.
-    pub(crate) fn new(tolerance: Tolerance, limits: (Option<f64>, f64)) -> Self {
+    /// Both methods on a system, with steps within `limits`.
+    pub(crate) fn new(tolerance: Tolerance, limits: StepLimits) -> Self {
         Self { tolerance, limits, methods: None }
     }
 
@@ -83,7 +83,7 @@ impl<'p, P: System + 'p> AutoSolver<'p, P> {
         explicit: Box<dyn Paced<P> + 'p>,
         turns: Turns<'p, P>,
     ) -> Self {
-        Self { tolerance, limits: (None, f64::INFINITY), methods: Some((explicit, turns)) }
+        Self { tolerance, limits: StepLimits::NONE, methods: Some((explicit, turns)) }
     }
 }
 
@@ -104,8 +104,9 @@ where
         let (explicit, turns) = methods.get_or_insert_with(|| {
             let explicit = Explicit::of(problem, point, tolerance.rtol);
             let control = Control::Adaptive(tolerance.clone());
-            let steps = Steps { control, first: limits.0.take(), longest: limits.1 };
-            let turns = Turns::new(problem, tolerance, limits.1, explicit);
+            let of_explicit = StepLimits { first: limits.first.take(), ..*limits };
+            let steps = of_explicit.with(control);
+            let turns = Turns::new(problem, tolerance, limits.longest, explicit);
             (explicit.solver(problem, steps), turns)
         });
         turns.with(&mut **explicit).solve_phase(problem, point, t_end, stats, record)

@@ -15,10 +15,10 @@ pub(crate) trait Paced<P: System>: PhaseSolver<P> {
 
 impl<P: System, M: OneStep<P>> Paced<P> for OneStepSolver<P, M> {
     fn begin_with(&mut self, h: f64) {
-        self.h = Some(h);
+        self.next_h = Some(h);
     }
 
     fn keep_below(&mut self, longest: f64) {
-        self.longest = longest.min(self.limit);
+        self.longest_now = longest.min(self.longest_of_run);
     }
 }

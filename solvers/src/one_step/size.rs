@@ -105,19 +105,19 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         let proposed = proposed.map(|h| h.min(span.abs()));
         match due {
             Due::Next => {
-                self.proposed = proposed.unwrap_or(phase.h).abs();
-                phase.h = self.proposed.min(self.longest).copysign(span);
+                self.last_proposed = proposed.unwrap_or(phase.h).abs();
+                phase.h = self.last_proposed.min(self.longest_now).copysign(span);
             }
             Due::First { least } => {
-                let h = match (proposed.or(self.h), self.controller.control()) {
+                let h = match (proposed.or(self.next_h), self.controller.control()) {
                     (Some(h), _) | (None, &Control::Fixed(h)) => h,
                     (None, Control::Adaptive(tolerance)) => {
                         self.first_step(tolerance, problem, point, phase.t_end, stats)
                     }
                 };
-                let first = std::mem::replace(&mut self.first, f64::INFINITY);
-                self.proposed = h.abs().min(first);
-                phase.h = self.proposed.min(self.longest).max(least).copysign(span);
+                let first = std::mem::replace(&mut self.first_limit, f64::INFINITY);
+                self.last_proposed = h.abs().min(first);
+                phase.h = self.last_proposed.min(self.longest_now).max(least).copysign(span);
                 stats.restart += stats.work - before;
             }
         }
@@ -127,8 +127,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
     #[inline(always)]
     pub(crate) fn next_size(&mut self, h: f64) -> f64 {
         if !(M::PROPOSES && self.is_proposed) {
-            self.proposed = h.abs();
+            self.last_proposed = h.abs();
         }
-        h.abs().min(self.longest).copysign(h)
+        h.abs().min(self.longest_now).copysign(h)
     }
 }

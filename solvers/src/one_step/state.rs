@@ -14,6 +14,7 @@ pub(crate) struct PhaseState {
     pub(crate) t_end: f64,
     /// Factor by which the last step may be longer than the chosen size.
     pub(super) stretch: f64,
+    /// Size of the step to try next; zero until that of the first one is chosen.
     pub(crate) h: f64,
     /// Set while the size of the next step is still to be chosen.
     pub(crate) due: Option<Due>,
