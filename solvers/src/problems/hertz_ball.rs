@@ -133,18 +133,13 @@ impl System for HertzBall {
         _t: S,
         _y: &mut [S; 2],
     ) -> Next<StopMode> {
-        Next::Mode(match mode {
-            StopMode::Free => StopMode::Contact,
-            StopMode::Contact => StopMode::Free,
-        })
+        Next::Mode(mode.other())
     }
 }
 
 impl ModeOfState for HertzBall {
     fn mode_of_state<S: Real>(&self, _t: S, y: &[S; 2]) -> StopMode {
-        let (delta, rate) = (y[0].value(), y[1].value());
-        let touches = delta > 0.0 || (delta == 0.0 && rate > 0.0);
-        if touches { StopMode::Contact } else { StopMode::Free }
+        StopMode::at(y[0].value(), y[1].value())
     }
 }
 

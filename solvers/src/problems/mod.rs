@@ -31,6 +31,22 @@ pub enum StopMode {
     Contact,
 }
 
+impl StopMode {
+    /// The mode after an event.
+    fn other(self) -> Self {
+        match self {
+            Self::Free => Self::Contact,
+            Self::Contact => Self::Free,
+        }
+    }
+
+    /// The mode at this depth in the stop and its rate. On the surface it touches if it goes in.
+    fn at(depth: f64, rate: f64) -> Self {
+        let touches = depth > 0.0 || (depth == 0.0 && rate > 0.0);
+        if touches { Self::Contact } else { Self::Free }
+    }
+}
+
 /// A smooth piece of a closed form, from one event to the next.
 ///
 /// ```
