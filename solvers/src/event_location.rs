@@ -60,7 +60,7 @@ use along::{along, along_flow};
 use graze::Touch;
 use shape::{has_no_dip, stays_above_zero};
 
-pub(crate) use graze::{ERROR_GROWTH, Graze};
+pub(crate) use graze::{ERROR_GROWTH, FullStep, Graze};
 pub(crate) use shape::{cubic_root, is_far, no_turn};
 
 use crate::error::Error;

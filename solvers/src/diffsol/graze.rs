@@ -1,7 +1,7 @@
 //! Grazing guards of accepted steps, and bounces too low to resolve.
 
 use super::{DiffsolSolver, SolverStep};
-use crate::event_location::{ERROR_GROWTH, Graze};
+use crate::event_location::{ERROR_GROWTH, FullStep, Graze};
 use crate::record::Record;
 use crate::step::Step;
 use crate::system::System;
@@ -69,15 +69,16 @@ impl<P: System> DiffsolSolver<P> {
         let interpolant = |t: f64, y: &mut P::State<f64>| step.interpolate(t, y);
         let (t0, y0, t1) = (step.t0, step.y0, step.t1);
         let smooth = SolverStep { interpolant, t0, t1, y0, y1, slope0, slope1 };
-        self.watch.graze(problem, mode.clone(), &smooth, (landed_on, h), &error, &mut told);
+        let full = FullStep { h, landed_on };
+        self.watch.graze(problem, mode.clone(), &smooth, full, &error, &mut told);
         if let Some(guard) = landed_on
             && !is_told
         {
             // The norm of the error is a root mean square.
             let most = (y.len() as f64).sqrt();
             let error = |i: usize| most * allowed(i);
-            let of = (guard, step.t1 - phase_from);
-            let (height, error) = self.watch.arc(problem, mode.clone(), step, of, &error);
+            let span = step.t1 - phase_from;
+            let (height, error) = self.watch.arc(problem, mode.clone(), step, guard, span, &error);
             if height <= error {
                 let (t, depth, error) = (step.t1, -height, error * many / most);
                 record.grazing(

@@ -11,6 +11,24 @@ use crate::tolerance::Tolerance;
 /// The search around a guess begins at this fraction of the way from the last maximum to the guess.
 const LEAST: f64 = 0.25;
 
+/// Where a fall is looked for.
+struct Search {
+    /// It falls between these times.
+    bracket: Bracket,
+    /// Where its cubic falls, if that is known.
+    guess: Option<CubicFall>,
+    /// How closely it is located, as a fraction of the step.
+    precision: f64,
+}
+
+/// Where the cubic of a guard falls on a step.
+struct CubicFall {
+    /// As a fraction of the step.
+    theta: f64,
+    /// Its slope there, over the step.
+    slope: f64,
+}
+
 impl<P: System> GuardWatch<P> {
     /// The guard that falls first on a step that [`is_clear`](Self::is_clear) could not clear. The time is located to
     /// within `precision` of the step, or, where a cubic tells it, of about its distance from the start, or the spacing of `f64`.
@@ -71,7 +89,8 @@ impl<P: System> GuardWatch<P> {
             }
             let bracket = Bracket { above: t0 + top * h, below: violated_at };
             let guess = if dip.is_none() { self.fall_of_cubic(guard, h) } else { None };
-            let t = self.fall(problem, mode.clone(), step, guard, (bracket, guess), precision);
+            let search = Search { bracket, guess, precision };
+            let t = self.fall(problem, mode.clone(), step, guard, search);
             if first.is_none_or(|other| (t - t0).abs() < (other.t - t0).abs()) {
                 first = Some(GuardCrossing { guard, t, violated_at });
             }
@@ -92,19 +111,18 @@ impl<P: System> GuardWatch<P> {
         }
     }
 
-    /// When guard `i` falls in `bracket` on the dense output: near the `guess`, a fraction of the step with the slope of the guard
-    /// there, if that is where it falls, and else by a search of the whole bracket.
+    /// When guard `i` falls on the dense output: near the guess, if that is where it falls, and else by a search of the whole
+    /// bracket.
     fn fall(
         &mut self,
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
         i: usize,
-        (bracket, guess): (Bracket, Option<(f64, f64)>),
-        precision: f64,
+        Search { bracket, guess, precision }: Search,
     ) -> f64 {
         let (t0, h) = (step.t0(), step.t1() - step.t0());
-        let near = guess.and_then(|(theta, slope)| {
+        let near = guess.and_then(|CubicFall { theta, slope }| {
             let t = t0 + theta * h;
             // Beside the start a guard that begins on its surface is nothing but rounding.
             let above = bracket.above + LEAST * (t - bracket.above);
@@ -119,14 +137,14 @@ impl<P: System> GuardWatch<P> {
         })
     }
 
-    /// Where guard `i`, violated at the end of a step of size `h`, falls on the cubic through values and rates at both ends, as
-    /// a fraction of the step, and the slope there. What rises from within the bound at the end, or from below, rises from zero.
-    fn fall_of_cubic(&self, i: usize, h: f64) -> Option<(f64, f64)> {
+    /// Where guard `i`, violated at the end of a step of size `h`, falls on the cubic through values and rates at both ends.
+    /// What rises from within the bound at the end, or from below, rises from zero.
+    fn fall_of_cubic(&self, i: usize, h: f64) -> Option<CubicFall> {
         let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
         let is_above = g0.re > self.bounds.as_ref()[i] || g0.re > 0.0 && g0.eps * h < 0.0;
         let from = if is_above { g0.re } else { 0.0 };
         let (values, slopes) = ([from, g1.re], [g0.eps * h, g1.eps * h]);
         let theta = cubic_root(values, slopes)?;
-        Some((theta, cubic_slope(theta, values, slopes)))
+        Some(CubicFall { theta, slope: cubic_slope(theta, values, slopes) })
     }
 }

@@ -68,6 +68,23 @@ impl Graze {
     }
 }
 
+/// The step that was tried, whose beginning an accepted step is where it was cut at an event.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FullStep {
+    /// Its size.
+    pub(crate) h: f64,
+    /// The guard at whose event it was cut, if any.
+    pub(crate) landed_on: Option<usize>,
+}
+
+/// A guard at the end of a step.
+#[derive(Clone, Copy, Debug)]
+struct AtEnd {
+    guard: usize,
+    value: f64,
+    rate: f64,
+}
+
 /// What is noted on a step.
 impl<P: System> GuardWatch<P> {
     /// Has touches noted in a phase that began at `t`, by errors that are found anew at the next turn of a guard. Whoever
@@ -107,11 +124,11 @@ impl<P: System> GuardWatch<P> {
         i: usize,
         h: f64,
     ) {
-        let g = self.at_end_of(problem, mode.clone(), step, i);
-        let curvature = self.curvature(problem, mode, step, (i, g.eps), LOCAL * h);
+        let at = self.at_end_of(problem, mode.clone(), step, i);
+        let curvature = self.curvature(problem, mode, step, at, LOCAL * h);
         // Where rounding hides the curvature the turn is taken to be at the end.
-        let to_turn = if curvature > 0.0 { 0.5 * g.eps * g.eps / curvature } else { 0.0 };
-        let height = g.re - to_turn;
+        let to_turn = if curvature > 0.0 { 0.5 * at.rate * at.rate / curvature } else { 0.0 };
+        let height = at.value - to_turn;
         if height < self.turn_limits.as_ref()[i] {
             self.touches.push(Touch { is_discarded: true, ..Touch::new(i, step.t1(), height) });
         }
@@ -187,7 +204,7 @@ impl<P: System> GuardWatch<P> {
         true
     }
 
-    /// Tells `told` of the touches on an accepted `step`, which may be a full step of size `h` cut at an event, and of that
+    /// Tells `told` of the touches on an accepted `step`, which may be a `full` one cut at an event, and of that
     /// event if the guard would rise again from within the error. `error` is the error that the run may have made in a state. Where the
     /// derivatives of a guard are not finite nothing is told of it.
     pub(crate) fn graze(
@@ -195,26 +212,25 @@ impl<P: System> GuardWatch<P> {
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
-        (landed_on, h): (Option<usize>, f64),
+        FullStep { h, landed_on }: FullStep,
         error: &dyn Fn(usize) -> f64,
         told: &mut dyn FnMut(Graze),
     ) {
         let (t0, t1) = (step.t0(), step.t1());
         self.touches.retain(|touch| (touch.t - t1) * (t1 - t0) <= 0.0);
-        let landed = landed_on.map(|i| (i, self.at_end_of(problem, mode.clone(), step, i)));
-        let shallow = landed.filter(|(i, g)| {
-            self.is_straying(*i, h) || self.may_rise(problem, mode.clone(), step, (*i, g.eps), h)
+        let landed = landed_on.map(|i| self.at_end_of(problem, mode.clone(), step, i));
+        let shallow = landed.filter(|at| {
+            self.is_straying(at.guard, h) || self.may_rise(problem, mode.clone(), step, *at, h)
         });
         if shallow.is_some() || self.touches.iter().any(|touch| self.is_new(touch)) {
             self.find_errors(problem, mode.clone(), step, error);
         }
         self.tell_known(t1, t1 - t0, told);
-        if let Some((guard, g)) = shallow
+        if let Some(at) = shallow
             && is_resolved(t1, t1 - t0)
         {
-            let error = self.turn_limits.as_ref()[guard] / LOW;
-            let dip = self.depth_after(problem, mode, step, (guard, g), (error, h));
-            if let Some(depth) = dip {
+            let (guard, error) = (at.guard, self.error_of(at.guard));
+            if let Some(depth) = self.depth_after(problem, mode, step, at, h) {
                 told(Graze { guard, t: t1, depth, error, is_event: true });
             }
         }
@@ -222,10 +238,15 @@ impl<P: System> GuardWatch<P> {
 
     /// What is told of a touch on a step of size `h` to `t1`: it is within the error.
     fn grazing(&self, Touch { guard, t, height, .. }: Touch, t1: f64, h: f64) -> Option<Graze> {
-        let error = self.turn_limits.as_ref()[guard] / LOW;
+        let error = self.error_of(guard);
         let is_within = height.abs() <= error && error.is_finite();
         let graze = Graze { guard, t, depth: -height, error, is_event: false };
         (is_resolved(t1, h) && is_within).then_some(graze)
+    }
+
+    /// The error of guard `i`, as found last.
+    fn error_of(&self, i: usize) -> f64 {
+        self.turn_limits.as_ref()[i] / LOW
     }
 
     /// Whether errors are to be found anew at a `touch`, because they are not known or are old.
@@ -256,57 +277,59 @@ impl<P: System> GuardWatch<P> {
         self.errors_found_at = step.t1();
     }
 
-    /// Whether guard `i`, on which `step` landed with a `rate`, would rise again by its curvature there, from no deeper than a
-    /// turn that is noted. False where a rate is not finite.
+    /// Whether the guard on which `step`, cut from a full one of size `h`, landed would rise again by its curvature there, from
+    /// no deeper than a turn that is noted. False where a rate is not finite.
     fn may_rise(
         &mut self,
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
-        (i, rate): (usize, f64),
+        at: AtEnd,
         h: f64,
     ) -> bool {
-        let curvature = self.curvature(problem, mode, step, (i, rate), LOCAL * h);
-        curvature > 0.0 && 0.5 * rate * rate / curvature < self.turn_limits.as_ref()[i]
+        let curvature = self.curvature(problem, mode, step, at, LOCAL * h);
+        let limit = self.turn_limits.as_ref()[at.guard];
+        curvature > 0.0 && 0.5 * at.rate * at.rate / curvature < limit
     }
 
-    /// How far guard `i`, on which `step` landed with the value and rate `g`, would fall below zero by its curvature there, where
-    /// that is at most `most`. A full step has the size `h`.
+    /// How far the guard on which `step` landed would fall below zero by its curvature there, where that is within its error.
+    /// A full step has the size `h`.
     fn depth_after(
         &mut self,
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
-        (i, g): (usize, Dual64),
-        (most, h): (f64, f64),
+        at: AtEnd,
+        h: f64,
     ) -> Option<f64> {
+        let error = self.error_of(at.guard);
         // A dip of that depth lasts twice as long.
-        let short = (2.0 * most / g.eps.abs()).min(LOCAL * h.abs()).copysign(h);
-        let curvature = self.curvature(problem, mode, step, (i, g.eps), short);
-        let depth = 0.5 * g.eps * g.eps / curvature - g.re;
+        let short = (2.0 * error / at.rate.abs()).min(LOCAL * h.abs()).copysign(h);
+        let curvature = self.curvature(problem, mode, step, at, short);
+        let depth = 0.5 * at.rate * at.rate / curvature - at.value;
         // False where the time or a rate is not resolved.
-        (curvature > 0.0 && depth <= most).then_some(depth)
+        (curvature > 0.0 && depth <= error).then_some(depth)
     }
 
-    /// Value and rate of guard `i` at the end of `step`.
+    /// Guard `i` at the end of `step`.
     fn at_end_of(
         &mut self,
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
         i: usize,
-    ) -> Dual64 {
+    ) -> AtEnd {
         self.rates(problem, mode, step.t1(), step.y1(), step.slope1());
-        self.end.as_ref()[i]
+        AtEnd { guard: i, value: self.end_value(i), rate: self.rate(i) }
     }
 
-    /// The curvature of guard `i` along the flow from the end of `step`, where it has a `rate`, over a `short` time.
+    /// The curvature of a guard along the flow from the end of `step` over a `short` time.
     fn curvature(
         &mut self,
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
-        (i, rate): (usize, f64),
+        at: AtEnd,
         short: f64,
     ) -> f64 {
         let ahead = step.t1() + short;
@@ -318,7 +341,7 @@ impl<P: System> GuardWatch<P> {
         problem.rhs(mode.clone(), ahead, &self.y, &mut self.slope);
         let Self { y, slope, seeded, along, .. } = self;
         along_flow(problem, mode, (ahead, y), slope, seeded, along);
-        (self.slope_along(i) - rate) / short
+        (self.slope_along(at.guard) - at.rate) / short
     }
 
     /// Begins the arcs of guards at the start of a phase.
@@ -336,7 +359,8 @@ impl<P: System> GuardWatch<P> {
         problem: &P,
         mode: P::Mode,
         step: &dyn Step<P::State<f64>>,
-        (i, span): (usize, f64),
+        i: usize,
+        span: f64,
         error: &dyn Fn(usize) -> f64,
     ) -> (f64, f64) {
         self.doubt(problem, mode.clone(), step, error);

@@ -3,7 +3,7 @@
 use super::{OneStep, OneStepSolver, PhaseContext};
 use crate::control::Control;
 use crate::dense::hermite;
-use crate::event_location::{ERROR_GROWTH, Graze};
+use crate::event_location::{ERROR_GROWTH, FullStep, Graze};
 use crate::step::Step;
 use crate::system::{System, Vector};
 
@@ -40,7 +40,8 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
             record.grazing(&graze.in_mode(point.mode.clone()));
         };
         let error = |i: usize| ERROR_GROWTH * of_step(i);
-        self.watch.graze(*problem, mode(), self.method.step(), (landed_on, h), &error, &mut told);
+        let full = FullStep { h, landed_on };
+        self.watch.graze(*problem, mode(), self.method.step(), full, &error, &mut told);
     }
 
     /// Notes an estimate of the error of a fixed step before it is cut at an event: that of the method, or, where it has

@@ -7,7 +7,7 @@
 use std::ops::ControlFlow;
 
 use super::coefficient::Coefficient;
-use super::guards::Look;
+use super::guards::{Look, StepSeries};
 use super::method::{TaylorMethod, TaylorStep};
 use super::order::{self, Reach};
 use super::rows::MAX_ORDER;
@@ -20,7 +20,6 @@ use crate::phase::{PhaseEnd, check_finite};
 use crate::point::Point;
 use crate::real::Real;
 use crate::record::{Accepted, Record, reject};
-use crate::step::Step;
 use crate::system::{System, Vector};
 use crate::tolerance::Tolerance;
 use crate::work::Stats;
@@ -247,10 +246,8 @@ impl<'a, P: System> ExtendedIntegration<'a, P> {
         loop {
             let TaylorMethod { step, guards, .. } = &mut self.method;
             let (t0, t1) = (step.t0, step.t1);
-            let polynomial = (t0, &step.y[..], step.degree);
-            let of_step = (&self.step as &dyn Step<_>, whole);
-            let watch = &mut self.watch;
-            let look = guards.first_to_fall(problem, mode.clone(), of_step, polynomial, watch)?;
+            let of = StepSeries { step: &self.step, series: step, whole };
+            let look = guards.first_to_fall(problem, mode.clone(), &of, &mut self.watch)?;
             let GuardCrossing { guard, t, violated_at } = match look {
                 Look::Clear => return Ok(None),
                 Look::Falls(crossing) => crossing,

@@ -10,6 +10,7 @@ use fit::{Fit, fit, may_fall};
 
 use super::coefficient::Coefficient;
 use super::expand::{FIRST_LOOK, GuardsRun, Run, SeriesField};
+use super::method::TaylorStep;
 use super::polynomial::Polynomial;
 use super::rows::Rows;
 use super::trace::Trace;
@@ -34,6 +35,31 @@ const LEAST_STEP: f64 = 1e3 * f64::EPSILON;
 /// Parts of a step in each of which a guard that is not clear is taken to turn once at most. By four parts four of 40 000 random
 /// runs of `tests/grazing` lost a touch, with a maximum right after it; by sixteen none.
 const TURNS: usize = 16;
+
+/// A step whose guards are searched.
+pub struct StepSeries<'a, P: System, B: Real> {
+    /// The step in plain precision.
+    pub step: &'a dyn Step<P::State<f64>>,
+    /// The series of its states, in the precision of the run.
+    pub series: &'a TaylorStep<P::State<B>, B>,
+    /// Its size before it was [shortened](Look::Within) for the sake of a guard.
+    pub whole: f64,
+}
+
+impl<P: System, B: Real> StepSeries<'_, P, B> {
+    /// Time at the start, and size.
+    fn start_and_size(&self) -> (f64, f64) {
+        let start = self.step.t0();
+        (start, self.step.t1() - start)
+    }
+
+    /// Whether it is long enough to be shortened for the sake of a guard.
+    fn may_be_shortened(&self) -> bool {
+        let (start, h) = self.start_and_size();
+        let time = self.step.t1().abs().max(start.abs());
+        h.abs() > (LEAST_RANGE * self.whole.abs()).max(LEAST_STEP * time)
+    }
+}
 
 /// What the guards of a step show.
 #[derive(Clone, Copy, Debug)]
@@ -226,8 +252,8 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         polynomial_of(self.g[..=degree].iter().map(|g| g.as_ref()[i]), h)
     }
 
-    /// Looks for the guard that falls first on `step`, a polynomial of `degree` with the coefficients `y` about `t0`.
-    /// Where no guard falls, the end then becomes the start of the next step.
+    /// Looks for the guard that falls first on the step `of` a series. Where no guard falls, the end then becomes the start of
+    /// the next step.
     ///
     /// To the order of the method a guard is a polynomial on the step. The guard is clear where
     ///
@@ -243,10 +269,10 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
     /// a series that ends where the pin passes the centre, whatever the series of the pin. Where the polynomial differs
     /// from its guard, at the middle or at the end of the step or by its last two terms, by more than 1 % of the largest of
     /// `|g_0|`, `|g_1 h|` and the guard there, and by more than its rounding bound, the step is to be
-    /// [shortened](Look::Within). A step shorter than a thousandth of `whole` or some ulps of the time is not, nor one where a coefficient is not finite:
-    /// the [search](GuardWatch) on values and rates is then used for all guards. It is also used where a polynomial does
-    /// not fall, but would if it were wrong by a few of the errors seen, and after a dip of the polynomial that the
-    /// retaken step did not show.
+    /// [shortened](Look::Within). A step shorter than a thousandth of the whole one or some ulps of the time is not,
+    /// nor one where a coefficient is not finite: the [search](GuardWatch) on values and rates is then used for all guards. It is
+    /// also used where a polynomial does not fall, but would if it were wrong by a few of the errors seen, and after a dip of
+    /// the polynomial that the retaken step did not show.
     ///
     /// # Errors
     /// [`Error::NonFiniteGuard`] for a guard that is not finite at the end of the step, [`Error::UnresolvedGuard`] for one
@@ -255,12 +281,12 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         &mut self,
         problem: &P,
         mode: P::Mode,
-        (step, whole): (&dyn Step<P::State<f64>>, f64),
-        (t0, y, degree): (B, &[P::State<B>], usize),
+        of: &StepSeries<'_, P, B>,
         watch: &mut GuardWatch<P>,
     ) -> Result<Look, Error> {
-        let (start, t1) = (step.t0(), step.t1());
-        let (h, low) = (t1 - start, degree.min(self.highest_low()));
+        let StepSeries { step, series: TaylorStep { y, degree, .. }, .. } = of;
+        let ((start, h), t1) = (of.start_and_size(), step.t1());
+        let low = self.highest_low().min(*degree);
         watch.begin_search();
         let nothing = |_: &GuardWatch<P>, _: usize| 0.0;
         if self.are_clear((start, h), low, nothing, watch) {
@@ -274,55 +300,74 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
             return Ok(Look::Clear);
         }
         watch.violated(problem, mode.clone(), t1, step.y1())?;
-        watch.look_at_middle(problem, mode.clone(), step);
-        let least = (LEAST_RANGE * whole.abs()).max(LEAST_STEP * t1.abs().max(start.abs()));
+        watch.look_at_middle(problem, mode.clone(), *step);
         let field = InMode { problem, mode: &mode };
+        // Of guards that fall at the same time to rounding, the one with the lowest index comes first.
+        let tie = 4.0 * f64::EPSILON * t1.abs().max(start.abs());
+        let is_before =
+            |t: f64, other: GuardCrossing| (t - start).abs() < (other.t - start).abs() - tie;
         let mut first: Option<GuardCrossing> = None;
         for guard in 0..self.g[0].as_ref().len() {
-            let at_end = watch.is_violated(guard);
-            let end = watch.value(guard);
-            let explained = watch.slope_along(guard);
-            if !at_end && self.look(guard, h, low, (end, f64::INFINITY), explained).0 {
-                if self.g[1].as_ref()[guard] * h < 0.0 {
-                    let p = self.polynomial(guard, h, low);
-                    note_turns::<P, 1>(p, end, guard, (start, h), watch);
+            match self.look_at(guard, &field, of, watch) {
+                Some(Look::Clear) => {}
+                Some(Look::Falls(crossing)) => {
+                    if first.is_none_or(|other| is_before(crossing.t, other)) {
+                        first = Some(crossing);
+                    }
                 }
-                continue;
-            }
-            self.expand(&field, t0, y, degree);
-            let p = self.polynomial(guard, h, degree);
-            let error = match fit(&p, guard, watch) {
-                Some(Fit::Whole { error }) => error,
-                Some(Fit::Part(range)) if h.abs() > least => return Ok(Look::Within(range)),
-                _ => return self.by_values(problem, mode, step, watch),
-            };
-            note_turns::<P, TURNS>(p, end, guard, (start, h), watch);
-            if !at_end && self.look(guard, h, degree, (end, f64::INFINITY), 0.0).0 {
-                continue;
-            }
-            if watch.is_disproved(guard) {
-                return self.by_values(problem, mode, step, watch);
-            }
-            let Some((s, violated)) = fall_on_step(&p, guard, watch) else {
-                if error > watch.bound(guard) && may_fall(&p, error) {
-                    return self.by_values(problem, mode, step, watch);
-                }
-                continue;
-            };
-            let inside = violated.map(|part| start + part * h);
-            let inside = inside.filter(|t| (t - start).abs() < h.abs());
-            let Some(violated_at) = inside.or(at_end.then_some(t1)) else { continue };
-            let t = start + s * h;
-            // Of guards that fall at the same time to rounding, the one with the lowest index comes first.
-            let tie = 4.0 * f64::EPSILON * t1.abs().max(start.abs());
-            if first.is_none_or(|other| (t - start).abs() < (other.t - start).abs() - tie) {
-                first = Some(GuardCrossing { guard, t, violated_at });
+                Some(Look::Within(range)) => return Ok(Look::Within(range)),
+                None => return self.by_values(problem, mode, *step, watch),
             }
         }
         if first.is_none() {
             watch.advance();
         }
         Ok(Look::of(first))
+    }
+
+    /// What `guard` shows on the step `of` a series, if its polynomial tells it; `None` where all guards are to be searched by
+    /// values and rates. It is to be evaluated at the middle and at the end, and along the last of the low orders.
+    fn look_at<P: System<Guards<f64> = G>>(
+        &mut self,
+        guard: usize,
+        field: &InMode<'_, P>,
+        of: &StepSeries<'_, P, B>,
+        watch: &mut GuardWatch<P>,
+    ) -> Option<Look> {
+        let StepSeries { step, series: TaylorStep { t0, y, degree, .. }, .. } = of;
+        let (start, h) = of.start_and_size();
+        let low = self.highest_low().min(*degree);
+        let (at_end, end) = (watch.is_violated(guard), watch.value(guard));
+        let explained = watch.slope_along(guard);
+        if !at_end && self.look(guard, h, low, (end, f64::INFINITY), explained).0 {
+            if self.g[1].as_ref()[guard] * h < 0.0 {
+                let p = self.polynomial(guard, h, low);
+                note_turns::<P, 1>(p, end, guard, (start, h), watch);
+            }
+            return Some(Look::Clear);
+        }
+        self.expand(field, *t0, y, *degree);
+        let p = self.polynomial(guard, h, *degree);
+        let error = match fit(&p, guard, watch)? {
+            Fit::Whole { error } => error,
+            Fit::Part(range) => return of.may_be_shortened().then_some(Look::Within(range)),
+        };
+        note_turns::<P, TURNS>(p, end, guard, (start, h), watch);
+        if !at_end && self.look(guard, h, *degree, (end, f64::INFINITY), 0.0).0 {
+            return Some(Look::Clear);
+        }
+        if watch.is_disproved(guard) {
+            return None;
+        }
+        let Some((s, violated)) = fall_on_step(&p, guard, watch) else {
+            let is_in_doubt = error > watch.bound(guard) && may_fall(&p, error);
+            return (!is_in_doubt).then_some(Look::Clear);
+        };
+        let inside = violated.map(|part| start + part * h);
+        let inside = inside.filter(|t| (t - start).abs() < h.abs());
+        let violated_at = inside.or(at_end.then_some(step.t1()));
+        let t = start + s * h;
+        Some(Look::of(violated_at.map(|violated_at| GuardCrossing { guard, t, violated_at })))
     }
 
     /// Whether all guards are clear on a step of size `h` from `start`, by their terms to the order `low`, of the last of which

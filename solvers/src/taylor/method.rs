@@ -2,7 +2,7 @@
 
 use super::coefficient::Coefficient;
 use super::expand::{Expansion, SeriesField};
-use super::guards::{GuardSeries, Look};
+use super::guards::{GuardSeries, Look, StepSeries};
 use super::order::{self, LOW, Reach};
 use super::rows::MAX_ORDER;
 use crate::erk::InMode;
@@ -210,10 +210,9 @@ impl<P: System> OneStep<P> for TaylorMethod<P::State<f64>, P::Guards<f64>> {
     ) -> Result<Option<GuardCrossing>, Error> {
         let whole = self.step.t1 - self.step.t0;
         loop {
-            let (step, mode) = (&self.step, mode.clone());
-            let polynomial = (step.t0, &step.y[..], step.degree);
-            let step = (step as &dyn Step<_>, whole);
-            let look = self.guards.first_to_fall(problem, mode.clone(), step, polynomial, watch)?;
+            let mode = mode.clone();
+            let of = StepSeries { step: &self.step, series: &self.step, whole };
+            let look = self.guards.first_to_fall(problem, mode.clone(), &of, watch)?;
             let range = match look {
                 Look::Clear => return Ok(None),
                 Look::Falls(crossing) => return Ok(Some(crossing)),
