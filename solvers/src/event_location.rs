@@ -57,7 +57,8 @@ mod shape;
 use num_dual::Dual64;
 
 use along::{along, along_flow};
-use graze::Touch;
+use dip::Disproved;
+use graze::Touches;
 use shape::{has_no_dip, stays_above_zero};
 
 pub(crate) use graze::{ERROR_GROWTH, FullStep, Graze};
@@ -66,9 +67,6 @@ pub(crate) use shape::{cubic_root, is_far, no_turn};
 use crate::error::Error;
 use crate::step::Step;
 use crate::system::{System, Vector};
-
-/// Number of touches on one step for which there is room from the beginning.
-const MOST_TOUCHES: usize = 16;
 
 /// Rounding bounds are taken to be the same on this fraction of a step.
 const ALIKE: f64 = 0.01;
@@ -108,27 +106,15 @@ pub struct GuardWatch<P: System> {
     quarters: [P::Guards<f64>; 3],
     /// Values at the time of the first fall found so far.
     at_first: P::Guards<f64>,
-    /// Fraction of the present step at which the first dip of each guard is deepest.
-    deepest: Vec<f64>,
-    /// Fraction of the present step up to which dips of each guard were found to be errors of the interpolant.
-    disproved: Vec<f64>,
-    n_disproved: usize,
+    /// Dips on the present step that retaken steps do not show.
+    disproved: Disproved,
     /// Length of the last step of this phase on which all guards were seen to follow their cubics, also beside their range: one
     /// that is far from zero may follow beside its size, and need not when it is near.
     verified_step: f64,
     /// Guards that were seen to stray from their cubics on the present step.
     straying: Vec<bool>,
-    /// Heights below which a turn of a guard is noted as a touch: infinite until one has turned, and below all numbers
-    /// where no touches are [watched for](Self::watch_touches).
-    turn_limits: P::Guards<f64>,
-    /// When this phase began.
-    phase_began: f64,
-    /// When the errors of the guards were found last; not a number where they were not in this phase.
-    errors_found_at: f64,
-    /// Touches on the present step.
-    touches: Vec<Touch>,
-    /// Guards that fall at the end of the last step, where steps have slopes that jump between them.
-    falling_at_end: Vec<bool>,
+    /// Turns of guards near their surfaces.
+    pub(crate) touches: Touches<P::Guards<f64>>,
     /// Values and rates at the start of a phase whose arcs are measured.
     #[cfg(feature = "diffsol")]
     arcs: P::Guards<Dual64>,
@@ -154,16 +140,10 @@ impl<P: System> GuardWatch<P> {
             middle: zeros(),
             quarters: std::array::from_fn(|_| zeros()),
             at_first: zeros(),
-            deepest: vec![0.0; n],
-            disproved: vec![0.0; n],
-            n_disproved: 0,
+            disproved: Disproved::new(n),
             verified_step: 0.0,
             straying: vec![false; n],
-            turn_limits: Vector::from_fn(n, |_| f64::NEG_INFINITY),
-            phase_began: f64::NAN,
-            errors_found_at: f64::NAN,
-            touches: Vec::with_capacity(MOST_TOUCHES),
-            falling_at_end: vec![false; n],
+            touches: Touches::new(n),
             #[cfg(feature = "diffsol")]
             arcs: duals(),
         }
@@ -348,16 +328,9 @@ impl<P: System> GuardWatch<P> {
 
     /// Forgets what was found on a step that is not accepted.
     pub(crate) fn forget_step(&mut self) {
-        self.forget_dips();
-        self.touches.clear();
+        self.disproved.forget();
+        self.touches.forget();
         self.bounded_at = f64::NAN;
-    }
-
-    /// Forgets the dips that were discarded in a step that is over.
-    pub(crate) fn forget_dips(&mut self) {
-        if std::mem::take(&mut self.n_disproved) > 0 {
-            self.disproved.fill(0.0);
-        }
     }
 
     /// Evaluates the rates `dg_i/dt` of all guards along the flow.
@@ -392,7 +365,7 @@ impl<P: System> GuardWatch<P> {
         step: &(impl Step<P::State<f64>> + ?Sized),
     ) -> bool {
         self.rates(problem, mode.clone(), step.t1(), step.y1(), step.slope1());
-        self.begin_search();
+        self.touches.begin_search();
         let (t0, t1) = (step.t0(), step.t1());
         let h = t1 - t0;
         let ends = [(step.y0(), step.slope0()), (step.y1(), step.slope1())];
@@ -400,7 +373,8 @@ impl<P: System> GuardWatch<P> {
             return false;
         }
         // All guards are tested without a branch between them, so that the tests run as vector instructions.
-        let ends = self.start.as_ref().iter().zip(self.end.as_ref()).zip(self.turn_limits.as_ref());
+        let ends =
+            self.start.as_ref().iter().zip(self.end.as_ref()).zip(self.touches.limits().as_ref());
         let (far, high) = ends.fold((true, true), |(far, high), ((g0, g1), limit)| {
             let (from, to) = ([g0.re, g0.eps], [g1.re, g1.eps]);
             (far & is_far(from, to, h), high & (no_turn(from, to, h, *limit) >= 0.0))
@@ -453,7 +427,7 @@ impl<P: System> GuardWatch<P> {
     /// Makes the end of the present step the start of the next one.
     pub fn advance(&mut self) {
         self.start.clone_from(&self.end);
-        self.forget_dips();
+        self.disproved.forget();
     }
 
     /// The [`clearance`](Self::clearance) of guard `i` at `t` on the step's dense output.

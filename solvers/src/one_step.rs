@@ -211,7 +211,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         self.method.restart(problem, mode.clone(), point.t, &point.y, stats);
         check_finite(point, self.method.step().slope0())?;
         self.watch.begin(problem, mode, point.t, &point.y, self.method.step().slope0());
-        self.watch.watch_touches(point.t);
+        self.watch.touches.watch(point.t);
         stats.restart += stats.work - before;
         Ok(PhaseState { t_end, stretch, h: 0.0, due: Some(Due::First { least }) })
     }

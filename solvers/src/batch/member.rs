@@ -78,7 +78,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
     ) {
         field.set(lane, &self.parameters);
         steps.judgement_mut().tolerate(lane, self.own.solver.controller.control());
-        steps.load(lane, &self.own.solver.method, self.own.solver.watch.turn_limits());
+        steps.load(lane, &self.own.solver.method, self.own.solver.watch.touches.limits());
     }
 
     /// Takes over the start in its `lane` where that is [newer](Self::is_stale) than its own.
@@ -186,7 +186,7 @@ impl<'r, 'a, P: Alike, M: OneStep<P>> Member<'r, 'a, P, M> {
     ) -> bool {
         let Self { own: Runner { run, record, solver, .. }, t1, h, .. } = self;
         steps.note_turns(lane, (run.point.t, *h), &mut solver.watch);
-        solver.watch.tell_known(*t1, *h, &mut |graze| {
+        solver.watch.touches.tell_known(*t1, *h, &mut |graze| {
             run.stats.n_grazing += 1;
             record.grazing(&graze.in_mode(run.point.mode.clone()));
         })

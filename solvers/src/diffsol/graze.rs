@@ -33,9 +33,9 @@ impl<P: System> DiffsolSolver<P> {
     ) -> u64 {
         if at.n_steps.is_power_of_two() || at.n_steps.is_multiple_of(RENEWED) {
             // Their errors add up.
-            self.watch.watch_touches(at.phase_from);
+            self.watch.touches.watch(at.phase_from);
         }
-        if at.landed_on.is_some() || self.watch.has_touches() {
+        if at.landed_on.is_some() || self.watch.touches.are_noted() {
             self.graze(of, step, at, record)
         } else {
             0

@@ -185,7 +185,7 @@ impl<P: System> DiffsolSolver<P> {
         let vector = |of: &[f64]| P::State::<f64>::from_fn(n, |i| of[i]);
         let mut slope0 = vector(stepper.dydt());
         self.watch.begin(problem, mode.clone(), point.t, &point.y, &slope0);
-        self.watch.watch_touches(point.t);
+        self.watch.touches.watch(point.t);
         self.watch.begin_arcs();
         let phase_from = point.t;
         loop {

@@ -15,6 +15,47 @@ const MISFIT: f64 = 0.02;
 /// the stability limit there may be millions.
 const MOST_VAIN: usize = 100;
 
+/// The dips on the dense output of the present step that retaken steps do not show.
+pub(super) struct Disproved {
+    /// Fraction of the step at which the dip of each guard that was found last is deepest.
+    deepest: Vec<f64>,
+    /// Fraction of the step up to which dips of each guard do not count.
+    up_to: Vec<f64>,
+    /// Number of such dips of all guards.
+    n: usize,
+}
+
+impl Disproved {
+    /// None of `n` guards.
+    pub(super) fn new(n: usize) -> Self {
+        Self { deepest: vec![0.0; n], up_to: vec![0.0; n], n: 0 }
+    }
+
+    /// Forgets those of a step that is over.
+    pub(super) fn forget(&mut self) {
+        if std::mem::take(&mut self.n) > 0 {
+            self.up_to.fill(0.0);
+        }
+    }
+
+    /// Notes that the dip of guard `i` found last is deepest at the fraction `theta` of the step.
+    pub(super) fn found(&mut self, i: usize, theta: f64) {
+        self.deepest[i] = theta;
+    }
+
+    /// Fraction of the step up to which dips of guard `i` do not count; zero where all do.
+    pub(super) fn up_to(&self, i: usize) -> f64 {
+        self.up_to[i]
+    }
+
+    /// Discards the dip of guard `i` found last, and returns the number of dips discarded so far.
+    fn discard(&mut self, i: usize) -> usize {
+        self.up_to[i] = self.deepest[i];
+        self.n += 1;
+        self.n
+    }
+}
+
 impl<P: System> GuardWatch<P> {
     /// The same as [`first_dip`](Self::first_dip) by the polynomial of degree six; a dip is given by its deepest point.
     pub(super) fn dip(
@@ -25,7 +66,7 @@ impl<P: System> GuardWatch<P> {
         i: usize,
     ) -> (f64, Option<f64>) {
         let (t0, h) = (step.t0(), step.t1() - step.t0());
-        let limit = self.turn_limits.as_ref()[i];
+        let limit = self.touches.limits().as_ref()[i];
         let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
         let quarters: [f64; 3] = std::array::from_fn(|k| self.quarters[k].as_ref()[i]);
         // A rate may be infinite where the guard is finite. The slope of the chord to the next quarter then replaces
@@ -53,15 +94,16 @@ impl<P: System> GuardWatch<P> {
                     self.clearance_on(problem, mode.clone(), step, i, t0 + theta * h) + margin
                 };
                 let (theta, least) = minimum(above, [a, 0.5 * (a + b), b]);
-                if least < 0.0 && theta > self.disproved[i] {
-                    self.deepest[i] = theta;
+                if least < 0.0 && theta > self.disproved.up_to(i) {
+                    self.disproved.found(i, theta);
                     return (at(top), Some(theta));
                 }
                 if least >= 0.0 {
-                    self.note(i, t0 + theta * h, least - margin - 0.5 * self.bounds.as_ref()[i]);
+                    let height = least - margin - 0.5 * self.bounds.as_ref()[i];
+                    self.touches.note(i, t0 + theta * h, height);
                 }
             } else if nodes[k] < limit {
-                self.note(i, t0 + at(k) * h, nodes[k]);
+                self.touches.note(i, t0 + at(k) * h, nodes[k]);
             }
             top = k;
         }
@@ -79,9 +121,7 @@ impl<P: System> GuardWatch<P> {
         (t, h): (f64, f64),
         mode: &P::Mode,
     ) -> Result<(), Error> {
-        self.disproved[i] = self.deepest[i];
-        self.n_disproved += 1;
-        if self.n_disproved < MOST_VAIN {
+        if self.disproved.discard(i) < MOST_VAIN {
             return Ok(());
         }
         Err(Error::UnresolvedGuard { t, h, mode: format!("{mode:?}"), guard: i })
@@ -90,11 +130,11 @@ impl<P: System> GuardWatch<P> {
     /// Notes that a dip of guard `i` was found by other means than this search. Should it be disproved, then this search
     /// looks at the whole step.
     pub(crate) fn note_dip(&mut self, i: usize) {
-        self.deepest[i] = f64::MIN_POSITIVE;
+        self.disproved.found(i, f64::MIN_POSITIVE);
     }
 
     /// Whether a dip of guard `i` in the present step was discarded.
     pub(crate) fn is_disproved(&self, i: usize) -> bool {
-        self.disproved[i] > 0.0
+        self.disproved.up_to(i) > 0.0
     }
 }

@@ -47,7 +47,7 @@ impl<P: System> GuardWatch<P> {
     ) -> Result<Option<GuardCrossing>, Error> {
         let (t0, t1) = (step.t0(), step.t1());
         let h = t1 - t0;
-        self.begin_search();
+        self.touches.begin_search();
         self.doubts.as_mut().fill(0.0);
         if let Some(tolerance) = doubt {
             let y = step.y1().as_ref();

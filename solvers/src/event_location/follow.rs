@@ -114,10 +114,10 @@ impl<P: System> GuardWatch<P> {
         let (t0, h) = (step.t0(), step.t1() - step.t0());
         let (g0, g1) = (self.start.as_ref()[i], self.end.as_ref()[i]);
         let first = march::first_width([g0.re, g1.re], [g0.eps * h, g1.eps * h]);
-        let (bound, from) = (self.bounds.as_ref()[i], self.disproved[i]);
+        let (bound, from) = (self.bounds.as_ref()[i], self.disproved.up_to(i));
         let margin = 0.5 * bound + self.doubts.as_ref()[i];
-        let mut touches = std::mem::take(&mut self.touches);
-        let limit = self.turn_limits.as_ref()[i];
+        let mut touches = std::mem::take(&mut self.touches.noted);
+        let limit = self.touches.limits().as_ref()[i];
         let g =
             |theta: f64| self.clearance_on(problem, mode.clone(), step, i, t0 + theta * h) + margin;
         let slopes = (from == 0.0 && g0.eps * h < 0.0, g1.eps * h > 0.0);
@@ -128,10 +128,10 @@ impl<P: System> GuardWatch<P> {
             }
         };
         let found = march::first_fall(g, from, first, bound, slopes, turned);
-        self.touches = touches;
+        self.touches.noted = touches;
         match found {
             Found::Fall(top, below) => {
-                self.deepest[i] = below;
+                self.disproved.found(i, below);
                 Ok((top, Some(below)))
             }
             Found::Nothing(top) => Ok((top, None)),

@@ -13,8 +13,10 @@ use super::{ALIKE, GuardWatch};
 use crate::real::Real;
 use crate::record::Grazing;
 use crate::step::Step;
-use crate::system::System;
+use crate::system::{System, Vector};
 
+/// Number of touches on one step for which there is room from the beginning.
+const MOST_TOUCHES: usize = 16;
 /// Errors add up along a run: a state is taken to be wrong by up to this many times what is allowed in one step. The
 /// error of methods that extrapolate was 65 times that at most (bs32), over 12 units of time of the guards of
 /// `tests/grazing`.
@@ -85,35 +87,124 @@ struct AtEnd {
     rate: f64,
 }
 
-/// What is noted on a step.
-impl<P: System> GuardWatch<P> {
+/// The touches on the present step, and the errors that they are judged by.
+pub(crate) struct Touches<G> {
+    /// Heights below which a turn of a guard is noted: infinite until one has turned, and below all numbers where no
+    /// touches are [watched for](Self::watch).
+    limits: G,
+    /// When this phase began.
+    phase_began: f64,
+    /// When the errors of the guards were found last; not a number where they were not in this phase.
+    errors_found_at: f64,
+    /// The touches so far.
+    pub(super) noted: Vec<Touch>,
+    /// Guards that fall at the end of the last step, where steps have slopes that jump between them.
+    falling_at_end: Vec<bool>,
+}
+
+impl<G: Vector<f64>> Touches<G> {
+    /// Those of `n` guards, which are not watched for yet.
+    pub(super) fn new(n: usize) -> Self {
+        Self {
+            limits: G::from_fn(n, |_| f64::NEG_INFINITY),
+            phase_began: f64::NAN,
+            errors_found_at: f64::NAN,
+            noted: Vec::with_capacity(MOST_TOUCHES),
+            falling_at_end: vec![false; n],
+        }
+    }
+
     /// Has touches noted in a phase that began at `t`, by errors that are found anew at the next turn of a guard. Whoever
-    /// asks for it looks after each accepted step whether [there is one](Self::has_touches).
-    pub(crate) fn watch_touches(&mut self, t: f64) {
-        self.turn_limits.as_mut().fill(f64::INFINITY);
+    /// asks for it looks after each accepted step whether [there is one](Self::are_noted).
+    pub(crate) fn watch(&mut self, t: f64) {
+        self.limits.as_mut().fill(f64::INFINITY);
         (self.phase_began, self.errors_found_at) = (t, f64::NAN);
     }
 
     /// Heights below which a turn of each guard is noted.
-    pub(crate) fn turn_limits(&self) -> &P::Guards<f64> {
-        &self.turn_limits
+    #[inline(always)]
+    pub(crate) fn limits(&self) -> &G {
+        &self.limits
     }
 
     /// Begins to search a step, or one more time after a dip of it was discarded.
     #[inline(always)]
     pub(crate) fn begin_search(&mut self) {
-        if !self.touches.is_empty() {
-            self.touches.retain(|touch| touch.is_discarded);
+        if !self.noted.is_empty() {
+            self.noted.retain(|touch| touch.is_discarded);
         }
+    }
+
+    /// Forgets those of a step that is not accepted.
+    pub(super) fn forget(&mut self) {
+        self.noted.clear();
     }
 
     /// Notes that guard `i` turns at `t` with the value `height`.
     pub(crate) fn note(&mut self, i: usize, t: f64, height: f64) {
-        if height < self.turn_limits.as_ref()[i] {
-            self.touches.push(Touch::new(i, t, height));
+        self.note_low(Touch::new(i, t, height));
+    }
+
+    /// Notes a touch, if it is low.
+    fn note_low(&mut self, touch: Touch) {
+        if touch.height < self.limits.as_ref()[touch.guard] {
+            self.noted.push(touch);
         }
     }
 
+    /// Whether a guard touches on the accepted step.
+    #[inline(always)]
+    pub(crate) fn are_noted(&self) -> bool {
+        !self.noted.is_empty()
+    }
+
+    /// Whether errors are to be found anew at one of the touches, because they are not known or are old.
+    fn are_new(&self) -> bool {
+        self.noted.iter().any(|touch| {
+            let began = self.phase_began;
+            // False where they are not known.
+            let is_known = (touch.t - began).abs() <= LATER * (self.errors_found_at - began).abs();
+            !is_known
+        })
+    }
+
+    /// Tells `told` of the touches on an accepted step of size `h` to `t1`, by the errors found last; false where errors are
+    /// to be found anew.
+    pub(crate) fn tell_known(&mut self, t1: f64, h: f64, told: &mut dyn FnMut(Graze)) -> bool {
+        if self.are_new() {
+            return false;
+        }
+        let mut noted = std::mem::take(&mut self.noted);
+        noted.drain(..).filter_map(|touch| self.grazing(touch, t1, h)).for_each(told);
+        self.noted = noted;
+        true
+    }
+
+    /// What is told of a touch on a step of size `h` to `t1`: it is within the error.
+    fn grazing(&self, Touch { guard, t, height, .. }: Touch, t1: f64, h: f64) -> Option<Graze> {
+        let error = self.error_of(guard);
+        let is_within = height.abs() <= error && error.is_finite();
+        let graze = Graze { guard, t, depth: -height, error, is_event: false };
+        (is_resolved(t1, h) && is_within).then_some(graze)
+    }
+
+    /// The error of guard `i`, as found last.
+    fn error_of(&self, i: usize) -> f64 {
+        self.limits.as_ref()[i] / LOW
+    }
+
+    /// Sets the errors of the guards, found at `t`, and from them the heights below which turns are noted.
+    fn set_errors(&mut self, t: f64, errors: impl Iterator<Item = f64>) {
+        for (limit, error) in self.limits.as_mut().iter_mut().zip(errors) {
+            // Not a number where a derivative is infinite.
+            *limit = if error.is_nan() { f64::INFINITY } else { LOW * error };
+        }
+        self.errors_found_at = t;
+    }
+}
+
+/// What is noted on a step.
+impl<P: System> GuardWatch<P> {
     /// Notes the turn of guard `i` at a dip that is to be discarded: beside the end of `step`, which was retaken up to there,
     /// by the curvature over a part of the size `h`.
     pub(crate) fn note_discarded(
@@ -129,9 +220,8 @@ impl<P: System> GuardWatch<P> {
         // Where rounding hides the curvature the turn is taken to be at the end.
         let to_turn = if curvature > 0.0 { 0.5 * at.rate * at.rate / curvature } else { 0.0 };
         let height = at.value - to_turn;
-        if height < self.turn_limits.as_ref()[i] {
-            self.touches.push(Touch { is_discarded: true, ..Touch::new(i, step.t1(), height) });
-        }
+        let touch = Touch { is_discarded: true, ..Touch::new(i, step.t1(), height) };
+        self.touches.note_low(touch);
     }
 
     /// Notes the turns of all guards on a step of size `h` from `t0` on which all of them hold.
@@ -162,7 +252,7 @@ impl<P: System> GuardWatch<P> {
         if g0.eps * h < 0.0 && g1.eps * h >= 0.0 {
             let least = cubic_minimum([g0.re, g1.re], [g0.eps * h, g1.eps * h]);
             let (theta, height) = least.unwrap_or((1.0, g1.re));
-            self.note(i, t0 + theta * h, height);
+            self.touches.note(i, t0 + theta * h, height);
         }
     }
 
@@ -170,7 +260,7 @@ impl<P: System> GuardWatch<P> {
     /// interpolant.
     #[cfg(feature = "diffsol")]
     pub(crate) fn note_falls(&mut self, h: f64) {
-        for (falls, start) in self.falling_at_end.iter_mut().zip(self.start.as_ref()) {
+        for (falls, start) in self.touches.falling_at_end.iter_mut().zip(self.start.as_ref()) {
             *falls = start.eps * h < 0.0;
         }
     }
@@ -178,32 +268,14 @@ impl<P: System> GuardWatch<P> {
     /// Notes the turn of guard `i` right at the start of a step of size `h`, where the slope of the interpolant jumps.
     pub(super) fn note_jump(&mut self, i: usize, t0: f64, h: f64) {
         let g0 = self.start.as_ref()[i];
-        if self.falling_at_end[i] && g0.eps * h >= 0.0 {
-            self.note(i, t0, g0.re);
+        if self.touches.falling_at_end[i] && g0.eps * h >= 0.0 {
+            self.touches.note(i, t0, g0.re);
         }
     }
 }
 
 /// What is told of an accepted step.
 impl<P: System> GuardWatch<P> {
-    /// Whether a guard touches on the accepted step.
-    #[inline(always)]
-    pub(crate) fn has_touches(&self) -> bool {
-        !self.touches.is_empty()
-    }
-
-    /// Tells `told` of the touches on an accepted step of size `h` to `t1`, by the errors found last; false where errors are
-    /// to be found anew.
-    pub(crate) fn tell_known(&mut self, t1: f64, h: f64, told: &mut dyn FnMut(Graze)) -> bool {
-        if self.touches.iter().any(|touch| self.is_new(touch)) {
-            return false;
-        }
-        let mut touches = std::mem::take(&mut self.touches);
-        touches.drain(..).filter_map(|touch| self.grazing(touch, t1, h)).for_each(told);
-        self.touches = touches;
-        true
-    }
-
     /// Tells `told` of the touches on an accepted `step`, which may be a `full` one cut at an event, and of that
     /// event if the guard would rise again from within the error. `error` is the error that the run may have made in a state. Where the
     /// derivatives of a guard are not finite nothing is told of it.
@@ -217,47 +289,26 @@ impl<P: System> GuardWatch<P> {
         told: &mut dyn FnMut(Graze),
     ) {
         let (t0, t1) = (step.t0(), step.t1());
-        self.touches.retain(|touch| (touch.t - t1) * (t1 - t0) <= 0.0);
+        self.touches.noted.retain(|touch| (touch.t - t1) * (t1 - t0) <= 0.0);
         let landed = landed_on.map(|i| self.at_end_of(problem, mode.clone(), step, i));
         let shallow = landed.filter(|at| {
             self.is_straying(at.guard, h) || self.may_rise(problem, mode.clone(), step, *at, h)
         });
-        if shallow.is_some() || self.touches.iter().any(|touch| self.is_new(touch)) {
+        if shallow.is_some() || self.touches.are_new() {
             self.find_errors(problem, mode.clone(), step, error);
         }
-        self.tell_known(t1, t1 - t0, told);
+        self.touches.tell_known(t1, t1 - t0, told);
         if let Some(at) = shallow
             && is_resolved(t1, t1 - t0)
         {
-            let (guard, error) = (at.guard, self.error_of(at.guard));
+            let (guard, error) = (at.guard, self.touches.error_of(at.guard));
             if let Some(depth) = self.depth_after(problem, mode, step, at, h) {
                 told(Graze { guard, t: t1, depth, error, is_event: true });
             }
         }
     }
 
-    /// What is told of a touch on a step of size `h` to `t1`: it is within the error.
-    fn grazing(&self, Touch { guard, t, height, .. }: Touch, t1: f64, h: f64) -> Option<Graze> {
-        let error = self.error_of(guard);
-        let is_within = height.abs() <= error && error.is_finite();
-        let graze = Graze { guard, t, depth: -height, error, is_event: false };
-        (is_resolved(t1, h) && is_within).then_some(graze)
-    }
-
-    /// The error of guard `i`, as found last.
-    fn error_of(&self, i: usize) -> f64 {
-        self.turn_limits.as_ref()[i] / LOW
-    }
-
-    /// Whether errors are to be found anew at a `touch`, because they are not known or are old.
-    fn is_new(&self, touch: &Touch) -> bool {
-        let began = self.phase_began;
-        // False where they are not known.
-        let is_known = (touch.t - began).abs() <= LATER * (self.errors_found_at - began).abs();
-        !is_known
-    }
-
-    /// Finds the errors of the guards at the end of `step`, and from them the heights below which turns are noted.
+    /// Finds the errors of the guards at the end of `step`.
     fn find_errors(
         &mut self,
         problem: &P,
@@ -269,12 +320,7 @@ impl<P: System> GuardWatch<P> {
         let within = ALIKE * (step.t1() - step.t0()).abs();
         self.find_bounds(problem, mode, (step.t1(), step.y1()), within);
         let errors = self.doubts.as_ref().iter().zip(self.bounds.as_ref());
-        for ((doubt, bound), limit) in errors.zip(self.turn_limits.as_mut()) {
-            // Not a number where a derivative is infinite.
-            let error = doubt + bound;
-            *limit = if error.is_nan() { f64::INFINITY } else { LOW * error };
-        }
-        self.errors_found_at = step.t1();
+        self.touches.set_errors(step.t1(), errors.map(|(doubt, bound)| doubt + bound));
     }
 
     /// Whether the guard on which `step`, cut from a full one of size `h`, landed would rise again by its curvature there, from
@@ -288,7 +334,7 @@ impl<P: System> GuardWatch<P> {
         h: f64,
     ) -> bool {
         let curvature = self.curvature(problem, mode, step, at, LOCAL * h);
-        let limit = self.turn_limits.as_ref()[at.guard];
+        let limit = self.touches.limits().as_ref()[at.guard];
         curvature > 0.0 && 0.5 * at.rate * at.rate / curvature < limit
     }
 
@@ -302,7 +348,7 @@ impl<P: System> GuardWatch<P> {
         at: AtEnd,
         h: f64,
     ) -> Option<f64> {
-        let error = self.error_of(at.guard);
+        let error = self.touches.error_of(at.guard);
         // A dip of that depth lasts twice as long.
         let short = (2.0 * error / at.rate.abs()).min(LOCAL * h.abs()).copysign(h);
         let curvature = self.curvature(problem, mode, step, at, short);

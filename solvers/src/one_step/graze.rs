@@ -17,7 +17,7 @@ impl<P: System, M: OneStep<P>> OneStepSolver<P, M> {
         landed_on: Option<usize>,
         h: f64,
     ) {
-        if landed_on.is_some() || self.watch.has_touches() {
+        if landed_on.is_some() || self.watch.touches.are_noted() {
             self.graze(context, landed_on, h);
         }
     }

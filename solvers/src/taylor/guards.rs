@@ -287,7 +287,7 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         let StepSeries { step, series: TaylorStep { y, degree, .. }, .. } = of;
         let ((start, h), t1) = (of.start_and_size(), step.t1());
         let low = self.highest_low().min(*degree);
-        watch.begin_search();
+        watch.touches.begin_search();
         let nothing = |_: &GuardWatch<P>, _: usize| 0.0;
         if self.are_clear((start, h), low, nothing, watch) {
             return Ok(Look::Clear);
@@ -380,7 +380,7 @@ impl<G: Vector<f64>, B: Coefficient<Rounded = f64>> GuardSeries<G, B> {
         explained: impl Fn(&GuardWatch<P>, usize) -> f64,
         watch: &mut GuardWatch<P>,
     ) -> bool {
-        let ends = self.end.as_ref().iter().zip(watch.turn_limits().as_ref()).enumerate();
+        let ends = self.end.as_ref().iter().zip(watch.touches.limits().as_ref()).enumerate();
         // All guards are tested without a branch between them. Where all are clear, none is violated at the end.
         let (all, high) = ends.fold((true, true), |(all, high), (guard, (end, limit))| {
             let explained = explained(watch, guard);
@@ -439,11 +439,11 @@ fn note_turns<P: System, const N: usize>(
     (t0, h): (f64, f64),
     watch: &mut GuardWatch<P>,
 ) {
-    let limit = watch.turn_limits().as_ref()[i];
+    let limit = watch.touches.limits().as_ref()[i];
     // False where no touches are to be noted.
     if p.lower_bound() < limit {
         p.extend_to(end);
-        p.minima::<N>(limit, |s, least| watch.note(i, t0 + s * h, least));
+        p.minima::<N>(limit, |s, least| watch.touches.note(i, t0 + s * h, least));
     }
 }
 
