@@ -14,7 +14,7 @@ use crate::work::Stats;
 /// use std::ops::ControlFlow;
 ///
 /// use deltazero_solvers::problems::{HertzBall, StopMode};
-/// use deltazero_solvers::{Accepted, Control, Event, Integration, Method, Record, Tolerance};
+/// use deltazero_solvers::{Accepted, Control, Integration, Method, Record, Tolerance};
 ///
 /// /// How long a ball touches its wall.
 /// struct Touching(f64);
@@ -24,9 +24,6 @@ use crate::work::Stats;
 ///         if accepted.mode == StopMode::Contact {
 ///             self.0 += accepted.step.t1() - accepted.step.t0();
 ///         }
-///         ControlFlow::Continue(())
-///     }
-///     fn event(&mut self, _: &Event<'_, HertzBall>) -> ControlFlow<()> {
 ///         ControlFlow::Continue(())
 ///     }
 /// }
@@ -59,15 +56,12 @@ pub struct Accepted<'a, P: System> {
 /// use std::ops::ControlFlow;
 ///
 /// use deltazero_solvers::problems::BouncingBall;
-/// use deltazero_solvers::{Accepted, Control, Event, Integration, Method, Needs, Record, Tolerance};
+/// use deltazero_solvers::{Control, Event, Integration, Method, Needs, Record, Tolerance};
 ///
 /// /// The energy that a ball loses at its bounces [J/kg].
 /// struct Lost(f64);
 ///
 /// impl Record<BouncingBall> for Lost {
-///     fn step(&mut self, _: &Accepted<'_, BouncingBall>) -> ControlFlow<()> {
-///         ControlFlow::Continue(())
-///     }
 ///     fn event(&mut self, event: &Event<'_, BouncingBall>) -> ControlFlow<()> {
 ///         let [before, after] = [event.y_before[1], event.y[1]];
 ///         self.0 += 0.5 * (before * before - after * after);
@@ -202,7 +196,7 @@ pub const REJECTIONS_A_LOOK: u64 = 64;
 /// use std::ops::ControlFlow;
 ///
 /// use deltazero_solvers::{
-///     Accepted, Control, Event, Integration, Method, Needs, Record, System, Tolerance,
+///     Accepted, Control, Integration, Method, Needs, Record, System, Tolerance,
 /// };
 ///
 /// /// The longest step.
@@ -211,9 +205,6 @@ pub const REJECTIONS_A_LOOK: u64 = 64;
 /// impl<P: System> Record<P> for Longest {
 ///     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
 ///         self.0 = self.0.max(accepted.step.t1() - accepted.step.t0());
-///         ControlFlow::Continue(())
-///     }
-///     fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
 ///         ControlFlow::Continue(())
 ///     }
 ///     fn needs(&self, _t0: f64, _t1: f64) -> Needs {
@@ -239,12 +230,16 @@ pub trait Record<P: System> {
         Ok(())
     }
 
-    /// A step was accepted.
-    fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()>;
+    /// A step was accepted. A recorder of events alone leaves this out, and [needs](Self::needs) nothing.
+    fn step(&mut self, _accepted: &Accepted<'_, P>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 
     /// An event was located and its transition made. Events at the same time are shown in the order in which they
     /// happened.
-    fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()>;
+    fn event(&mut self, _event: &Event<'_, P>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
 
     /// A guard [grazes](crate::Grazing) in the accepted step that follows.
     fn grazing(&mut self, _grazing: &Grazing<P::Mode>) {}
@@ -275,14 +270,6 @@ pub trait Record<P: System> {
 
 /// Records nothing.
 impl<P: System> Record<P> for () {
-    fn step(&mut self, _: &Accepted<'_, P>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-
-    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-
     fn needs(&self, _t0: f64, _t1: f64) -> Needs {
         Needs::Nothing
     }
@@ -330,10 +317,6 @@ impl<P: System, F: FnMut(f64, &Stats) -> ControlFlow<()>> Record<P> for Watch<F>
 
     fn step(&mut self, accepted: &Accepted<'_, P>) -> ControlFlow<()> {
         Record::<P>::passed(self, accepted.step.t1(), accepted.stats)
-    }
-
-    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
     }
 
     fn passed(&mut self, t: f64, stats: &Stats) -> ControlFlow<()> {

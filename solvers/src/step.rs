@@ -13,7 +13,7 @@ use crate::tableau::Dense;
 /// use std::ops::ControlFlow;
 ///
 /// use deltazero_solvers::problems::FrictionOscillator;
-/// use deltazero_solvers::{Accepted, Control, Event, Integration, Method, Record, Tolerance};
+/// use deltazero_solvers::{Accepted, Control, Integration, Method, Record, Tolerance};
 ///
 /// /// How far the middles of the steps are from the exact solution.
 /// struct Off<'a>(&'a FrictionOscillator, f64);
@@ -24,9 +24,6 @@ use crate::tableau::Dense;
 ///         let (middle, mut y) = (0.5 * (step.t0() + step.t1()), [0.0; 2]);
 ///         step.interpolate(middle, &mut y);
 ///         self.1 = self.1.max((y[0] - self.0.state(middle)[0]).abs());
-///         ControlFlow::Continue(())
-///     }
-///     fn event(&mut self, _: &Event<'_, FrictionOscillator>) -> ControlFlow<()> {
 ///         ControlFlow::Continue(())
 ///     }
 /// }

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 
 use common::{at_most, steps_itself, tolerance};
 use deltazero_solvers::problems::BouncingBall;
-use deltazero_solvers::{Accepted, Control, Event, Integration, METHODS, Record, Tolerance};
+use deltazero_solvers::{Control, Event, Integration, METHODS, Record, Tolerance};
 
 /// Time and speed after each bounce, until there are enough.
 struct Bounces(Vec<(f64, f64)>);
@@ -15,10 +15,6 @@ struct Bounces(Vec<(f64, f64)>);
 const N: usize = 40;
 
 impl Record<BouncingBall> for Bounces {
-    fn step(&mut self, _: &Accepted<'_, BouncingBall>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-
     fn event(&mut self, event: &Event<'_, BouncingBall>) -> ControlFlow<()> {
         self.0.push((event.t, event.y[1]));
         match self.0.len() {

@@ -16,7 +16,7 @@ use deltazero_solvers::one_step::OneStep;
 use deltazero_solvers::radau::RadauMethod;
 use deltazero_solvers::tableau::Tableau;
 use deltazero_solvers::{
-    Accepted, Control, Event, METHODS, Method, Next, Real, Record, Stats, Step, System, Tolerance,
+    Accepted, Control, METHODS, Method, Next, Real, Record, Stats, Step, System, Tolerance,
 };
 
 /// A system of two states without events, its solution known at all times.
@@ -135,10 +135,6 @@ impl Record<Smooth> for Errors {
                 self.gap = self.gap.max(distance(&y, state));
             }
         }
-        ControlFlow::Continue(())
-    }
-
-    fn event(&mut self, _: &Event<'_, Smooth>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 }
@@ -282,10 +278,6 @@ fn slopes_at_both_ends_are_the_right_hand_side_there() {
                 self.0.rhs((), t, y, &mut dydt);
                 self.1 = self.1.max(distance(&dydt, slope));
             }
-            ControlFlow::Continue(())
-        }
-
-        fn event(&mut self, _: &Event<'_, Smooth>) -> ControlFlow<()> {
             ControlFlow::Continue(())
         }
     }

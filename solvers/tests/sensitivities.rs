@@ -193,10 +193,6 @@ fn impacts_on_a_moving_stop_depend_on_start_restitution_and_amplitude_as_runs_do
 struct Times(Vec<f64>);
 
 impl<P: System> deltazero_solvers::Record<P> for Times {
-    fn step(&mut self, _: &deltazero_solvers::Accepted<'_, P>) -> std::ops::ControlFlow<()> {
-        std::ops::ControlFlow::Continue(())
-    }
-
     fn event(&mut self, event: &deltazero_solvers::Event<'_, P>) -> std::ops::ControlFlow<()> {
         self.0.push(event.t);
         std::ops::ControlFlow::Continue(())

@@ -391,10 +391,6 @@ impl<P: System<State<f64> = [f64; 2]>> Record<P> for Reach {
         }
         ControlFlow::Continue(())
     }
-
-    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
 }
 
 #[test]

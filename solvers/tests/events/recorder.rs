@@ -236,10 +236,6 @@ impl Record<BouncingBall> for Landings {
         }
         ControlFlow::Continue(())
     }
-
-    fn event(&mut self, _: &Event<'_, BouncingBall>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
 }
 
 #[test]

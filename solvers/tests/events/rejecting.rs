@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 use deltazero_solvers::record::REJECTIONS_A_LOOK;
 use deltazero_solvers::taylor::ExtendedIntegration;
 use deltazero_solvers::{
-    Accepted, Alike, Control, Event, Integration, Needs, Next, Outcome, Over, Real, Record, Stats,
-    System, Tolerance,
+    Accepted, Alike, Control, Integration, Needs, Next, Outcome, Over, Real, Record, Stats, System,
+    Tolerance,
 };
 
 use crate::common::steps_itself;
@@ -83,10 +83,6 @@ struct Impatient {
 impl<P: System> Record<P> for Impatient {
     fn step(&mut self, _: &Accepted<'_, P>) -> ControlFlow<()> {
         self.n_steps += 1;
-        ControlFlow::Continue(())
-    }
-
-    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 

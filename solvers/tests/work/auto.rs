@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use deltazero_solvers::{
-    Accepted, Control, Event, Integration, Method, Next, Outcome, Real, Record, Stats, Steps,
-    System, Tolerance, Work, WorkByKind,
+    Accepted, Control, Integration, Method, Next, Outcome, Real, Record, Stats, Steps, System,
+    Tolerance, Work, WorkByKind,
 };
 
 use crate::common::{at_most, log_slope, near, tolerance};
@@ -78,10 +78,6 @@ impl Record<Relaxation> for Halves {
         self.n_implicit = accepted.stats.n_implicit;
         let error = accepted.step.y1()[0] - accepted.step.t1().cos();
         self.error = self.error.max(error.abs());
-        ControlFlow::Continue(())
-    }
-
-    fn event(&mut self, _: &Event<'_, Relaxation>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 }
