@@ -6,13 +6,12 @@ mod common;
 use std::sync::atomic::AtomicBool;
 
 use common::{Golden, GoldenChain, config, located, run, run_chain, setting};
+use deltazero::model::struts::chain_of;
 use deltazero::model::{Block, Joints, State};
-use deltazero::run::{Run, mode_changes};
+use deltazero::run::{Run, mode_changes, without_start};
 use deltazero::study::plan::reference;
 use deltazero_solvers::{Grid, METHODS, Trajectory};
-use deltazero_study::Problem as _;
 use deltazero_study::errors::{ErrorScale, ScaledGroup, match_events};
-use deltazero_study::part::counted;
 use deltazero_study::run::{Accuracy, Limits, Setting, integrate, integrate_all};
 use deltazero_study::setting::Events;
 
@@ -84,8 +83,8 @@ fn the_reference_reproduces_both_and_states_its_true_error() {
                 let y = y.as_slice().try_into().unwrap();
                 e = e.max(own.scale.error(&block.in_paper_order(y), golden));
             }
-            let exact = counted(&golden.events[i], own.starts_on_surface);
-            let found: Vec<_> = own.counted_events().copied().collect();
+            let exact = without_start(*block, &golden.events[i]);
+            let found: Vec<_> = own.events().copied().collect();
             let events = match_events(&found, exact, own.scale.event_window);
             assert_eq!((events.missed, events.spurious), (0, 0), "joint {}", i + 1);
             late = late.max(events.time_error);
@@ -158,7 +157,7 @@ fn auto_turns_implicit_in_a_hard_damped_contact_and_finds_its_events() {
         mechanism.blocks().into_iter().zip(auto.trajectories.iter().zip(&tight.trajectories))
     {
         let scale = block.error_scale(1e-4);
-        let changes = |run| counted(&mode_changes(run), block.starts_on_surface()).to_vec();
+        let changes = |run| without_start(block, &mode_changes(run)).to_vec();
         let found = match_events(&changes(own), &changes(other), scale.event_window);
         assert_eq!((found.missed, found.spurious), (0, 0), "joint {}", block.joint);
         for (own, other) in own.samples.iter().zip(&other.samples) {
@@ -368,7 +367,7 @@ fn the_reference_of_a_chain_is_its_golden_run_and_states_its_true_error() {
     let reference = reference(&config, &AtomicBool::new(false)).unwrap();
     let (mut e, mut late) = (0.0_f64, 0.0_f64);
     // Joint 2, at the root alone, comes last.
-    let chain = &reference.parts[0];
+    let (chain, model) = (&reference.parts[0], chain_of(&config));
     let groups = |k: usize| {
         let own = chain.scale.groups.iter().filter(|group| group.site == k);
         let of_bay = |group: &ScaledGroup| ScaledGroup {
@@ -383,9 +382,8 @@ fn the_reference_of_a_chain_is_its_golden_run_and_states_its_true_error() {
         for (y, (_, _, golden)) in chain.samples.iter().zip(&golden.states[k]) {
             e = e.max(scale.error(&y[6 * k..6 * (k + 1)], golden));
         }
-        let counted = |events| counted(events, chain.starts_on_surface);
-        let (own, exact) = (counted(&own.events), counted(&golden.events[k]));
-        let events = match_events(own, exact, scale.event_window);
+        let exact = without_start(&model, &golden.events[k]);
+        let events = match_events(&own.events, exact, scale.event_window);
         assert_eq!((events.missed, events.spurious), (0, 0), "bay {}", k + 1);
         late = late.max(events.time_error);
     }

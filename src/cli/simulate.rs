@@ -162,7 +162,7 @@ impl Alone {
 /// The parts that have other events than tight runs have.
 fn other_events(subject: &Subject, parts: &[Simulated<'_>], tight: &TightRuns) -> Vec<Warning> {
     let warning = |(i, Simulated { own, .. }): (usize, &Simulated<'_>)| {
-        let changes = |site: &SiteMotion| site.changes.iter().map(|own| own.by_code).collect();
+        let changes = |site: &SiteMotion| site.compared().map(|own| own.by_code).collect();
         let all: Vec<_> = own.sites.iter().map(changes).collect();
         tight.warning(subject, i, &all, (own.run.t, own.run.stopped_at().is_some()))
     };

@@ -274,7 +274,8 @@ mod tests {
         let change = |i: usize| {
             let t = (i + 1) as f64 / (n_changes + 1) as f64;
             let by_code = ModeChange::new(t, 0, 0);
-            NamedChange { by_code, t, before: name(i).into(), after: name(i + 1).into() }
+            let (before, after) = (name(i).into(), name(i + 1).into());
+            NamedChange { by_code, t, before, after, is_of_start: false }
         };
         let site = SiteMotion {
             name: String::new(),

@@ -108,3 +108,10 @@ pub fn mode_changes(trajectory: &BlockTrajectory) -> Vec<ModeChange> {
     };
     trajectory.events.iter().filter_map(change).collect()
 }
+
+/// Those of the mode changes of a joint that runs are compared by: all but that of a start on the surface, whose time has no
+/// digits.
+pub fn without_start<'a>(part: &impl Jointed, changes: &'a [ModeChange]) -> &'a [ModeChange] {
+    let n_of_start = usize::from(part.starts_on_surface()).min(changes.len());
+    &changes[n_of_start..]
+}

@@ -1,10 +1,10 @@
 //! The deployment of one joint to 90° under a reading, and from when on its digits are lost.
 
 use deltazero_solvers::{Grid, Trajectory};
-use deltazero_study::Problem as _;
 use deltazero_study::energy_balance::EnergyBalance;
 use deltazero_study::errors::Largest;
-use deltazero_study::part::{Start, counted};
+use deltazero_study::part::Start;
+use deltazero_study::problem::changes;
 use deltazero_study::reference::parted_at;
 use deltazero_study::run::{Braked, Limits, OwnRun, Price, Setting};
 use deltazero_study::setting::Events;
@@ -17,7 +17,7 @@ use crate::config::Config;
 use crate::keys::ReadingName;
 use crate::model::struts::struts;
 use crate::model::{Block, Jointed as _, Part, State};
-use crate::run::{BlockTrajectory, mode_changes};
+use crate::run::BlockTrajectory;
 
 /// A run lasts at most this many times as long as the ideal joint takes to 90°.
 pub const PATIENCE: f64 = 2.0;
@@ -180,8 +180,8 @@ fn followed(
         if block.torque < 0.0 { -theta.least } else { theta.most }
     };
     let furthest = bins.iter().max_by(|a, b| turned(a).total_cmp(&turned(b)));
-    let changes = mode_changes(&trajectory);
-    let events = counted(&changes, block.starts_on_surface());
+    // A block has one site.
+    let events = changes(block, &trajectory.events).concat();
     let separations = events.iter().filter(|event| event.t <= TRANSIENT_S && event.after == 0);
     let row = RunRow {
         reading,

@@ -9,7 +9,7 @@ use crate::balance::Balance;
 use crate::errors::contact_summary::ContactSummary;
 use crate::kinds::by_kind;
 use crate::part::Part;
-use crate::problem::{Problem, Quantity, change};
+use crate::problem::{Problem, Quantity, StartEvents, change};
 use crate::run::{Begun, Brake, Braked, OwnRun, PartRun, Setting, integrate_all};
 use crate::simulation::wrong_signs;
 use crate::stiffness::Stiffness;
@@ -46,7 +46,7 @@ pub struct SiteBrief {
     pub mode: String,
     /// What its columns have at the end.
     pub values: Vec<f64>,
-    /// Its events that count, but for that of a start on a surface.
+    /// Its events that runs are compared by.
     pub n_events: usize,
     /// Its contacts, where the problem tells of any.
     pub contacts: Option<ContactSummary>,
@@ -128,8 +128,7 @@ fn brief<P: Problem>(
     let site = |(k, n_events): (usize, &usize)| SiteBrief {
         mode: problem.mode_name(&run.mode, k),
         values: Vec::new(),
-        // The event of a start on the surface has no digits.
-        n_events: n_events.saturating_sub(usize::from(problem.starts_on_surface())),
+        n_events: *n_events,
         contacts: contacts.as_ref().map(|lists| ContactSummary::of(lists[k].iter())),
     };
     let mut sites: Vec<_> = counts.iter().enumerate().map(site).collect();
@@ -144,15 +143,17 @@ fn brief<P: Problem>(
     Brief { sites, balance, warnings, run: run.plain() }
 }
 
-/// A recorder of how many events that count each site has.
+/// A recorder of how many events that runs are compared by each site has.
 struct Counts<'a, P> {
     problem: &'a P,
+    of_start: StartEvents,
     of_site: Vec<usize>,
 }
 
 impl<'a, P: Problem> Counts<'a, P> {
     fn new(problem: &'a P) -> Self {
-        Self { problem, of_site: vec![0; problem.n_sites()] }
+        let of_start = StartEvents::of(problem);
+        Self { problem, of_start, of_site: vec![0; problem.n_sites()] }
     }
 }
 
@@ -163,7 +164,9 @@ impl<P: Problem> Record<P> for Counts<'_, P> {
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
         let change = change(self.problem, event.t, event.guard, &event.before, &event.after);
-        if let Some((site, _)) = change {
+        if let Some((site, _)) = change
+            && !self.of_start.take(site)
+        {
             self.of_site[site] += 1;
         }
         ControlFlow::Continue(())

@@ -18,7 +18,7 @@ use deltazero_solvers::{Grid, Outcome, Stats};
 
 use crate::errors::{Largest, worse};
 use crate::parallel::in_parallel;
-use crate::part::{Part, Start, Subject, counted};
+use crate::part::{Part, Start, Subject};
 use crate::reference::{parted_at, settings};
 use crate::run::{Brake, Events, ModeChange, PartRun, Setting};
 use crate::selection::work;
@@ -93,8 +93,9 @@ pub struct TightRuns {
 }
 
 impl TightRuns {
-    /// Where part number `i` of `subject` has another sequence of events in a run that reached a time [s], where an event ended it
-    /// or not, with these counted events of each of its sites, than in the tight runs: the first such site.
+    /// The first site of part number `i` of `subject` that has another sequence of events in a run than in the tight runs.
+    /// `run` holds the events of each site that [runs are compared by](crate::problem::changes), `end` the time that the run
+    /// reached [s] and whether an event ended it there.
     pub fn warning(
         &self,
         subject: &Subject,
@@ -267,9 +268,9 @@ impl Pair<'_> {
     fn events(&self) -> TightEvents {
         let [own, nudged] = [&self.own, &self.nudged];
         let reached = own.0.t.min(nudged.0.t);
-        let [changes, other] = [&own.1, &nudged.1].map(|trace| changes(self.part, trace));
+        let (changes, other) = (own.1.changes.clone(), &nudged.1.changes);
         let until = |(a, b): (&Vec<_>, &Vec<_>)| parting(a, b).map_or(reached, |t| t.min(reached));
-        let until: Vec<f64> = changes.iter().zip(&other).map(until).collect();
+        let until: Vec<f64> = changes.iter().zip(other).map(until).collect();
         let stops = own.0.stopped_at().zip(nudged.0.stopped_at());
         let is_certain = |(a, b): &(f64, f64)| {
             let near = (a - b).abs() <= judge::AT_END * self.part.unit_of_time;
@@ -327,11 +328,6 @@ fn pair<'a>(part: &'a Part, span: Span, threads: usize, stop: &AtomicBool) -> Op
 /// How far a run came [s], and whether an event ended it there.
 fn end_of(run: &PartRun) -> (f64, bool) {
     (run.t, run.stopped_at().is_some())
-}
-
-/// The counted events of each site.
-fn changes(part: &Part, trace: &Trace) -> Vec<Vec<ModeChange>> {
-    trace.changes.iter().map(|all| counted(all, part.starts_on_surface).to_vec()).collect()
 }
 
 /// What breaks a run off.

@@ -10,7 +10,7 @@ use crate::errors::dense::Distance;
 use crate::errors::work::WorkByPhase;
 use crate::errors::worse;
 use crate::json_number;
-use crate::part::{Subject, counted};
+use crate::part::Subject;
 use crate::problem::{Problem, leading_site};
 use crate::reference::{PartReference, Reference};
 use crate::run::{Brake, Braked, Limit, Limits, PartRun, Price, Setting, integrate};
@@ -66,7 +66,7 @@ pub struct Compared {
     pub e: f64,
     /// Worst time error of the paired events [s], if there are any.
     pub event_time_error_s: Option<f64>,
-    /// Mode changes, the start's own left out.
+    /// Its events that the reference's are compared with.
     pub n_events: usize,
     /// Events of the reference that it lacks.
     pub missed: usize,
@@ -201,8 +201,7 @@ impl MeasuredPart {
             let e = reference.error_of_site(site, &self.trace);
             all.e = worse(all.e, e);
             let events = reference.matched(site, &self.trace);
-            let own = &self.trace.changes[site];
-            all.n_events += counted(own, reference.starts_on_surface).len();
+            all.n_events += self.trace.changes[site].len();
             all.missed += events.missed;
             all.spurious += events.spurious;
             if events.paired > 0 {

@@ -69,8 +69,7 @@ impl Motion {
         let run = |part: &Part, times: &[f64], t_end: f64| {
             let mut watch = limits.watch(Price::of_setting(&setting));
             let mut site = part.motion(&setting, times, t_end, &mut watch)?;
-            let n_of_start = usize::from(part.starts_on_surface).min(site.changes.len());
-            site.changes.drain(..n_of_start);
+            site.changes.retain(|change| !change.is_of_start);
             Some(site)
         };
         let over = |t_end: f64| -> Vec<SiteMotion> {
@@ -269,7 +268,7 @@ mod tests {
         let name = |i: usize| ["flight", "contact", "leaving"][i % 3].to_owned();
         let named = |(i, t): (usize, &f64)| {
             let by_code = ModeChange::new(*t, 0, 0);
-            NamedChange { by_code, t: *t, before: name(i), after: name(i + 1) }
+            NamedChange { by_code, t: *t, before: name(i), after: name(i + 1), is_of_start: false }
         };
         let site = |n: usize| SiteMotion {
             name: String::new(),

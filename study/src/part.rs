@@ -16,8 +16,8 @@ use crate::nudge::{far, nudged};
 use crate::problem::{EndName, Group, Problem, Quantity};
 use crate::reference::{Maker, PartReference, Path, ReferenceError, path};
 use crate::run::{
-    Brake, Braked, Limits, ModeChange, OwnRun, PartRun, Price, Setting, Took, integrate,
-    integrate_all, is_at_once,
+    Brake, Braked, Limits, OwnRun, PartRun, Price, Setting, Took, integrate, integrate_all,
+    is_at_once,
 };
 use crate::simulation::{Asked, Simulation, SiteMotion, motion_with_touches, simulate};
 use crate::trace::Trace;
@@ -239,8 +239,6 @@ pub struct Part {
     pub unit_of_time: f64,
     /// Whether it has runs that read their mode off the state.
     pub has_blind_runs: bool,
-    /// Whether it starts on the surface of a guard.
-    pub starts_on_surface: bool,
     pub(crate) runs: Arc<dyn Runs>,
 }
 
@@ -263,7 +261,6 @@ impl Part {
             modes: problem.named_modes(),
             unit_of_time: problem.unit_of_time(),
             has_blind_runs: problem.has_blind_runs(),
-            starts_on_surface: problem.starts_on_surface(),
             runs: Arc::new(problem),
         }
     }
@@ -331,11 +328,6 @@ impl Part {
     pub fn scales(&self) -> Vec<f64> {
         self.states.iter().map(|state| state.scale).collect()
     }
-}
-
-/// The events of a site that count: all but the one of a start on the surface, whose time has no digits.
-pub fn counted(events: &[ModeChange], starts_on_surface: bool) -> &[ModeChange] {
-    &events[usize::from(starts_on_surface && !events.is_empty())..]
 }
 
 /// What a study is about: problems that share no term, run one after the other.

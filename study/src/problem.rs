@@ -244,12 +244,14 @@ pub trait Problem: System<Mode: Send + Sync> + Send + Sync {
         Vec::new()
     }
 
-    /// Whether an event that leads from one mode to another at a site is one that runs are compared by.
+    /// Whether an event that leads from one mode to another at a site counts. Runs are compared by the events that do, but
+    /// for that of a [start on a surface](Self::starts_on_surface).
     fn is_counted(&self, _before: &Self::Mode, _after: &Self::Mode, _site: usize) -> bool {
         true
     }
 
-    /// Whether it starts on the surface of a guard, where the time of the first event has no digits.
+    /// Whether it starts on the surface of a guard. The first event of each site that [counts](Self::is_counted) is then
+    /// the start's own: its time has no digits, and runs are not compared by it.
     fn starts_on_surface(&self) -> bool {
         false
     }
@@ -464,7 +466,8 @@ pub fn scales<P: Problem>(problem: &P) -> Vec<f64> {
     problem.states().into_iter().map(|state| state.scale).collect()
 }
 
-/// The event as runs are compared by it, with its site; none of one that is not counted, or that ends the run.
+/// The event as tables write it, with its site; none of one that does not [count](Problem::is_counted), or that ends the
+/// run. The start's own is among them; see [`StartEvents`].
 pub fn change<P: Problem>(
     problem: &P,
     t: f64,
@@ -480,11 +483,35 @@ pub fn change<P: Problem>(
     problem.is_counted(before, after, site).then_some((site, change))
 }
 
-/// The events of each site that runs are compared by.
+/// Tells the start's own event of each site from the others that [count](Problem::is_counted): the first one, where the
+/// problem [starts on a surface](Problem::starts_on_surface).
+#[derive(Clone, Debug)]
+pub struct StartEvents {
+    /// Whether that of a site is still to come.
+    is_due: Vec<bool>,
+}
+
+impl StartEvents {
+    /// No event yet in a run of `problem`.
+    pub fn of<P: Problem>(problem: &P) -> Self {
+        Self { is_due: vec![problem.starts_on_surface(); problem.n_sites()] }
+    }
+
+    /// Notes an event of `site` that counts. Returns whether it is the start's own.
+    pub fn take(&mut self, site: usize) -> bool {
+        std::mem::take(&mut self.is_due[site])
+    }
+}
+
+/// The events of each site that runs are compared by: those that [count](Problem::is_counted), without the
+/// [start's own](StartEvents).
 pub fn changes<P: Problem>(problem: &P, events: &[Switch<P::Mode>]) -> Vec<Vec<ModeChange>> {
     let mut all = vec![Vec::new(); problem.n_sites()];
+    let mut of_start = StartEvents::of(problem);
     for Switch { t, guard, before, after } in events {
-        if let Some((site, change)) = change(problem, *t, *guard, before, after) {
+        if let Some((site, change)) = change(problem, *t, *guard, before, after)
+            && !of_start.take(site)
+        {
             all[site].push(change);
         }
     }

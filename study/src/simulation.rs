@@ -7,7 +7,7 @@ use crate::balance::Balance;
 use crate::digits::count_of;
 use crate::errors::contact_summary::ContactSummary;
 use crate::errors::contacts::Contact;
-use crate::problem::{Problem, Quantity, Touch, change, leading_site};
+use crate::problem::{Problem, Quantity, StartEvents, Touch, change, leading_site};
 use crate::run::{Brake, Braked, ModeChange, OwnRun, PartRun, Setting, integrate};
 use crate::stiffness::Stiffness;
 use crate::trace::OwnTrajectory;
@@ -39,6 +39,8 @@ pub struct NamedChange {
     pub before: String,
     /// The mode after.
     pub after: String,
+    /// Whether it is that of a [start on a surface](Problem::starts_on_surface), by which runs are not compared.
+    pub is_of_start: bool,
 }
 
 /// The motion of one site.
@@ -61,11 +63,16 @@ pub struct SiteMotion {
     /// Whether it is in contact at each sample, how deep [m], and under which force [N]; empty where that is not told,
     /// or not asked for.
     pub touches: Vec<(bool, Touch<f64>)>,
-    /// Its events that count.
+    /// Its events that [count](Problem::is_counted), that of a start on a surface among them.
     pub changes: Vec<NamedChange>,
 }
 
 impl SiteMotion {
+    /// The events that runs are compared by.
+    pub fn compared(&self) -> impl Iterator<Item = &NamedChange> {
+        self.changes.iter().filter(|change| !change.is_of_start)
+    }
+
     /// Each sample: time, mode and values.
     pub fn samples(&self) -> impl Iterator<Item = (f64, &str, &[f64])> {
         let width = self.columns.len();
@@ -119,7 +126,7 @@ pub struct Simulation {
     pub run: PartRun,
     /// The motion of each site.
     pub sites: Vec<SiteMotion>,
-    /// Events of each site that count, but for that of a start on a surface.
+    /// Events of all sites that runs are compared by.
     pub n_events: usize,
     /// The contacts of each site, where the problem tells of any.
     pub contacts: Option<Vec<Vec<Contact>>>,
@@ -172,9 +179,8 @@ pub(crate) fn simulate<P: Problem>(
     warnings.extend(not_a_number(&sites));
     let contacts = contacts.lists();
     warnings.extend(contacts.iter().flat_map(|sites| wrong_signs(&sites.concat())));
-    let on_surface = usize::from(problem.starts_on_surface());
     Simulation {
-        n_events: sites.iter().map(|site| site.changes.len().saturating_sub(on_surface)).sum(),
+        n_events: sites.iter().map(|site| site.compared().count()).sum(),
         sites,
         contacts,
         n_at_speed_floor: kept.events.iter().filter(|event| at_floor(problem, event)).count(),
@@ -294,13 +300,15 @@ fn motions<P: Problem>(problem: &P, run: &OwnTrajectory<P>, most: usize) -> Vec<
         });
         sites.iter_mut().for_each(SiteMotion::end_sample);
     }
+    let mut of_start = StartEvents::of(problem);
     for Switch { t, guard, before, after } in &run.events {
         if let (Some((k, by_code)), Next::Mode(after)) =
             (change(problem, *t, *guard, before, after), after)
         {
             let [before, after] = [before, after].map(|mode| problem.mode_name(mode, k));
+            let is_of_start = of_start.take(k);
             if let Some(site) = sites.get_mut(k) {
-                site.changes.push(NamedChange { by_code, t: *t, before, after });
+                site.changes.push(NamedChange { by_code, t: *t, before, after, is_of_start });
             }
         }
     }

@@ -19,7 +19,7 @@ pub struct Trace {
     pub times: Vec<f64>,
     /// States there.
     pub states: Vec<Vec<f64>>,
-    /// The counted events of each site.
+    /// The events of each site that runs are compared by; see [`changes`].
     pub changes: Vec<Vec<ModeChange>>,
     /// Times of the events at which a state jumps [s].
     pub jumps: Vec<f64>,

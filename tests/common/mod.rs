@@ -7,12 +7,11 @@ use std::sync::atomic::AtomicBool;
 use deltazero::config::Config;
 use deltazero::model::struts::chain_of;
 use deltazero::model::{Chain, Jointed, Joints, Part, State};
-use deltazero::run::{Run, mode_changes, trajectories};
+use deltazero::run::{Run, mode_changes, trajectories, without_start};
 use deltazero_solvers::{Grid, Method, Trajectory};
 use deltazero_study::Problem as _;
 use deltazero_study::energy_balance::{Balance, EnergyBalance};
 use deltazero_study::errors::{ErrorScale, EventMatch, match_events, worse};
-use deltazero_study::part::counted;
 use deltazero_study::run::{Accuracy, Limits, ModeChange, Setting, integrate};
 use deltazero_study::setting::Events;
 use deltazero_study::trace::OwnTrajectory;
@@ -55,12 +54,9 @@ impl Golden {
                 e = e.max(own);
             }
             let changes = mode_changes(trajectory);
-            let own = counted(&changes, block.starts_on_surface());
-            matches[i] = match_events(
-                own,
-                counted(&self.events[i], block.starts_on_surface()),
-                scale.event_window,
-            );
+            let [own, golden] =
+                [&changes, &self.events[i]].map(|events| without_start(*block, events));
+            matches[i] = match_events(own, golden, scale.event_window);
         }
         (e, matches)
     }
@@ -100,13 +96,12 @@ impl GoldenChain {
                 e = e.max(scale.error(&sample.y, golden));
             }
         }
-        let starts = chain.starts_on_surface();
         let pairs = bays.iter().map(mode_changes).zip(&self.events);
         (
             e,
             pairs
                 .map(|(own, golden)| {
-                    let (own, golden) = (counted(&own, starts), counted(golden, starts));
+                    let [own, golden] = [&own, golden].map(|events| without_start(chain, events));
                     match_events(own, golden, scale.event_window)
                 })
                 .collect(),

@@ -4,10 +4,9 @@ use std::error::Error;
 
 use deltazero::config::Config;
 use deltazero::model::{Block, Joints, Mode, State};
+use deltazero::run::without_start;
 use deltazero_solvers::ModeOfState;
-use deltazero_study::Problem as _;
 use deltazero_study::errors::{EventMatch, match_events, worse};
-use deltazero_study::part::counted;
 use deltazero_study::run::ModeChange;
 
 /// The golden states, and their mode changes.
@@ -94,9 +93,7 @@ impl Problem {
             for (y, reference) in own.samples.iter().zip(&golden.samples) {
                 verdict.e = worse(verdict.e, scale.error(y, reference));
             }
-            let starts_on_surface = block.starts_on_surface();
-            let own = counted(&own.events, starts_on_surface);
-            let golden = counted(&golden.events, starts_on_surface);
+            let [own, golden] = [&own.events, &golden.events].map(|all| without_start(block, all));
             for (sum, of_contact) in [(&mut verdict.delta, true), (&mut verdict.slip, false)] {
                 let kind = |events: &[ModeChange]| -> Vec<ModeChange> {
                     let is_contact = |event: &&ModeChange| event.before == 0 || event.after == 0;

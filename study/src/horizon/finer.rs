@@ -36,7 +36,7 @@ pub(super) fn events(
     let mut bound = Bound { setting: &finer, most, stop };
     let nowhere = Grid::Times(Vec::new());
     let (run, trace) = part.run(&finer, Start::Exact, span.end(), &nowhere, &mut bound);
-    let changes = super::changes(part, &trace);
+    let changes = trace.changes;
     let stopped_at = run.stopped_at();
     Some(TightEvents { until: vec![run.t; changes.len()], changes, stopped_at, by })
 }

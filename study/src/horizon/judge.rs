@@ -1,13 +1,13 @@
 //! The events that a run is compared with.
 
-use crate::part::{Part, counted};
+use crate::part::Part;
 use crate::run::ModeChange;
 use crate::warning::{Code, Warning};
 
 /// Events this close to the end of a run are not looked at, in units of the subject's time.
 pub(super) const AT_END: f64 = 1e-3;
 
-/// The counted events of each site of a part in a tight run, and for how long they are certain [s].
+/// The events of each site of a part in a tight run that others are compared by, and for how long they are certain [s].
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TightEvents {
     pub(super) changes: Vec<Vec<ModeChange>>,
@@ -44,7 +44,7 @@ impl Judge {
 }
 
 impl TightEvents {
-    /// The warning that a run that reached a time [s], where an event ended it or not, with these counted events of each site, has
+    /// The warning that a run that reached a time [s], where an event ended it or not, with these events of each site, has
     /// another sequence.
     pub(super) fn warning(
         &self,
@@ -53,8 +53,7 @@ impl TightEvents {
         (reached, is_stopped): (f64, bool),
     ) -> Option<Warning> {
         (0..run.len().min(self.changes.len())).find_map(|site| {
-            let own = counted(&run[site], part.starts_on_surface);
-            let (tight, until) = (&self.changes[site], self.until[site]);
+            let (own, tight, until) = (&run[site], &self.changes[site], self.until[site]);
             // An event so close to the end of one run may lie beyond it.
             let until = until.min(reached) - AT_END * part.unit_of_time;
             let t = parting(own, tight).filter(|t| *t < until)?;

@@ -12,7 +12,7 @@ use crate::check::{ProblemError, check_end};
 use crate::errors::contacts::{Contact, total_impulse};
 use crate::errors::dense::Node;
 use crate::errors::{ErrorScale, EventMatch, Largest, match_to_end, worse};
-use crate::part::{Part, Subject, counted};
+use crate::part::{Part, Subject};
 use crate::problem::GroupScale;
 use crate::run::{Limits, ModeChange};
 use crate::trace::{Jumps, Samples, Trace, is_between};
@@ -75,7 +75,7 @@ fn place(name: &str) -> String {
 /// The reference of one site.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SiteReference {
-    /// Counted events at the roots of their guards; the first one may be the start's own, see [`counted`].
+    /// The events that runs are compared by, at the roots of their guards; see [`changes`](crate::problem::changes).
     pub events: Vec<ModeChange>,
     /// Contacts, where they are known.
     pub contacts: Option<Vec<Contact>>,
@@ -106,8 +106,6 @@ pub struct PartReference {
     pub nodes: Vec<Node>,
     /// Times of the events at which a state jumps [s].
     pub jumps: Vec<f64>,
-    /// Whether its first event is the start's own.
-    pub starts_on_surface: bool,
     /// All events of its run, also those that runs are not compared by.
     pub n_all_events: u64,
 }
@@ -194,14 +192,14 @@ impl Reference {
         for (part, solved) in subject.parts.iter().zip(solved) {
             let scale = part.error_scale(&largest);
             let lost_at = solved.lost_at(&scale);
-            let (e, times) = solved.disagreement(part, &scale, lost_at);
+            let (e, times) = solved.disagreement(&scale, lost_at);
             agreement = worse(agreement, e.unwrap_or(f64::NAN));
             event_agreement = event_agreement.zip(times).map(|(a, b)| a.max(b));
             if let Some(balance) = solved.path.balance {
                 *energy.get_or_insert_default() += balance;
             }
             warnings.extend_from_slice(&solved.path.warnings);
-            parts.push(PartReference::new(part, solved, scale, lost_at));
+            parts.push(PartReference::new(solved, scale, lost_at));
         }
         let summary = ReferenceSummary {
             method,
@@ -226,7 +224,7 @@ impl Reference {
         self.parts.iter().fold(f64::INFINITY, |least, part| least.min(part.horizon()))
     }
 
-    /// The number of its counted events.
+    /// The number of events that runs are compared by.
     pub fn n_events(&self) -> usize {
         self.parts.iter().map(PartReference::n_events).sum()
     }
@@ -280,7 +278,7 @@ fn joined_text<'a>(
 }
 
 impl PartReference {
-    fn new(part: &Part, solved: Solved, scale: ErrorScale, lost_at: f64) -> Self {
+    fn new(solved: Solved, scale: ErrorScale, lost_at: f64) -> Self {
         let path = solved.path;
         let mut amplitude: Vec<f64> = path.y_start.iter().map(|y| y.abs()).collect();
         for node in &path.nodes {
@@ -305,14 +303,13 @@ impl PartReference {
             amplitude,
             nodes: path.nodes,
             jumps: path.trace.jumps,
-            starts_on_surface: part.starts_on_surface,
         }
     }
 
     fn summary((part, own): (&Part, &Self)) -> PartSummary {
         let site = |(name, site): (&String, &SiteReference)| SiteSummary {
             name: name.clone(),
-            n_events: counted(&site.events, own.starts_on_surface).len(),
+            n_events: site.events.len(),
             impulse_n_s: site.contacts.as_deref().filter(|all| !all.is_empty()).map(total_impulse),
         };
         PartSummary {
@@ -333,13 +330,13 @@ impl PartReference {
         self.lost_at.min(self.t_end)
     }
 
-    /// The counted events of all sites.
-    pub fn counted_events(&self) -> impl Iterator<Item = &ModeChange> {
-        self.sites.iter().flat_map(|site| counted(&site.events, self.starts_on_surface))
+    /// The events of all sites that runs are compared by.
+    pub fn events(&self) -> impl Iterator<Item = &ModeChange> {
+        self.sites.iter().flat_map(|site| &site.events)
     }
 
     fn n_events(&self) -> usize {
-        self.counted_events().count()
+        self.events().count()
     }
 
     /// The nodes within the horizon.
@@ -406,8 +403,7 @@ impl PartReference {
     /// has missed it, one that ends before has made it up.
     pub fn matched(&self, site: usize, run: &Trace) -> EventMatch {
         let within = |events: &[ModeChange]| -> Vec<ModeChange> {
-            let events = counted(events, self.starts_on_surface).iter();
-            events.filter(|event| self.is_within(event.t)).copied().collect()
+            events.iter().filter(|event| self.is_within(event.t)).copied().collect()
         };
         let (own, reference) = (within(&run.changes[site]), within(&self.sites[site].events));
         // One that went on longer does not have what ended the reference.

@@ -17,8 +17,8 @@ use crate::check::{Entered, check_contracts};
 use crate::errors::contacts::Contact;
 use crate::errors::dense::{Node, Nodes};
 use crate::errors::{ErrorScale, Largest, match_to_end, worse};
-use crate::part::{Part, Start, counted};
-use crate::problem::{Problem, change};
+use crate::part::{Part, Start};
+use crate::problem::{Problem, StartEvents, change};
 use crate::run::{
     Accuracy, Braked, Events, Limit, Limits, ModeChange, OwnRun, PartRun, Price, Setting, integrate,
 };
@@ -27,7 +27,7 @@ use crate::warning::Warning;
 
 /// Changes with whatever changes results: what is kept on disk of a reference, a study or a map that is not
 /// finished is then made anew.
-pub const RECIPE: u32 = 21;
+pub const RECIPE: u32 = 22;
 
 /// Method and tolerance of the reference, and those of the run that tells its error.
 type Pair = [(&'static str, f64); 2];
@@ -86,7 +86,7 @@ pub(crate) struct Path {
     pub(super) y_start: Vec<f64>,
     pub(super) run: PartRun,
     pub(super) trace: Trace,
-    /// The counted events of each site, at the roots of their guards.
+    /// The events of each site that runs are compared by, at the roots of their guards.
     pub(super) events: Vec<Vec<ModeChange>>,
     pub(super) nodes: Vec<Node>,
     /// The contacts of each site, where they are known.
@@ -123,11 +123,10 @@ impl Solved {
         differ.map_or(lost_at, |t| t.min(lost_at))
     }
 
-    /// Largest `e` between both runs of `part` before `lost_at`, none where there is no sample before; and the largest
+    /// Largest `e` between both runs before `lost_at`, none where there is no sample before; and the largest
     /// difference of their event times [s], none where their events differ.
     pub(super) fn disagreement(
         &self,
-        part: &Part,
         scale: &ErrorScale,
         lost_at: f64,
     ) -> (Option<f64>, Option<f64>) {
@@ -139,8 +138,7 @@ impl Solved {
         let end = own.t_end.max(check.t_end).min(lost_at);
         for (own, check) in self.path.events.iter().zip(&self.check.events) {
             let within = |events: &[ModeChange]| -> Vec<ModeChange> {
-                let events = counted(events, part.starts_on_surface).iter();
-                events.filter(|event| event.t < lost_at).copied().collect()
+                events.iter().filter(|event| event.t < lost_at).copied().collect()
             };
             let times = match_to_end(&within(check), &within(own), (scale.event_window, end));
             let is_whole = times.missed == 0 && times.spurious == 0;
@@ -174,7 +172,7 @@ pub(super) fn solve(
                 part.measure(&solved.path.trace.states, &mut largest);
                 let scale = part.error_scale(&largest);
                 let lost_at = solved.lost_at(&scale);
-                let (e, times) = solved.disagreement(part, &scale, lost_at);
+                let (e, times) = solved.disagreement(&scale, lost_at);
                 let may_agree = times.is_some() && solved.path.is_sound();
                 let agrees = may_agree && e.is_none_or(|e| e <= AGREED);
                 if agrees && (lost_at == f64::INFINITY || pair == PAIRS[0]) {
@@ -391,12 +389,13 @@ impl Path {
     }
 }
 
-/// A recorder of counted events at the roots of their guards.
+/// A recorder of the events that runs are compared by, at the roots of their guards.
 ///
 /// A run lands past the surface, by half the guard's rounding bound: where a guard falls slowly, as that of
 /// sticking does, that is late by picoseconds. One step of Newton's iteration goes back to the root.
 struct Roots<'a, P> {
     problem: &'a P,
+    of_start: StartEvents,
     /// Of each site.
     changes: Vec<Vec<ModeChange>>,
     /// Whether runs land on the root itself.
@@ -408,7 +407,8 @@ struct Roots<'a, P> {
 impl<'a, P: Problem> Roots<'a, P> {
     fn new(problem: &'a P, maker: &Maker) -> Self {
         let is_exact = matches!(maker, Maker::Extended(_));
-        Self { problem, changes: vec![Vec::new(); problem.n_sites()], is_exact, late: 0.0 }
+        let (of_start, changes) = (StartEvents::of(problem), vec![Vec::new(); problem.n_sites()]);
+        Self { problem, of_start, changes, is_exact, late: 0.0 }
     }
 }
 
@@ -433,7 +433,9 @@ impl<P: Problem> Record<P> for Roots<'_, P> {
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
         let t = event.t - self.late;
         let change = change(self.problem, t, event.guard, &event.before, &event.after);
-        if let Some((site, change)) = change {
+        if let Some((site, change)) = change
+            && !self.of_start.take(site)
+        {
             self.changes[site].push(change);
         }
         ControlFlow::Continue(())

@@ -30,7 +30,7 @@ pub struct ScaleSummary {
 pub struct SiteSummary {
     /// Its name.
     pub name: String,
-    /// Counted events, the start's own left out.
+    /// Events that runs are compared by.
     pub n_events: usize,
     /// Impulse of its contacts [N s], where there are any.
     pub impulse_n_s: Option<f64>,

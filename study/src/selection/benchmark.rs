@@ -149,7 +149,7 @@ impl Benchmark {
 
     /// The first sample with more than `most` events of the reference up to it [s], if it has more.
     fn end_of_first(&self, most: usize) -> Option<f64> {
-        let events = self.reference.parts.iter().flat_map(|part| part.counted_events());
+        let events = self.reference.parts.iter().flat_map(|part| part.events());
         let mut at: Vec<f64> = events.map(|event| event.t).collect();
         at.sort_by(f64::total_cmp);
         let last = at.get(most)?;

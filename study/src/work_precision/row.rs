@@ -55,7 +55,7 @@ pub struct Row {
     /// Worst time error of the paired events [s], if there are any.
     #[serde(default, with = "json_number::maybe")]
     pub event_time_error_s: Option<f64>,
-    /// Counted events, the start's own left out.
+    /// Events that runs are compared by, of the whole run.
     pub n_events: Option<usize>,
     /// Events of the reference that it lacks.
     pub missed: Option<usize>,
