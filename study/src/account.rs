@@ -10,14 +10,14 @@ use crate::problem::Problem;
 use crate::quadrature::nodes_of_order;
 use crate::setting::Events;
 
-/// A recorder of both. Most of what it costs is the dense output, which is looked at once.
+/// A recorder of energy balance and contacts. Most of what it costs is the dense output, which is looked at once.
 pub(crate) struct Account<'a, P: Problem> {
     pub(crate) balance: EnergyBalance<'a, P>,
     pub(crate) contacts: Contacts<'a, P>,
 }
 
 impl<'a, P: Problem> Account<'a, P> {
-    /// Of a run of `problem` from `y0` by a method of this order that treats events in this way.
+    /// A recorder for a run of `problem` from `y0`. `order` is the order of the method: it selects the quadrature.
     pub(crate) fn new(problem: &'a P, order: usize, events: Events, y0: &P::State<f64>) -> Self {
         let nodes = nodes_of_order(order);
         let balance = EnergyBalance::with(nodes, problem, events, y0);

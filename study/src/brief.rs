@@ -80,7 +80,7 @@ pub fn briefs<B: Brake>(
     by_kind(parts, brakes, |first, all, brakes| first.briefs(all, setting, t_end, audit, brakes))
 }
 
-/// The same of problems of one type.
+/// As [`briefs`], of problems of one type.
 pub(crate) fn briefs_of<'a, P: Problem>(
     problems: &[&'a P],
     setting: &Setting,

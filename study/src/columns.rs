@@ -15,7 +15,7 @@ pub enum Value {
 }
 
 impl Value {
-    /// Whether there is one.
+    /// Whether there is a value.
     fn is_known(&self) -> bool {
         match self {
             Self::Text(text) => !text.is_empty(),
@@ -24,7 +24,7 @@ impl Value {
         }
     }
 
-    /// As a number, if it is one.
+    /// The value as a number, if it is one.
     pub fn number(self) -> Option<f64> {
         match self {
             Self::Text(_) => None,
@@ -136,7 +136,7 @@ const fn column(
 }
 
 impl Column {
-    /// The same of these tables.
+    /// The column, of these tables instead.
     const fn of(self, given: Given) -> Self {
         Self { given, ..self }
     }

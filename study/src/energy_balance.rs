@@ -23,9 +23,9 @@ pub struct EnergyBalance<'a, P: Problem> {
     dissipated: f64,
     /// Kinetic energy now, before an event.
     kinetic: f64,
-    /// What it says of the run.
+    /// What the balance says against the run.
     pub check: SelfCheck,
-    /// Of the step that it added last.
+    /// The points of the step that was added last.
     pub(crate) points: Points<P>,
 }
 
@@ -35,7 +35,7 @@ impl<'a, P: Problem> EnergyBalance<'a, P> {
         Self::with(&GAUSS, problem, events, y0)
     }
 
-    /// The same by these nodes.
+    /// As [`new`](Self::new), the powers integrated by the quadrature of `nodes`.
     pub(crate) fn with(nodes: Nodes, problem: &'a P, events: Events, y0: &P::State<f64>) -> Self {
         let energy = problem.energies(&problem.initial_mode(0.0, y0), 0.0, y0);
         let (is_given, Energy { kinetic, elastic }) =

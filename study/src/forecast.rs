@@ -8,17 +8,18 @@ const TELLING: f64 = 0.02;
 /// What jobs are expected to take, in the order in which they are begun.
 #[derive(Clone, Debug)]
 pub struct Forecast {
-    /// What is expected of each [s], and whether it is done.
+    /// Expected time of each job [s], and whether it is done.
     jobs: Vec<(f64, bool)>,
     /// Jobs at a time.
     threads: usize,
-    /// What those that are done were expected to take, and took [s].
+    /// Expected time of the jobs that are done [s].
     expected: f64,
+    /// Time that they took [s].
     took: f64,
 }
 
 impl Forecast {
-    /// Of jobs that are begun in this order on `threads`, each expected to take so long [s].
+    /// The forecast of jobs that are begun in this order on `threads`, each expected to take so long [s].
     pub fn new(expected: Vec<f64>, threads: usize) -> Self {
         let jobs = expected.into_iter().map(|expected| (expected, false)).collect();
         Self { jobs, threads: threads.max(1), expected: 0.0, took: 0.0 }

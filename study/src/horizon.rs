@@ -30,7 +30,7 @@ pub use judge::parting;
 
 /// Times at which runs are compared.
 const TIMES: usize = 1000;
-/// The same of a problem of very many states.
+/// Times at which runs are compared of a problem of very many states, at the least.
 const LEAST_TIMES: usize = 50;
 /// Numbers that a run keeps.
 const MOST_NUMBERS: usize = 600_000;
@@ -52,7 +52,7 @@ pub enum Horizon {
     NotMeasured,
 }
 
-/// What part of the motion of a part is asked about.
+/// The time span of one part over which its run is judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
     /// The end that was asked for [s].
@@ -172,7 +172,7 @@ impl<'a> Pairs<'a> {
         }
     }
 
-    /// The same with a finer run of each part whose pair tells nothing of its end.
+    /// As [`told`](Self::told), with a finer run of each part whose pair tells nothing of its end.
     fn told_with_finer(
         &self,
         subject: &Subject,
@@ -257,7 +257,7 @@ impl Pair<'_> {
             .reduce(worse)
     }
 
-    /// As [`lost_at`](Self::lost_at), lengths measured by its own alone.
+    /// As [`lost_at`](Self::lost_at), where the largest lengths are those of this part alone.
     fn lost_by_itself(&self) -> Option<f64> {
         let mut largest = Largest::default();
         self.measure(&mut largest);
@@ -330,7 +330,7 @@ fn end_of(run: &PartRun) -> (f64, bool) {
     (run.t, run.stopped_at().is_some())
 }
 
-/// What breaks a run off.
+/// Breaks a run off at a limit of work, or from outside.
 #[derive(Clone, Copy)]
 struct Bound<'a> {
     setting: &'a Setting,

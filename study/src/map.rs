@@ -267,7 +267,7 @@ impl Map {
         Self::of(axes, contests)
     }
 
-    /// That of contests which were run, for each value of the first parameter, of the second.
+    /// The map of `contests` that were run before, in the order of [`pairs`].
     pub fn of(axes: [MapAxis; 2], contests: impl IntoIterator<Item = Vec<Contested>>) -> Self {
         let cells = pairs(&axes)
             .zip(contests)

@@ -1,4 +1,4 @@
-//! How a motion sets out, and starts that are moved a little to see what that does.
+//! Perturbed start states, from which the predictability horizon is measured; and how a motion sets out.
 
 use deltazero_solvers::Vector;
 

@@ -34,7 +34,7 @@ pub(crate) struct Points<P: System> {
 }
 
 impl<P: Problem> Points<P> {
-    /// Of a quadrature by these nodes.
+    /// The points of a quadrature by `nodes`; none before the first step.
     pub(crate) fn of(nodes: Nodes) -> Self {
         Self { nodes, list: Vec::new() }
     }
@@ -60,12 +60,12 @@ impl<P: Problem> Points<P> {
         last.stand_at(step.t1(), 0.0, inside);
     }
 
-    /// All of them.
+    /// Both ends and the nodes of the quadrature.
     pub(crate) fn all(&mut self) -> &mut [Point<P>] {
         &mut self.list
     }
 
-    /// Those of the quadrature.
+    /// The nodes of the quadrature alone.
     pub(crate) fn nodes(&self) -> &[Point<P>] {
         match &self.list[..] {
             [_, nodes @ .., _] => nodes,

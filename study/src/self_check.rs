@@ -24,14 +24,14 @@ pub struct SelfCheck {
     scale: f64,
     /// Largest residual of the balance [J], and when [s].
     residual: (f64, f64),
-    /// What damping gave, and friction [J].
+    /// Energy that damping gave, and that friction gave [J].
     given: [f64; 2],
     /// Largest penetration, and when [s].
     depth: (f64, f64),
 }
 
 impl SelfCheck {
-    /// Of a run of a problem with these laws that starts with this energy [J].
+    /// Nothing seen yet of a run of a problem with these laws that starts with the energy `start` [J].
     pub fn of(laws: Laws, start: f64) -> Self {
         Self { laws, scale: start.abs(), residual: (0.0, 0.0), given: [0.0; 2], depth: (0.0, 0.0) }
     }

@@ -87,7 +87,7 @@ pub enum Accuracy {
 }
 
 impl Accuracy {
-    /// That of a row of a table, with a tolerance or a step; none where it has neither.
+    /// The accuracy of a row of a table, with a tolerance or a step; none where it has neither.
     pub fn of_columns(rtol: Option<f64>, step: Option<f64>, atol: Option<Atol>) -> Option<Self> {
         rtol.map(|rtol| Self::Rtol(rtol, atol)).or(step.map(Self::Step))
     }

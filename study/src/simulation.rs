@@ -16,11 +16,11 @@ use crate::warning::{Code, Warning};
 /// Contacts have no depth that are less deep than this part of the rate at which they begin times their duration.
 const UNSEEN_DEPTH: f64 = 1e-3;
 
-/// What a run of one part is asked for.
+/// What is asked of a run of one part.
 pub struct Asked<'a> {
-    /// By what.
+    /// Method and tolerance.
     pub setting: &'a Setting,
-    /// To when [s].
+    /// End of the run [s].
     pub t_end: f64,
     /// Samples that are kept.
     pub grid: Grid,
@@ -31,7 +31,7 @@ pub struct Asked<'a> {
 /// A change of the mode of a site, by the names of the modes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedChange {
-    /// The same by codes.
+    /// The change by the codes of the modes.
     pub by_code: ModeChange,
     /// Time [s].
     pub t: f64,
@@ -136,9 +136,9 @@ pub struct Simulation {
     pub balance: Option<Balance>,
     /// Work by the phase that it was done in.
     pub work: Vec<(&'static str, Stats)>,
-    /// What the problem says of where it ended.
+    /// The state at the end, as the problem says it in brief.
     pub end: String,
-    /// What a terminal event did, and at which site, where one ended it.
+    /// The site whose terminal event ended it, where one did.
     pub stopped: Option<usize>,
     /// The site that the error is about, where it is about one.
     pub failed_site: Option<usize>,
@@ -148,7 +148,7 @@ pub struct Simulation {
     pub warnings: Vec<Warning>,
 }
 
-/// Runs `problem` as it is asked.
+/// Runs `problem` as `asked`, and tells all of the run.
 pub(crate) fn simulate<P: Problem>(
     problem: &P,
     asked: &Asked<'_>,

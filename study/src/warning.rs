@@ -66,14 +66,14 @@ impl Code {
 /// A warning.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Warning {
-    /// What about.
+    /// What it is about.
     pub code: Code,
-    /// With numbers.
+    /// The text, with numbers.
     pub message: String,
 }
 
 impl Warning {
-    /// The same of what is called `name`.
+    /// The warning with the name of the part or site that it is about before its text.
     pub fn of(&self, name: &str) -> Self {
         Self { code: self.code, message: format!("{}{}", place(name), self.message) }
     }

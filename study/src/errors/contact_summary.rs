@@ -8,12 +8,12 @@ use crate::json_number;
 /// The contacts of a site, or of several, in a few numbers; what there is none of is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ContactSummary {
-    /// How many.
+    /// Number of contacts.
     pub n: usize,
     /// Largest F_N [N].
     #[serde(with = "json_number::maybe")]
     pub peak_force_n: Option<f64>,
-    /// When it was [s].
+    /// Time of the largest F_N [s].
     #[serde(with = "json_number::maybe")]
     pub peak_force_at_s: Option<f64>,
     /// Deepest penetration δ [m].
@@ -22,19 +22,19 @@ pub struct ContactSummary {
     /// Largest δ̇ at which one began, after a flight [m/s].
     #[serde(with = "json_number::maybe")]
     pub largest_impact_speed_m_s: Option<f64>,
-    /// Smallest of these [m/s].
+    /// Smallest such δ̇ [m/s].
     #[serde(with = "json_number::maybe")]
     pub smallest_impact_speed_m_s: Option<f64>,
-    /// `∫ F_N dt` of all [N s].
+    /// `∫ F_N dt` of all contacts together [N s].
     #[serde(with = "json_number::one")]
     pub impulse_n_s: f64,
-    /// Longest [s].
+    /// Duration of the longest contact [s].
     #[serde(with = "json_number::maybe")]
     pub longest_s: Option<f64>,
 }
 
 impl ContactSummary {
-    /// Of these contacts.
+    /// The summary of `contacts`.
     pub fn of<'a>(contacts: impl Iterator<Item = &'a Contact> + Clone) -> Self {
         let largest = |of: fn(&Contact) -> f64| contacts.clone().map(of).reduce(f64::max);
         let top = contacts.clone().max_by(|a, b| a.peak.total_cmp(&b.peak));

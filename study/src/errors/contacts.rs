@@ -19,7 +19,7 @@ const PRECISION: f64 = 1e-9;
 /// The most points of a step at which the force is looked at: both ends and the nodes.
 const MOST_POINTS: usize = GAUSS.len() + 2;
 
-/// Where a mode is no contact and nothing is told of it.
+/// The contact of a mode that is none, where the problem tells nothing of it.
 const NO_FORCE: Touch<f64> = Touch { depth: 0.0, rate: 0.0, force: 0.0 };
 
 /// One contact.
@@ -33,7 +33,7 @@ pub struct Contact {
     pub impulse: f64,
     /// Largest F_N [N].
     pub peak: f64,
-    /// When it was [s].
+    /// Time of the largest F_N [s].
     #[serde(default)]
     pub peak_at: f64,
     /// Largest penetration δ [m].
@@ -81,7 +81,7 @@ pub struct Contacts<'a, P: Problem> {
     events: Events,
     /// Whether it gives forces at the start.
     gives_forces: bool,
-    /// What it said of forces that contradicts itself.
+    /// The first contradiction in what it said of forces.
     contradiction: Option<ProblemError>,
     sites: Vec<SiteContacts>,
     points: Points<P>,
@@ -103,7 +103,7 @@ impl<'a, P: Problem> Contacts<'a, P> {
         Self::with(&GAUSS, problem, events)
     }
 
-    /// The same by these nodes.
+    /// As [`new`](Self::new), the force integrated by the quadrature of `nodes`.
     pub(crate) fn with(nodes: Nodes, problem: &'a P, events: Events) -> Self {
         let y0 = problem.start();
         let mode = problem.initial_mode(0.0, &y0);
@@ -124,7 +124,7 @@ impl<'a, P: Problem> Contacts<'a, P> {
         are_known.then(|| self.sites.into_iter().map(|site| site.list).collect())
     }
 
-    /// What the problem said of forces in the run that contradicts itself, the first that was met.
+    /// The first contradiction in what the problem said of forces in the run.
     pub(crate) fn contradiction(&self) -> Option<&ProblemError> {
         self.contradiction.as_ref()
     }

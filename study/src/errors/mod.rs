@@ -40,8 +40,8 @@ pub struct ErrorScale {
 }
 
 impl ErrorScale {
-    /// Of these groups, of a problem whose time is counted in `unit_of_time` [s]; those that are measured by their largest
-    /// length have it from `largest`, by name.
+    /// The scales of `groups`. `largest` holds the scale of each [`GroupScale::Largest`] group by name; the event window is
+    /// 1e-3 `unit_of_time` [s].
     pub fn new(groups: &[Group], unit_of_time: f64, largest: &Largest) -> Self {
         let scaled = |group: &Group| ScaledGroup {
             states: group.states.clone(),
@@ -60,7 +60,7 @@ impl ErrorScale {
         self.groups.iter().map(|group| group.error(y, reference)).fold(0.0, worse)
     }
 
-    /// The same of the groups of one site.
+    /// `e` of one state by the groups of one site alone.
     pub fn error_of_site(&self, site: usize, y: &[f64], reference: &[f64]) -> f64 {
         let own = self.groups.iter().filter(|group| group.site == site);
         own.map(|group| group.error(y, reference)).fold(0.0, worse)
@@ -83,7 +83,7 @@ fn length(each: impl Iterator<Item = f64>) -> f64 {
 pub struct Largest(Vec<(String, f64)>);
 
 impl Largest {
-    /// No state was seen of these groups; `scales` are the natural sizes of the states.
+    /// Begins with `groups`, of which no state was seen yet; `scales` are the natural sizes of the states.
     pub fn begin(&mut self, groups: &[Group], scales: &[f64]) {
         for group in groups.iter().filter(|group| group.scale == GroupScale::Largest) {
             let natural = group.states.iter().map(|&i| scales[i]).fold(0.0, f64::max);
@@ -91,7 +91,7 @@ impl Largest {
         }
     }
 
-    /// A state was seen.
+    /// Enters the lengths that the groups have in the state `y`.
     pub fn see(&mut self, groups: &[Group], y: &[f64]) {
         for group in groups.iter().filter(|group| group.scale == GroupScale::Largest) {
             self.take(&group.name, length(group.states.iter().map(|&i| y[i])));
@@ -105,7 +105,7 @@ impl Largest {
         }
     }
 
-    /// Those that were found before.
+    /// The lengths that were found before, by the names of their groups.
     pub fn known(all: impl IntoIterator<Item = (String, f64)>) -> Self {
         Self(all.into_iter().collect())
     }
@@ -146,8 +146,8 @@ pub(crate) fn near_end(window: f64, end: f64) -> f64 {
     window.min(1e-3 * end)
 }
 
-/// The same of sequences that both go to `end` [s]: where one alone has events [near](near_end) it that the other lacks, these do
-/// not count, for the other may have them a moment later.
+/// As [`match_events`], of sequences that both go to `end` [s]: where one alone has events [near](near_end) it that the other
+/// lacks, these do not count, for the other may have them a moment later.
 pub(crate) fn match_to_end(
     run: &[ModeChange],
     reference: &[ModeChange],

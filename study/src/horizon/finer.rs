@@ -13,7 +13,7 @@ use crate::setting::{Accuracy, Atol, Events, Setting};
 const TOLERANCE: f64 = 1e-2;
 /// The tightest tolerance that it has.
 const LEAST_RTOL: f64 = 1e-13;
-/// What tolerance is clearly tighter than that of the run, over that.
+/// A tolerance that is clearly tighter is at most this part of that of the run.
 const TIGHTER: f64 = 0.5;
 /// Its step, over that of the run.
 const STEP: f64 = 0.25;

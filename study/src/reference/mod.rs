@@ -152,7 +152,7 @@ impl Reference {
         Self::by(subject, t_end, |part| solve(part, t_end, times, limits))
     }
 
-    /// The same with 31 digits: Taylor series of order 25 over pairs of f64, at rtol 1e-18, its error told by
+    /// As [`new`](Self::new) with 31 digits: Taylor series of order 25 over pairs of f64, at rtol 1e-18, its error told by
     /// a run at 1e-20. It has no other method to go to where series are out of reach.
     ///
     /// # Errors
@@ -261,7 +261,7 @@ fn scales<'a>(subject: &'a Subject, largest: &Largest) -> Vec<ScaleSummary> {
     all.into_iter().map(named).collect()
 }
 
-/// What is said of the parts: once, where it is the same.
+/// The texts of all parts as one: the text alone where all have the same, else each with the name of its part.
 fn joined_text<'a>(
     subject: &Subject,
     mut of_parts: impl Iterator<Item = &'a String> + Clone,
@@ -351,7 +351,7 @@ impl PartReference {
         self.largest(run, errors)
     }
 
-    /// The same of the groups of one site.
+    /// As [`error`](Self::error), by the groups of one site alone.
     pub fn error_of_site(&self, site: usize, run: &Trace) -> f64 {
         let pairs = self.pairs_within(run);
         let errors = pairs.map(|(y, own)| self.scale.error_of_site(site, own, y));

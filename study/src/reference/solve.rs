@@ -32,7 +32,7 @@ pub const RECIPE: u32 = 22;
 /// Method and tolerance of the reference, and those of the run that tells its error.
 type Pair = [(&'static str, f64); 2];
 
-/// In the order in which they are tried.
+/// The pairs of runs that references are made of, in the order in which they are tried.
 ///
 /// Taylor series of order 23 and 25 are at rounding: on Table 1 the former agrees with extended precision to
 /// `e = 2.2e-14`, and they differ by 2.9e-14. An explicit series is out of reach where damping is so strong that
@@ -93,7 +93,7 @@ pub(crate) struct Path {
     pub(super) contacts: Option<Vec<Vec<Contact>>>,
     /// Where its energy went, where that is known.
     pub(super) balance: Option<Balance>,
-    /// What it tells of itself.
+    /// Its warnings of itself.
     pub(super) warnings: Vec<Warning>,
 }
 
@@ -259,7 +259,7 @@ fn solve_with(
     Ok(Solved { method, check_method, path: own_path, check, nudged: nudged.trace })
 }
 
-/// What makes a run of a reference.
+/// The method by which a run of a reference is made.
 pub(crate) enum Maker {
     /// A method at a setting, in f64.
     Method(Setting),
@@ -396,7 +396,7 @@ impl Path {
 struct Roots<'a, P> {
     problem: &'a P,
     of_start: StartEvents,
-    /// Of each site.
+    /// These events of each site.
     changes: Vec<Vec<ModeChange>>,
     /// Whether runs land on the root itself.
     is_exact: bool,

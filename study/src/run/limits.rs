@@ -40,8 +40,8 @@ impl<'a> Limits<'a> {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// What they leave after a part of a run whose work has this price. Of a part that was computed at once with others the
-    /// time of all of them counts, which is more than it takes alone.
+    /// The limits that are left for the further parts of a run after `part`, whose work has this price. Of a part that was
+    /// computed at once with others the time of all of them counts, which is more than it takes alone.
     pub fn after<Y, M>(self, part: &Ran<Y, M>, price: Price) -> Self {
         Self {
             max_rhs: self.max_rhs.saturating_sub(price.of(&part.stats) as u64),
@@ -55,7 +55,7 @@ impl<'a> Limits<'a> {
         Watch { limits: self, price, clock: None, cut: None }
     }
 
-    /// That one of them was reached, with its number.
+    /// The message that `limit` was reached, with its value.
     pub fn told(&self, limit: Limit) -> String {
         match limit {
             Limit::Work => format!("more than study.max_rhs = {} right-hand sides", self.max_rhs),
@@ -67,9 +67,9 @@ impl<'a> Limits<'a> {
 /// A limit that a run has reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
-    /// That of work.
+    /// The limit of work.
     Work,
-    /// That of time.
+    /// The limit of time.
     Time,
 }
 
@@ -83,15 +83,15 @@ pub struct Price {
 }
 
 impl Price {
-    /// That of the methods whose evaluations are all counted.
+    /// The price of the methods whose evaluations are all counted.
     pub const PLAIN: Self = Self { series: 1.0, rejected: 0.0 };
 
-    /// That of the method of a setting; see [`of_series_at`](Self::of_series_at).
+    /// The price of the method of a setting; see [`of_series_at`](Self::of_series_at).
     pub fn of_setting(setting: &Setting) -> Self {
         Self::of_series_at(setting.method, setting.rtol())
     }
 
-    /// That of a method at a tolerance: a series of order p is worth 2 p, a rejected one a quarter of it. Of a method that
+    /// The price of a method at a tolerance: a series of order p is worth 2 p, a rejected one a quarter of it. Of a method that
     /// chooses a rejected attempt is worth what is counted: which ones were series is not known.
     pub fn of_series_at(method: &Method, rtol: Option<f64>) -> Self {
         let Some(order) = method.series_order(rtol) else { return Self::PLAIN };
@@ -99,22 +99,22 @@ impl Price {
         if method.chooses() { Self { rejected: 0.0, ..price } } else { price }
     }
 
-    /// That of a method of series, each of them worth so much.
+    /// The price of a method of series, each of them worth `series` right-hand sides.
     pub fn of_series(series: f64) -> Self {
         Self { series, rejected: REJECTED * series }
     }
 
-    /// What these counts are worth.
+    /// The worth of all that `stats` counts, in right-hand sides.
     pub fn of(&self, stats: &Stats) -> f64 {
         self.of_counted(&stats.work) + self.rejected(stats)
     }
 
-    /// The same without rejected attempts.
+    /// The worth of what is counted as work, without rejected attempts.
     pub fn of_counted(&self, work: &Work) -> f64 {
         work.n_rhs as f64 + (self.series - 1.0) * work.n_series as f64
     }
 
-    /// What the rejected attempts among them are worth beyond what is counted.
+    /// The worth of the rejected attempts in `stats` beyond what is counted as work.
     pub fn rejected(&self, stats: &Stats) -> f64 {
         self.rejected * stats.n_rejected as f64
     }
@@ -127,7 +127,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// That of a run which begins now and has `seconds`; one of infinitely many has no end.
+    /// The clock of a run which begins now and has `seconds`; one of infinitely many has no end.
     pub fn of(seconds: f64) -> Self {
         let left = Duration::try_from_secs_f64(seconds.max(0.0)).ok();
         Self { end: left.and_then(|left| Instant::now().checked_add(left)) }

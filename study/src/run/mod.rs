@@ -69,7 +69,7 @@ pub struct Ran<Y, M> {
 /// What became of a run of `P`, in its own states and modes.
 pub type OwnRun<P> = Ran<<P as System>::State<f64>, <P as System>::Mode>;
 
-/// The same whatever the problem: its mode as a message says it.
+/// What became of a run of any problem: its state as a list, its mode as a message says it.
 pub type PartRun = Ran<Vec<f64>, String>;
 
 impl<Y, M> Ran<Y, M> {
@@ -88,7 +88,7 @@ impl<Y: PartialEq, M> Ran<Y, M> {
 }
 
 impl<Y: AsRef<[f64]>, M: std::fmt::Debug> Ran<Y, M> {
-    /// The same whatever the problem.
+    /// The run without the types of its problem.
     pub fn plain(&self) -> PartRun {
         Ran {
             outcome: self.outcome.clone(),
@@ -103,7 +103,7 @@ impl<Y: AsRef<[f64]>, M: std::fmt::Debug> Ran<Y, M> {
 }
 
 impl Setting {
-    /// What a solver of `problem` is told of it.
+    /// The control of steps by which a solver of `problem` keeps this setting.
     pub fn control<P: Problem>(&self, problem: &P) -> Control {
         match &self.accuracy {
             Accuracy::Step(step) => Control::Fixed(*step),
@@ -181,7 +181,7 @@ pub fn extended<P: Problem>(
     finished(problem, end, run.stats, outcome, watch.took())
 }
 
-/// A run of `problem` that there is not.
+/// A failed run of `problem` from `y0`, of a kind that the problem does not offer, for this reason.
 pub fn no_such_run<P: Problem>(problem: &P, y0: P::State<f64>, reason: &str) -> OwnRun<P> {
     let mode = problem.initial_mode(0.0, &y0);
     let error = Error::Refused { reason: reason.to_owned() };

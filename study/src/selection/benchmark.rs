@@ -176,7 +176,8 @@ impl Benchmark {
         Ok(self)
     }
 
-    /// The same where there is no longer reference, for this reason; which does not matter where its first events are enough.
+    /// As [`with_first`](Self::with_first), where there is no longer reference for this reason; which does not matter where its
+    /// first events are enough.
     fn with_first_before(
         mut self,
         most: usize,

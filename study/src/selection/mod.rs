@@ -122,7 +122,7 @@ impl Default for Rules {
 /// What a contest is about.
 #[derive(Clone, Debug)]
 pub struct Contest<'a> {
-    /// On what.
+    /// The subject, with the reference that judges.
     pub benchmark: &'a Benchmark,
     /// The error `e` to be reached.
     pub accuracy: f64,
@@ -187,8 +187,8 @@ pub struct Entry {
     /// not say, and the shortest time ranks.
     #[serde(default)]
     pub cpu_s: Option<f64>,
-    /// How uncertain that is, as a factor: the median of those in turns over the shortest; none where there were no
-    /// turns.
+    /// How uncertain [`time_s`](Self::time_s) is, as a factor: the median of those in turns over the
+    /// shortest; none where there were no turns.
     #[serde(default)]
     pub noise: Option<f64>,
     /// Whether a tighter setting has the events wrong.
@@ -278,7 +278,7 @@ pub struct Failure {
     pub implicit: bool,
     /// Why.
     pub kind: FailureKind,
-    /// The same with numbers.
+    /// Why, with numbers.
     pub message: String,
     /// Mean accepted step of its last run [s], if it took one.
     pub mean_step_s: Option<f64>,

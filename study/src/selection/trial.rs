@@ -56,10 +56,10 @@ pub struct TrialLimit {
 }
 
 impl TrialLimit {
-    /// Nowhere.
+    /// A run that is broken off nowhere.
     pub const NONE: Self = Self::work(f64::INFINITY);
 
-    /// At so much work alone.
+    /// A run that is broken off at so much work alone.
     pub const fn work(work: f64) -> Self {
         Self { work, early: EARLY * work, chatter: false }
     }
@@ -112,7 +112,7 @@ impl Trial {
         trial
     }
 
-    /// One of which nothing is run.
+    /// A trial of which nothing is run yet.
     pub(super) fn begun() -> Self {
         Self {
             end: TrialEnd::Reached,

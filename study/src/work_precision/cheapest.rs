@@ -18,7 +18,7 @@ pub fn cheapest(rows: &[Row], e: f64) -> Option<&Row> {
     reaching(rows, e).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
 }
 
-/// The same among those that have every event of the reference, and no other.
+/// As [`cheapest`], among the runs that have every event of the reference, and no other.
 pub fn cheapest_right(rows: &[Row], e: f64) -> Option<&Row> {
     let right = reaching(rows, e).filter(|(row, _)| row.events_are_right());
     right.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
@@ -50,7 +50,7 @@ pub fn doubt(rows: &[Row], e: f64) -> String {
     in_doubt(near.iter().map(|row| (&*row.method, row.events)))
 }
 
-/// The same of these methods; nothing where there are none.
+/// The text of [`doubt`] of these methods; empty where there are none.
 pub fn in_doubt<'a>(near: impl Iterator<Item = (&'a str, Events)>) -> String {
     let names: Vec<String> = near.map(|(method, events)| format!("{method} {events}")).collect();
     if names.is_empty() {

@@ -91,14 +91,14 @@ pub struct Row {
     /// not say, and the shortest time ranks.
     #[serde(default)]
     pub cpu_s_min: Option<f64>,
-    /// Median of it [s].
+    /// Median time of the processor of the repeats [s].
     #[serde(default)]
     pub cpu_s_median: Option<f64>,
     /// Times of the repeats in their order [s]: those of a run that reached its end; one where a long run cannot be
     /// the cheapest, as many as were made before an interruption; none where an earlier version did not keep them.
     #[serde(default)]
     pub walls_s: Vec<f64>,
-    /// The same of the processor [s].
+    /// Times of the processor of these repeats [s].
     #[serde(default)]
     pub cpus_s: Vec<f64>,
     /// Most parts that were computed at once when it was timed; one where they were run one after the other, and
@@ -118,7 +118,7 @@ pub struct Row {
     pub error: Option<String>,
 }
 
-/// What earlier versions, which do not say it, did.
+/// The batch of rows of earlier versions, which do not say it: they ran parts one after the other.
 fn alone() -> u64 {
     1
 }
@@ -148,7 +148,7 @@ impl Row {
         }
     }
 
-    /// How uncertain that is, as a factor: the median of the repeats over the shortest.
+    /// How uncertain [`time_s`](Self::time_s) is, as a factor: the median of the repeats over the shortest.
     pub fn noise(&self) -> f64 {
         let median = self.cpu_s_min.and(self.cpu_s_median).or(self.wall_s_median);
         median.zip(self.time_s()).map_or(1.0, |(median, least)| median / least)
