@@ -185,7 +185,7 @@ pub fn contested(subject: Subject, plan: &MapPlan, stop: &AtomicBool) -> Vec<Con
             error: benchmark.no_longer.as_ref().map(ToString::to_string),
             ..empty(*accuracy)
         };
-        let contest = Contest::new(&benchmark, *accuracy, rules, stop);
+        let contest = Contest { benchmark: &benchmark, accuracy: *accuracy, rules, stop };
         if let Some(reason) = benchmark.ill_posed() {
             return Contested { status: CellStatus::IllPosed, error: Some(reason), ..own };
         }
@@ -193,7 +193,7 @@ pub fn contested(subject: Subject, plan: &MapPlan, stop: &AtomicBool) -> Vec<Con
             let error = Some(benchmark.reference.summary.undecided());
             return Contested { status: CellStatus::Undecidable, error, ..own };
         }
-        let standings = contest.run_knowing(&known, &rules.candidates, &|_| {});
+        let standings = contest.run_knowing(&known, &|_| {});
         let status = if standings.entries.is_empty() { CellStatus::None } else { CellStatus::Ok };
         Contested { status, standings, ..own }
     };

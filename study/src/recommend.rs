@@ -75,14 +75,13 @@ pub fn recommend(
         return Recommendation::none(accuracy, benchmark.t_end, reason, warnings);
     }
     warnings.extend(chatter(&benchmark));
-    let contest = Contest::new(&benchmark, accuracy, rules, limits.stop);
+    let contest = Contest { benchmark: &benchmark, accuracy, rules, stop: limits.stop };
     if !contest.is_decidable() {
         let reason = format!("not decidable: {}", benchmark.reference.summary.undecided());
         return Recommendation::none(accuracy, benchmark.t_end, reason, warnings);
     }
     progress(Progress::Runs(rules.candidates.len()));
-    let standings =
-        contest.run(&rules.candidates, &|name| progress(Progress::Done(name.to_owned())));
+    let standings = contest.run(&|name| progress(Progress::Done(name.to_owned())));
     warnings.extend(grazing(&benchmark, &standings));
     warnings.extend(alone(&benchmark.reference.summary, accuracy, &standings));
     let reason = reason(&standings, benchmark.n_events);

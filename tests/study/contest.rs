@@ -8,8 +8,8 @@ use deltazero_solvers::{Grid, Method};
 use deltazero_study::map::{CellStatus, Contested, contested};
 use deltazero_study::run::{Accuracy, Limits, Price, Setting};
 use deltazero_study::selection::{
-    Benchmark, CUT, Candidate, Contest, Entry, FailureKind, MARGIN, RightEvents, Standings, Start,
-    Trial, TrialEnd, TrialLimit,
+    Benchmark, CUT, Candidate, Contest, Entry, FailureKind, MARGIN, RightEvents, Rules, Standings,
+    Start, Trial, TrialEnd, TrialLimit,
 };
 use deltazero_study::setting::Events;
 use deltazero_study::warning::{Code, Warning};
@@ -35,16 +35,10 @@ fn contest(methods: &[&str], accuracy: f64) -> (Benchmark, Standings) {
     let benchmark = benchmark_of(&["run.t_end=0.3"]);
     let methods: Vec<String> = methods.iter().map(|name| (*name).to_owned()).collect();
     let candidates = Candidate::all(&methods, Events::ALL);
-    let contest = Contest {
-        benchmark: &benchmark,
-        accuracy,
-        atol: None,
-        repeats: 1,
-        max_work: 1e8,
-        right_events: RightEvents::FromTight,
-        stop: &stop,
-    };
-    let standings = contest.run(&candidates, &|_| {});
+    let right_events = RightEvents::FromTight;
+    let rules = Rules { candidates, repeats: 1, right_events, ..Rules::default() };
+    let contest = Contest { benchmark: &benchmark, accuracy, rules: &rules, stop: &stop };
+    let standings = contest.run(&|_| {});
     (benchmark, standings)
 }
 

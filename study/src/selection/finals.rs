@@ -24,7 +24,7 @@ pub(super) fn time(
     }
     let least_work = least_of(entries, |entry| entry.work);
     let mut turns: Vec<Vec<f64>> = vec![Vec::new(); entries.len()];
-    for turn in 0..contest.repeats {
+    for turn in 0..contest.rules.repeats {
         let shortest = least_of(entries, Entry::time_s);
         for ((entry, setting), own) in entries.iter_mut().zip(settings).zip(&mut turns) {
             // The search has run each of them once, but at different times: not to be judged by that.

@@ -120,20 +120,14 @@ impl Default for Rules {
 }
 
 /// What a contest is about.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Contest<'a> {
     /// The subject, with the reference that judges.
     pub benchmark: &'a Benchmark,
     /// The error `e` to be reached.
     pub accuracy: f64,
-    /// Absolute tolerance that goes with every relative one; none: its multiple of the scales.
-    pub atol: Option<Atol>,
-    /// Times that each of the fastest is run.
-    pub repeats: u32,
-    /// Work beyond which a run is cut whatever the others need.
-    pub max_work: f64,
-    /// Whose events must be right.
-    pub right_events: RightEvents,
+    /// Who takes part, and how.
+    pub rules: &'a Rules,
     /// Set from outside to interrupt it.
     pub stop: &'a AtomicBool,
 }
@@ -310,47 +304,22 @@ pub struct Standings {
     pub n_trials: usize,
 }
 
-impl<'a> Contest<'a> {
-    /// The contest on `benchmark` at `accuracy`.
-    pub fn new(
-        benchmark: &'a Benchmark,
-        accuracy: f64,
-        rules: &Rules,
-        stop: &'a AtomicBool,
-    ) -> Self {
-        let Rules { atol, repeats, max_work, right_events, .. } = rules;
-        Self {
-            benchmark,
-            accuracy,
-            atol: atol.clone(),
-            repeats: *repeats,
-            max_work: *max_work,
-            right_events: *right_events,
-            stop,
-        }
-    }
-}
-
 impl Contest<'_> {
     /// Whether the reference is good enough to tell who reaches the accuracy.
     pub fn is_decidable(&self) -> bool {
         self.benchmark.reference.summary.can_decide(self.accuracy)
     }
 
-    /// Runs the contest between `candidates`; `progress` hears of each that is through.
-    pub fn run(&self, candidates: &[Candidate], progress: &dyn Fn(&str)) -> Standings {
-        self.run_knowing(&Known::default(), candidates, progress)
+    /// Runs the contest between the candidates of its rules; `progress` hears of each that is through.
+    pub fn run(&self, progress: &dyn Fn(&str)) -> Standings {
+        self.run_knowing(&Known::default(), progress)
     }
 
     /// The same, knowing what contests on this benchmark at smaller errors found out.
-    pub(crate) fn run_knowing(
-        &self,
-        known: &Known,
-        candidates: &[Candidate],
-        progress: &dyn Fn(&str),
-    ) -> Standings {
+    pub(crate) fn run_knowing(&self, known: &Known, progress: &dyn Fn(&str)) -> Standings {
+        let candidates = self.rules.candidates.iter();
         let mut searches: Vec<Search<'_>> =
-            candidates.iter().map(|candidate| Search::new(self, known, *candidate)).collect();
+            candidates.map(|candidate| Search::new(self, known, *candidate)).collect();
         let of_note = self.search(&mut searches, progress);
         let mut standings = Standings {
             n_trials: searches.iter().map(|search| search.n_trials).sum(),
@@ -385,7 +354,7 @@ impl Contest<'_> {
                 let own = searches.iter_mut().filter(|search| search.candidate.events == events);
                 for search in own.filter(|search| !search.is_over()) {
                     let of_others = least.limit(search.candidate);
-                    let most = self.max_work.min(of_others);
+                    let most = self.rules.max_work.min(of_others);
                     let limit = budget.min(most);
                     match search.advance(limit, &least) {
                         Step::Over => {
@@ -394,7 +363,7 @@ impl Contest<'_> {
                         }
                         // A later, lower limit would cut it all the more.
                         Step::Cut if limit >= most => {
-                            let by_others = of_others <= self.max_work;
+                            let by_others = of_others <= self.rules.max_work;
                             search.give_up(by_others.then(|| least.of_all()));
                             progress(search.candidate.method.name);
                         }
@@ -416,7 +385,8 @@ impl Contest<'_> {
 
     fn setting(&self, candidate: Candidate, rung: i32) -> Setting {
         let Candidate { method, events } = candidate;
-        Setting { method, events, accuracy: ladder::accuracy(method, rung, self.atol.clone()) }
+        let atol = self.rules.atol.clone();
+        Setting { method, events, accuracy: ladder::accuracy(method, rung, atol) }
     }
 }
 

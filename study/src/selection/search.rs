@@ -71,7 +71,8 @@ impl<'a> Search<'a> {
     pub(super) fn give_up(&mut self, least: Option<f64>) {
         let needs = self.needs(self.last);
         let is_late = |trial: &Trial| trial.end == TrialEnd::OutOfTime;
-        let (max_seconds, max_work) = (self.contest.benchmark.max_seconds, self.contest.max_work);
+        let Contest { benchmark, rules, .. } = self.contest;
+        let (max_seconds, max_work) = (benchmark.max_seconds, rules.max_work);
         let failure = if self.trials.get(&self.last).is_some_and(is_late) {
             (FailureKind::Limit, format!("needs more than study.max_seconds = {max_seconds} s"))
         } else if let Some(least) = least {
@@ -267,9 +268,9 @@ impl<'a> Search<'a> {
 
     /// The run of a rung from `start`, as known or made under `limit`.
     fn run(&mut self, rung: i32, start: Start, limit: f64) -> Trial {
-        let Contest { benchmark, accuracy, right_events, stop, .. } = *self.contest;
+        let Contest { benchmark, accuracy, rules, stop } = *self.contest;
         let setting = self.contest.setting(self.candidate, rung);
-        let chatter = right_events.must_be_right(accuracy, self.candidate.events);
+        let chatter = rules.right_events.must_be_right(accuracy, self.candidate.events);
         let limit = TrialLimit { work: limit, early: self.early(limit), chatter };
         let make = || Trial::new(benchmark, &setting, start, limit, stop);
         let (trial, is_made) = self.known.or_make((self.candidate, rung, start), limit, make);
@@ -299,8 +300,8 @@ impl<'a> Search<'a> {
     }
 
     pub(super) fn accepts_events(&self, trial: &Trial) -> bool {
-        let Contest { accuracy, right_events, .. } = *self.contest;
-        right_events.accept(accuracy, self.candidate.events, trial)
+        let Contest { accuracy, rules, .. } = *self.contest;
+        rules.right_events.accept(accuracy, self.candidate.events, trial)
     }
 
     /// The work of the setting that was found; infinite where none was.

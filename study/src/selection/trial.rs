@@ -287,9 +287,10 @@ mod tests {
             method: Method::named(name).unwrap(),
             events: Events::Located,
         };
-        let candidates: Vec<_> = methods.iter().map(candidate).collect();
-        let rules = Rules { repeats: 0, ..Rules::default() };
-        let standings = Contest::new(&benchmark, 1e-6, &rules, &stop).run(&candidates, &|_| ());
+        let candidates = methods.iter().map(candidate).collect();
+        let rules = Rules { candidates, repeats: 0, ..Rules::default() };
+        let contest = Contest { benchmark: &benchmark, accuracy: 1e-6, rules: &rules, stop: &stop };
+        let standings = contest.run(&|_| ());
         standings.entries.into_iter().map(|entry| (entry.method, entry.work)).collect()
     }
 

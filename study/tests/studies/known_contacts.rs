@@ -205,10 +205,11 @@ fn a_contest_on_a_ball_between_walls_takes_the_trials_that_it_took() {
     let benchmark = Benchmark::new(subject, T_END, plan.times, Limits::none(&stop)).unwrap();
     let methods = ["rk4", "rk45", "dop853", "radau5", "rodas5p"].map(str::to_owned);
     let candidates = Candidate::all(&methods, Events::ALL);
+    let rules = Rules { candidates, repeats: 1, ..Rules::default() };
     let mut text = String::new();
     for accuracy in [1e-3, 1e-6, 1e-10] {
-        let rules = Rules { repeats: 1, ..Rules::default() };
-        let standings = Contest::new(&benchmark, accuracy, &rules, &stop).run(&candidates, &|_| {});
+        let contest = Contest { benchmark: &benchmark, accuracy, rules: &rules, stop: &stop };
+        let standings = contest.run(&|_| {});
         let entries = standings.entries.iter().map(|entry| {
             let [e, least, most] = [entry.e, entry.e_spread[0], entry.e_spread[1]].map(|e| format!("{e:.1e}"));
             let (events, work, growth) = ((entry.missed, entry.spurious), entry.work, short(entry.growth));
