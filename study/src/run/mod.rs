@@ -6,8 +6,8 @@ mod stopwatch;
 
 use deltazero_solvers::taylor::ExtendedIntegration;
 use deltazero_solvers::{
-    Blind, Control, Error, Integration, ModeOfState, Outcome, Real as _, Record, Stats, System,
-    Tolerance, Unblind,
+    Blind, Control, Error, Integration, ModeOfState, Outcome, Point, Real as _, Record, Stats,
+    System, Tolerance, Unblind,
 };
 use serde::{Deserialize, Serialize};
 
@@ -196,20 +196,13 @@ pub fn ended<P: Problem>(
     outcome: Result<Outcome, Error>,
     took: Took,
 ) -> OwnRun<P> {
-    let end = Point { t: run.point.t, y: run.point.y, mode: run.point.mode };
-    finished(problem, end, run.stats, outcome, took)
+    finished(problem, run.point, run.stats, outcome, took)
 }
 
-/// Where a run ended.
-struct Point<Y, M> {
-    t: f64,
-    y: Y,
-    mode: M,
-}
-
+/// What became of a run that ended at a point, as its problem [judges](Problem::judged) it.
 fn finished<P: Problem>(
     problem: &P,
-    end: Point<P::State<f64>, P::Mode>,
+    end: Point<P>,
     stats: Stats,
     outcome: Result<Outcome, Error>,
     took: Took,
