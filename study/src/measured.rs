@@ -8,11 +8,11 @@ use crate::balance::Balance;
 use crate::errors::contacts::{Contact, contact_errors, total_impulse};
 use crate::errors::dense::Distance;
 use crate::errors::work::WorkByPhase;
-use crate::errors::worse;
+use crate::errors::{worse, worst};
 use crate::json_number;
 use crate::part::Subject;
 use crate::problem::{Problem, leading_site};
-use crate::reference::{PartReference, Reference};
+use crate::reference::{Judged, PartReference, Reference};
 use crate::run::{Brake, Braked, Limit, Limits, PartRun, Price, Setting, integrate};
 use crate::trace::Trace;
 use crate::warning::Warning;
@@ -62,17 +62,11 @@ pub struct Errors {
 /// What the reference says of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compared {
-    /// Error `e`.
-    pub e: f64,
-    /// Worst time error of the paired events [s], if there are any.
-    pub event_time_error_s: Option<f64>,
+    /// Its states and events.
+    pub judged: Judged,
     /// Its events that the reference's are compared with.
     pub n_events: usize,
-    /// Events of the reference that it lacks.
-    pub missed: usize,
-    /// Events that the reference lacks.
-    pub spurious: usize,
-    /// All others.
+    /// All other errors.
     pub errors: Errors,
 }
 
@@ -172,14 +166,7 @@ impl Measured {
 
     /// The run against the reference that it was measured with.
     pub fn compared(&self, reference: &Reference) -> Compared {
-        let mut all = Compared {
-            e: 0.0,
-            event_time_error_s: None,
-            n_events: 0,
-            missed: 0,
-            spurious: 0,
-            errors: Errors::default(),
-        };
+        let mut all = Compared { judged: Judged::NOTHING, n_events: 0, errors: Errors::default() };
         for (part, reference) in self.parts.iter().zip(&reference.parts) {
             part.compare(reference, &mut all);
         }
@@ -197,21 +184,14 @@ impl Measured {
 impl MeasuredPart {
     /// Enters what its reference says of it.
     fn compare(&self, reference: &PartReference, all: &mut Compared) {
-        for (site, (largest, l2)) in self.dense.iter().enumerate() {
-            let e = reference.error_of_site(site, &self.trace);
-            all.e = worse(all.e, e);
-            let events = reference.matched(site, &self.trace);
-            all.n_events += self.trace.changes[site].len();
-            all.missed += events.missed;
-            all.spurious += events.spurious;
-            if events.paired > 0 {
-                all.event_time_error_s = worst(all.event_time_error_s, Some(events.time_error));
-            }
-            let errors = &mut all.errors;
-            errors.e_max = worst(errors.e_max, Some(worse(e, *largest)));
+        let judged = reference.judge(&self.trace);
+        all.judged = all.judged.with(judged);
+        all.n_events += self.trace.changes.iter().map(Vec::len).sum::<usize>();
+        let errors = &mut all.errors;
+        for (largest, l2) in &self.dense {
+            errors.e_max = worst(errors.e_max, Some(worse(judged.e, *largest)));
             errors.e_l2 = worst(errors.e_l2, Some(*l2));
         }
-        let errors = &mut all.errors;
         errors.e_final =
             worst(errors.e_final, reference.end_error(&self.run.y, self.trace.jumps()));
         for (own, site) in self.contacts.iter().flatten().zip(&reference.sites) {
@@ -249,12 +229,4 @@ fn compare_contacts(
     *errors.impulse_n_s.get_or_insert_default() += own;
     let peak = all.iter().fold(0.0, |peak, contact| worse(peak, contact.peak));
     errors.peak_force_n = worst(errors.peak_force_n, Some(peak));
-}
-
-/// The larger of two errors that may not be there.
-fn worst(a: Option<f64>, b: Option<f64>) -> Option<f64> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(worse(a, b)),
-        (a, b) => a.or(b),
-    }
 }

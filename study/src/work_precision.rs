@@ -263,17 +263,18 @@ impl Bench<'_> {
         let cut_by = measured.cut.map(|limit| limits.told(limit));
         let error = error.map(ToString::to_string).or(cut_by);
         let compared = (status == Status::Ok).then(|| measured.compared(reference));
+        let judged = compared.map(|compared| compared.judged);
         Row {
             method: setting.method.name.to_owned(),
             events: setting.events,
             rtol: setting.rtol(),
             step: setting.step(),
             status,
-            e: compared.as_ref().map(|compared| compared.e),
-            event_time_error_s: compared.as_ref().and_then(|compared| compared.event_time_error_s),
-            n_events: compared.as_ref().map(|compared| compared.n_events),
-            missed: compared.as_ref().map(|compared| compared.missed),
-            spurious: compared.as_ref().map(|compared| compared.spurious),
+            e: judged.map(|judged| judged.e),
+            event_time_error_s: judged.and_then(|judged| judged.event_time_error_s),
+            n_events: compared.map(|compared| compared.n_events),
+            missed: judged.map(|judged| judged.missed),
+            spurious: judged.map(|judged| judged.spurious),
             horizon_s: self.reference.horizon(),
             n_rhs: stats.work.n_rhs,
             n_accepted: stats.n_accepted,

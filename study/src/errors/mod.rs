@@ -121,6 +121,14 @@ pub fn worse(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
+/// The larger of two errors that may not be there.
+pub(crate) fn worst(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(worse(a, b)),
+        (a, b) => a.or(b),
+    }
+}
+
 /// A run's events against the reference's.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EventMatch {

@@ -11,7 +11,7 @@ use crate::balance::Balance;
 use crate::check::{ProblemError, check_end};
 use crate::errors::contacts::{Contact, total_impulse};
 use crate::errors::dense::Node;
-use crate::errors::{ErrorScale, EventMatch, Largest, match_to_end, worse};
+use crate::errors::{ErrorScale, EventMatch, Largest, match_to_end, worse, worst};
 use crate::part::{Part, Subject};
 use crate::problem::GroupScale;
 use crate::run::{Limits, ModeChange};
@@ -108,6 +108,35 @@ pub struct PartReference {
     pub jumps: Vec<f64>,
     /// All events of its run, also those that runs are not compared by.
     pub n_all_events: u64,
+}
+
+/// What the reference says of the states and events of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judged {
+    /// Error `e`; see [`PartReference::error`].
+    pub e: f64,
+    /// Worst time error of the paired events [s]; none where no event has a partner.
+    pub event_time_error_s: Option<f64>,
+    /// Events of the reference that the run lacks.
+    pub missed: usize,
+    /// Events of the run that the reference lacks.
+    pub spurious: usize,
+}
+
+impl Judged {
+    /// A run of no part.
+    pub(crate) const NOTHING: Self =
+        Self { e: 0.0, event_time_error_s: None, missed: 0, spurious: 0 };
+
+    /// The judgement of this part of a run and another together: the larger errors, the events of both.
+    pub(crate) fn with(self, other: Self) -> Self {
+        Self {
+            e: worse(self.e, other.e),
+            event_time_error_s: worst(self.event_time_error_s, other.event_time_error_s),
+            missed: self.missed + other.missed,
+            spurious: self.spurious + other.spurious,
+        }
+    }
 }
 
 /// JSON has no infinity.
@@ -344,23 +373,25 @@ impl PartReference {
         &self.nodes[..self.nodes.partition_point(|node| self.is_within(node.t))]
     }
 
+    /// A run of its part beside it: the error of its states, and its events at all sites.
+    pub fn judge(&self, run: &Trace) -> Judged {
+        let mut judged = Judged { e: self.error(run), ..Judged::NOTHING };
+        for site in 0..self.sites.len() {
+            let EventMatch { paired, missed, spurious, time_error } = self.matched(site, run);
+            let event_time_error_s = (paired > 0).then_some(time_error);
+            judged = judged.with(Judged { e: 0.0, event_time_error_s, missed, spurious });
+        }
+        judged
+    }
+
     /// Largest `e` of a run's samples, on the same times, within the horizon, of those that [can be compared](Samples::pairs).
     /// Infinite for a run that ends before them, not a number where there is none.
     pub fn error(&self, run: &Trace) -> f64 {
+        if self.ends_early(run) {
+            return f64::INFINITY;
+        }
         let errors = self.pairs_within(run).map(|(y, own)| self.scale.error(own, y));
-        self.largest(run, errors)
-    }
-
-    /// As [`error`](Self::error), by the groups of one site alone.
-    pub fn error_of_site(&self, site: usize, run: &Trace) -> f64 {
-        let pairs = self.pairs_within(run);
-        let errors = pairs.map(|(y, own)| self.scale.error_of_site(site, own, y));
-        self.largest(run, errors)
-    }
-
-    /// The largest of the errors of a run's samples; see [`error`](Self::error).
-    fn largest(&self, run: &Trace, errors: impl Iterator<Item = f64>) -> f64 {
-        if self.ends_early(run) { f64::INFINITY } else { errors.reduce(worse).unwrap_or(f64::NAN) }
+        errors.reduce(worse).unwrap_or(f64::NAN)
     }
 
     /// Whether a run ends before the samples of the reference do. One that ends a sample early stopped at its end

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::bracket::{Bracket, LONGEST, Move};
 use super::ladder::{self, A_DECADE};
-use super::trial::{CHATTER, EARLY, ON_COURSE, Start, Trial, TrialEnd, TrialLimit};
+use super::trial::{EARLY, ON_COURSE, Start, Trial, TrialEnd, TrialLimit, chatter_bound};
 use super::{Candidate, Contest, FailureKind, Known, Least, MARGIN};
 
 /// Rungs that are skipped where events are wrong, the next time twice as many, and so on; or where a run
@@ -228,14 +228,14 @@ impl<'a> Search<'a> {
         }
         let trial = &self.trials[&rung];
         let goal = MARGIN * contest.accuracy;
-        let (times, more) = CHATTER;
         let n_events = contest.benchmark.reference.n_all_events() as f64 * trial.covered
             / contest.benchmark.whole();
-        let most_events = times as f64 * n_events + more as f64;
         match &trial.end {
             TrialEnd::Chatters => Kind::Misses(LONGEST),
             // Cut with far more events than the reference has by then: a tighter one may cost less.
-            TrialEnd::Cut if trial.n_events as f64 > most_events => Kind::Misses(LONGEST),
+            TrialEnd::Cut if trial.n_events as f64 > chatter_bound(n_events) => {
+                Kind::Misses(LONGEST)
+            }
             TrialEnd::Cut | TrialEnd::OutOfTime | TrialEnd::Interrupted => Kind::Cut,
             TrialEnd::Failed(_) => Kind::Misses(FAILED),
             TrialEnd::Reached if trial.e <= goal => {

@@ -8,6 +8,7 @@ use deltazero_solvers::{Error, Grid, Method, Outcome, Stats, Work};
 use super::CUT;
 use super::benchmark::Benchmark;
 use crate::errors::worse;
+use crate::reference::Judged;
 use crate::run::{Brake, Clock, Price, Setting, Took};
 
 pub use crate::part::Start;
@@ -34,7 +35,7 @@ pub enum TrialEnd {
     Reached,
     /// At the limit of work.
     Cut,
-    /// With more than four times the events of the reference, and ten.
+    /// With far more events than the reference: more than four times as many, and ten.
     Chatters,
     /// At the limit of time.
     OutOfTime,
@@ -65,8 +66,10 @@ impl TrialLimit {
     }
 }
 
-/// A run with more than so many times the events of the reference, and so many, chatters.
-pub(super) const CHATTER: (u64, u64) = (4, 10);
+/// The events beyond which a run chatters, where the reference has `n_events`: four times as many, and ten.
+pub(super) fn chatter_bound(n_events: f64) -> f64 {
+    4.0 * n_events + 10.0
+}
 
 /// A run, judged by the reference.
 #[derive(Clone, Debug)]
@@ -137,8 +140,7 @@ impl Trial {
         stop: &AtomicBool,
     ) {
         let (part, reference) = (&benchmark.subject.parts[at], &benchmark.reference.parts[at]);
-        let (times, more) = CHATTER;
-        let most_events = times * reference.n_all_events + more;
+        let most_events = chatter_bound(reference.n_all_events as f64);
         let mut brake = WorkLimit {
             setting,
             benchmark,
@@ -169,12 +171,10 @@ impl Trial {
             self.e = f64::INFINITY;
             return;
         }
-        self.e = worse(self.e, reference.error(&trace));
-        for site in 0..reference.sites.len() {
-            let events = reference.matched(site, &trace);
-            self.missed += events.missed;
-            self.spurious += events.spurious;
-        }
+        let Judged { e, missed, spurious, .. } = reference.judge(&trace);
+        self.e = worse(self.e, e);
+        self.missed += missed;
+        self.spurious += spurious;
     }
 
     /// The work to its end, by what it needed so far.
@@ -199,7 +199,7 @@ struct WorkLimit<'a> {
     work_before: f64,
     limit: TrialLimit,
     /// Events of this part beyond which it chatters.
-    most_events: Option<u64>,
+    most_events: Option<f64>,
     stop: &'a AtomicBool,
     clock: Clock,
     /// Time of the last accepted step.
@@ -248,7 +248,7 @@ impl Brake for WorkLimit<'_> {
 
     fn event(&mut self) -> ControlFlow<()> {
         self.n_events += 1;
-        if self.most_events.is_none_or(|most| self.n_events <= most) {
+        if self.most_events.is_none_or(|most| self.n_events as f64 <= most) {
             return ControlFlow::Continue(());
         }
         self.cut = Some(TrialEnd::Chatters);

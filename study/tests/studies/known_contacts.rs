@@ -172,7 +172,7 @@ fn without_a_sample_before_the_horizon_no_error_is_told() {
     let (_, run) = subject.parts[0].run(setting, Start::Exact, T_END, &grid, &mut watch);
     assert!(one.parts[0].error(&run) < 1.0);
     one.parts[0].lost_at = T_END;
-    assert!(one.parts[0].error(&run).is_nan() && one.parts[0].error_of_site(0, &run).is_nan());
+    assert!(one.parts[0].error(&run).is_nan() && one.parts[0].judge(&run).e.is_nan());
 }
 
 #[test]
