@@ -114,7 +114,7 @@ fn a_contact_that_has_lost_its_mode_gives_energy_and_says_so() {
     let power = block.power(Mode::SlipPlus(onset), &y);
     assert!(power.damping < 0.0, "{power:?}");
     let mut check = SelfCheck::of(block.laws(), 1e-3);
-    check.dissipated(power.damping, power.friction);
+    check.note_dissipation(power.damping, power.friction);
     let codes: Vec<_> = check.warnings(Some(1e-8)).iter().map(|warning| warning.code).collect();
     assert_eq!(codes, [Code::Dissipation]);
 }

@@ -14,13 +14,13 @@ use crate::problem::{GroupScale, Problem};
 /// See [`Part::check`](crate::Part::check).
 pub(crate) fn check<P: Problem>(problem: &P) -> Result<(), ProblemError> {
     let y = problem.start();
-    states(problem, y.as_ref())?;
-    groups(problem)?;
+    check_states(problem, y.as_ref())?;
+    check_groups(problem)?;
     let mode = problem.initial_mode(0.0, &y);
-    sites(problem, &mode)?;
-    columns(problem, &mode, &y)?;
-    forces(problem, &mode, &y)?;
-    energies(problem, &mode, &y)
+    check_sites(problem, &mode)?;
+    check_columns(problem, &mode, &y)?;
+    check_forces(problem, &mode, &y)?;
+    check_energies(problem, &mode, &y)
 }
 
 /// The modes that a run enters, each with what the problem says in it.
@@ -44,7 +44,7 @@ impl<P: Problem> Record<P> for Entered<'_, P> {
 
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
         let Next::Mode(mode) = &event.after else { return ControlFlow::Continue(()) };
-        let said = sites(self.problem, mode)
+        let said = check_sites(self.problem, mode)
             .and_then(|()| rows(self.problem, mode, event.t, event.y).map(|_| ()));
         match said {
             Ok(()) => ControlFlow::Continue(()),
@@ -66,7 +66,7 @@ pub(crate) fn check_end(t_end: f64) -> Result<(), ProblemError> {
     if t_end > 0.0 && t_end.is_finite() { Ok(()) } else { Err(ProblemError::End { t_end }) }
 }
 
-fn states<P: Problem>(problem: &P, y: &[f64]) -> Result<(), ProblemError> {
+fn check_states<P: Problem>(problem: &P, y: &[f64]) -> Result<(), ProblemError> {
     let (dim, states) = (problem.dim(), problem.states());
     if dim == 0 {
         return Err(ProblemError::NoStates);
@@ -87,7 +87,7 @@ fn states<P: Problem>(problem: &P, y: &[f64]) -> Result<(), ProblemError> {
     Ok(())
 }
 
-fn groups<P: Problem>(problem: &P) -> Result<(), ProblemError> {
+fn check_groups<P: Problem>(problem: &P) -> Result<(), ProblemError> {
     let (dim, n_sites, groups) = (problem.dim(), problem.n_sites(), problem.groups());
     if groups.is_empty() {
         return Err(ProblemError::NoGroups);
@@ -109,7 +109,7 @@ fn groups<P: Problem>(problem: &P) -> Result<(), ProblemError> {
     Ok(())
 }
 
-fn sites<P: Problem>(problem: &P, mode: &P::Mode) -> Result<(), ProblemError> {
+fn check_sites<P: Problem>(problem: &P, mode: &P::Mode) -> Result<(), ProblemError> {
     let n_sites = problem.n_sites();
     for guard in 0..problem.n_guards() {
         let site = problem.site_of_guard(mode, guard);
@@ -146,7 +146,11 @@ fn rows<P: Problem>(
 }
 
 /// States and observables at the start: finite numbers.
-fn columns<P: Problem>(problem: &P, mode: &P::Mode, y: &P::State<f64>) -> Result<(), ProblemError> {
+fn check_columns<P: Problem>(
+    problem: &P,
+    mode: &P::Mode,
+    y: &P::State<f64>,
+) -> Result<(), ProblemError> {
     for (site, row) in rows(problem, mode, 0.0, y)?.iter().enumerate() {
         for (column, value) in problem.columns(site).iter().zip(row) {
             finite(format!("column {} of site {site}", column.name), *value)?;
@@ -155,7 +159,11 @@ fn columns<P: Problem>(problem: &P, mode: &P::Mode, y: &P::State<f64>) -> Result
     Ok(())
 }
 
-fn forces<P: Problem>(problem: &P, mode: &P::Mode, y: &P::State<f64>) -> Result<(), ProblemError> {
+fn check_forces<P: Problem>(
+    problem: &P,
+    mode: &P::Mode,
+    y: &P::State<f64>,
+) -> Result<(), ProblemError> {
     let touches: Vec<_> =
         (0..problem.n_sites()).map(|site| problem.touch(mode, 0.0, y, site)).collect();
     let told = touches.iter().position(Option::is_some);
@@ -210,7 +218,7 @@ pub(crate) fn force_in_part(
     ProblemError::ForceInPart { t, mode: format!("{mode:?}"), site, silent }
 }
 
-fn energies<P: Problem>(
+fn check_energies<P: Problem>(
     problem: &P,
     mode: &P::Mode,
     y: &P::State<f64>,

@@ -82,21 +82,22 @@ impl<P: Problem> Record<P> for EnergyBalance<'_, P> {
                 let power = self.problem.powers(&node.mode, node.t, &node.y);
                 let power: Power = power.unwrap_or_default();
                 self.dissipated += node.weight * power.dissipated();
-                self.check.dissipated(node.weight * power.damping, node.weight * power.friction);
+                self.check
+                    .note_dissipation(node.weight * power.damping, node.weight * power.friction);
                 if drive_work.is_none() {
                     self.work += node.weight * power.drive;
                 }
             }
             if let Some(balance) = self.at(&mode, step.t1(), step.y1()) {
                 self.kinetic = balance.kinetic;
-                self.check.reached(step.t1(), &balance);
+                self.check.note_balance(step.t1(), &balance);
             }
         }
         for site in 0..self.problem.n_sites() {
             if self.problem.role(&mode, site).is_contact()
                 && let Some(touch) = self.problem.touch(&mode, step.t1(), step.y1(), site)
             {
-                self.check.penetrated(step.t1(), touch.depth);
+                self.check.note_penetration(step.t1(), touch.depth);
             }
         }
         ControlFlow::Continue(())

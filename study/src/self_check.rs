@@ -36,8 +36,8 @@ impl SelfCheck {
         Self { laws, scale: start.abs(), residual: (0.0, 0.0), given: [0.0; 2], depth: (0.0, 0.0) }
     }
 
-    /// What damping and friction took over a part of a step [J].
-    pub fn dissipated(&mut self, damping: f64, friction: f64) {
+    /// Notes what damping and friction took over a part of a step [J].
+    pub fn note_dissipation(&mut self, damping: f64, friction: f64) {
         for (given, took) in self.given.iter_mut().zip([damping, friction]) {
             if exceeds(0.0, took) {
                 *given -= took;
@@ -45,8 +45,8 @@ impl SelfCheck {
         }
     }
 
-    /// The balance at the end of a step, at `t` [s].
-    pub fn reached(&mut self, t: f64, balance: &Balance) {
+    /// Notes the balance at the end of a step, at `t` [s].
+    pub fn note_balance(&mut self, t: f64, balance: &Balance) {
         // Of weight some may be below zero.
         let energy = balance.kinetic.abs() + balance.elastic.abs();
         self.scale = self.scale.max(energy).max(balance.work.abs());
@@ -55,8 +55,8 @@ impl SelfCheck {
         }
     }
 
-    /// A contact at the end of a step, at `t` [s].
-    pub fn penetrated(&mut self, t: f64, depth: f64) {
+    /// Notes the penetration of a contact at the end of a step, at `t` [s].
+    pub fn note_penetration(&mut self, t: f64, depth: f64) {
         if exceeds(depth, self.depth.0) {
             self.depth = (depth, t);
         }
