@@ -342,8 +342,8 @@ impl Contest<'_> {
     /// Advances every search until it is over, under budgets that grow; the work up to which candidates are
     /// timed.
     fn search(&self, searches: &mut [Search<'_>], progress: &dyn Fn(&str)) -> f64 {
-        let mut least = Least::default();
-        let next = |least: &Least, budget: f64| {
+        let mut least = LeastWork::default();
+        let next = |least: &LeastWork, budget: f64| {
             let first = least.of_all();
             if first.is_finite() { CUT * first } else { budget }
         };
@@ -390,51 +390,65 @@ impl Contest<'_> {
     }
 }
 
-/// The least work of those that arrived, kind by kind: explicit and implicit, located and blind, and of
-/// `auto`, which is cut as an explicit method is and cuts none.
-struct Least([f64; 5]);
+/// The least work of those that arrived, kind by kind; infinite where none did.
+struct LeastWork {
+    explicit: LeastByEvents,
+    implicit: LeastByEvents,
+    /// That of `auto`, which is cut as an explicit method is and cuts none.
+    auto: f64,
+}
 
-/// Place of `auto` among the kinds.
-const AUTO_KIND: usize = 4;
-/// Places of those that locate events by a method that is the same throughout.
-const LOCATED: [usize; 2] = [0, 2];
+/// The least work of one kind of methods, by what they do about events.
+struct LeastByEvents {
+    located: f64,
+    blind: f64,
+}
 
-impl Default for Least {
+impl Default for LeastWork {
     fn default() -> Self {
-        Self([f64::INFINITY; 5])
+        let none = || LeastByEvents { located: f64::INFINITY, blind: f64::INFINITY };
+        Self { explicit: none(), implicit: none(), auto: f64::INFINITY }
     }
 }
 
-impl Least {
-    fn kind(candidate: Candidate) -> usize {
-        let blind = candidate.events == Events::Blind;
-        2 * usize::from(candidate.method.is_implicit()) + usize::from(blind)
-    }
-
+impl LeastWork {
+    /// Notes the work by which a candidate arrived.
     fn arrived(&mut self, candidate: Candidate, work: f64) {
-        let kind = if candidate.method.chooses() { AUTO_KIND } else { Self::kind(candidate) };
-        let own = &mut self.0[kind];
+        let Candidate { method, events } = candidate;
+        let kind = if method.is_implicit() { &mut self.implicit } else { &mut self.explicit };
+        let own = match events {
+            _ if method.chooses() => &mut self.auto,
+            Events::Located => &mut kind.located,
+            Events::Blind => &mut kind.blind,
+        };
         *own = own.min(work);
     }
 
+    /// That of the methods that are the same throughout.
+    fn of_fixed(&self) -> f64 {
+        let Self { explicit, implicit, .. } = self;
+        least([explicit.located, explicit.blind, implicit.located, implicit.blind])
+    }
+
     fn of_all(&self) -> f64 {
-        least(self.0)
+        self.of_fixed().min(self.auto)
     }
 
     /// The work up to which a candidate may be among the fastest.
     fn of_note(&self) -> f64 {
-        let fixed = least(self.0[..AUTO_KIND].iter().copied());
+        let fixed = self.of_fixed();
         FINAL * if fixed.is_finite() { fixed } else { self.of_all() }
     }
 
     /// Where a candidate is cut.
-    fn limit(&self, candidate: Candidate) -> f64 {
-        let own = Self::kind(candidate);
-        let kinds = match candidate.events {
-            Events::Located => &[own] as &[usize],
-            Events::Blind => &[own, LOCATED[0], LOCATED[1]],
+    fn limit(&self, Candidate { method, events }: Candidate) -> f64 {
+        let Self { explicit, implicit, .. } = self;
+        let own = if method.is_implicit() { implicit } else { explicit };
+        let rivals = match events {
+            Events::Located => own.located,
+            Events::Blind => least([own.blind, explicit.located, implicit.located]),
         };
-        (CUT * self.of_all()).min(FINAL * least(kinds.iter().map(|kind| self.0[*kind])))
+        (CUT * self.of_all()).min(FINAL * rivals)
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::bracket::{Bracket, LONGEST, Move};
 use super::ladder::{self, A_DECADE};
 use super::trial::{EARLY, ON_COURSE, Start, Trial, TrialEnd, TrialLimit, chatter_bound};
-use super::{Candidate, Contest, FailureKind, Known, Least, MARGIN};
+use super::{Candidate, Contest, FailureKind, Known, LeastWork, MARGIN};
 
 /// Rungs that are skipped where events are wrong, the next time twice as many, and so on; or where a run
 /// fails.
@@ -90,7 +90,7 @@ impl<'a> Search<'a> {
     }
 
     /// Goes on until it is over or `limit` of work, which follows from the `least` of the others, cuts it.
-    pub(super) fn advance(&mut self, limit: f64, least: &Least) -> Step {
+    pub(super) fn advance(&mut self, limit: f64, least: &LeastWork) -> Step {
         let of_all = least.of_all();
         self.of_note = least.of_note();
         self.least = if of_all.is_finite() { of_all } else { 0.0 };
