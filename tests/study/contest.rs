@@ -97,7 +97,7 @@ fn series_that_auto_takes_count_as_those_of_taylor() {
         standings.entries.iter().find(own).unwrap_or_else(|| panic!("{name}: {standings:#?}"))
     };
     let [taylor, dop853, auto] = ["taylor", "dop853", "auto"].map(located);
-    // They find settings a few rungs apart; a series that counted as one evaluation would make it twenty times less.
+    // They find settings a few places apart; a series that counted as one evaluation would make it twenty times less.
     assert!(auto.work > 0.5 * taylor.work && auto.work < 2.0 * taylor.work, "{standings:#?}");
     assert!(dop853.work < CUT * auto.work, "{standings:#?}");
 }

@@ -11,16 +11,16 @@ const CLOSE: f64 = 2.0;
 /// Those that take longer than this are run twice at most: noise is a smaller part of them [s].
 const LONG_S: f64 = 0.2;
 
-/// Times the entries up to `of_note` in work, and puts all in order: the timed ones by their shortest time of the
+/// Times the entries whose work is at most `timing_limit`, and puts all in order: the timed ones by their shortest time of the
 /// processor, then the others by their work. `settings` are those of the entries.
 pub(super) fn time(
     contest: &Contest<'_>,
     settings: &[Setting],
     entries: &mut [Entry],
-    of_note: f64,
+    timing_limit: f64,
 ) {
     for entry in entries.iter_mut() {
-        entry.timed = entry.work <= of_note;
+        entry.timed = entry.work <= timing_limit;
     }
     let least_work = least_of(entries, |entry| entry.work);
     let mut turns: Vec<Vec<f64>> = vec![Vec::new(); entries.len()];

@@ -7,7 +7,7 @@ use super::Candidate;
 use super::trial::{Start, Trial, TrialEnd, TrialLimit};
 use crate::setting::Events;
 
-/// A run: its method, what that does about events, its rung, its start.
+/// A run: its method, what that does about events, the index of its setting, its start.
 type Key = (&'static str, Events, i32, Start);
 
 /// What the contests so far on a benchmark found out; they are held from the smallest error to the largest.
@@ -15,20 +15,20 @@ type Key = (&'static str, Events, i32, Start);
 pub(crate) struct Known {
     /// Each run with the limit that it was made under.
     runs: RefCell<HashMap<Key, (Trial, TrialLimit)>>,
-    /// The last rung at which each method, by what it does about events, reached an accuracy.
+    /// The last setting at which each method, by what it does about events, reached an accuracy.
     reached: RefCell<HashMap<(&'static str, Events), i32>>,
 }
 
 impl Known {
-    /// The run of `candidate` at `rung` from `start` up to `limit`, and whether it had to be made, by `make`: one that was
-    /// broken off is made again under a wider limit.
+    /// The run of `candidate` at the setting `index` from `start` up to `limit`, and whether it had to be made, by `make`: one
+    /// that was broken off is made again under a wider limit.
     pub(super) fn or_make(
         &self,
-        (candidate, rung, start): (Candidate, i32, Start),
+        (candidate, index, start): (Candidate, i32, Start),
         limit: TrialLimit,
         make: impl FnOnce() -> Trial,
     ) -> (Trial, bool) {
-        let key = (candidate.method.name, candidate.events, rung, start);
+        let key = (candidate.method.name, candidate.events, index, start);
         if let Some((trial, own)) = self.runs.borrow().get(&key) {
             let serves = match trial.end {
                 TrialEnd::Reached | TrialEnd::Failed(_) | TrialEnd::OutOfTime => true,
@@ -48,12 +48,12 @@ impl Known {
         (trial, true)
     }
 
-    /// Keeps that `candidate` reaches an accuracy at `rung`.
-    pub(super) fn note_reached(&self, candidate: Candidate, rung: i32) {
-        self.reached.borrow_mut().insert((candidate.method.name, candidate.events), rung);
+    /// Keeps that `candidate` reaches an accuracy at the setting with this index.
+    pub(super) fn note_reached(&self, candidate: Candidate, index: i32) {
+        self.reached.borrow_mut().insert((candidate.method.name, candidate.events), index);
     }
 
-    /// The rung at which `candidate` reached a smaller error, if it did: it reaches a larger one there, too.
+    /// The setting at which `candidate` reached a smaller error, if it did: it reaches a larger one there, too.
     pub(super) fn reached(&self, candidate: Candidate) -> Option<i32> {
         self.reached.borrow().get(&(candidate.method.name, candidate.events)).copied()
     }
@@ -93,11 +93,11 @@ mod tests {
     }
 
     #[test]
-    fn the_rung_that_a_candidate_reached_last_is_known_of_it_alone() {
+    fn the_setting_that_a_candidate_reached_last_is_known_of_it_alone() {
         let candidate = |events| Candidate { method: Method::named("rk45").unwrap(), events };
         let [own, other] = [Events::Located, Events::Blind].map(candidate);
         let known = Known::default();
-        [7, 5].into_iter().for_each(|rung| known.note_reached(own, rung));
+        [7, 5].into_iter().for_each(|index| known.note_reached(own, index));
         assert_eq!([known.reached(own), known.reached(other)], [Some(5), None]);
     }
 }

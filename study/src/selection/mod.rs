@@ -23,9 +23,9 @@ mod benchmark;
 mod bracket;
 mod finals;
 mod known;
-mod ladder;
 mod outcome;
 mod search;
+mod settings;
 mod trial;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -320,7 +320,7 @@ impl Contest<'_> {
         let candidates = self.rules.candidates.iter();
         let mut searches: Vec<Search<'_>> =
             candidates.map(|candidate| Search::new(self, known, *candidate)).collect();
-        let of_note = self.search(&mut searches, progress);
+        let timing_limit = self.search(&mut searches, progress);
         let mut standings = Standings {
             n_trials: searches.iter().map(|search| search.n_trials).sum(),
             ..Standings::default()
@@ -335,7 +335,7 @@ impl Contest<'_> {
                 Err(failure) => standings.failures.push(failure),
             }
         }
-        finals::time(self, &settings, &mut standings.entries, of_note);
+        finals::time(self, &settings, &mut standings.entries, timing_limit);
         standings
     }
 
@@ -376,17 +376,17 @@ impl Contest<'_> {
                 budget = next(&least, BUDGET_GROWTH * budget);
             }
         }
-        least.of_note()
+        least.timing_limit()
     }
 
     fn is_interrupted(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
-    fn setting(&self, candidate: Candidate, rung: i32) -> Setting {
+    fn setting(&self, candidate: Candidate, index: i32) -> Setting {
         let Candidate { method, events } = candidate;
         let atol = self.rules.atol.clone();
-        Setting { method, events, accuracy: ladder::accuracy(method, rung, atol) }
+        Setting { method, events, accuracy: settings::accuracy(method, index, atol) }
     }
 }
 
@@ -435,7 +435,7 @@ impl LeastWork {
     }
 
     /// The work up to which a candidate may be among the fastest.
-    fn of_note(&self) -> f64 {
+    fn timing_limit(&self) -> f64 {
         let fixed = self.of_fixed();
         FINAL * if fixed.is_finite() { fixed } else { self.of_all() }
     }

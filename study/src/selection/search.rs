@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::bracket::{Bracket, LONGEST, Move};
-use super::ladder::{self, A_DECADE};
+use super::settings::{self, A_DECADE};
 use super::trial::{EARLY, ON_COURSE, Start, Trial, TrialEnd, TrialLimit, chatter_bound};
 use super::{Candidate, Contest, FailureKind, Known, LeastWork, MARGIN};
 
-/// Rungs that are skipped where events are wrong, the next time twice as many, and so on; or where a run
+/// Settings that are skipped where events are wrong, the next time twice as many, and so on; or where a run
 /// fails.
 const EVENTS_WRONG: i32 = 2;
 const FAILED: i32 = A_DECADE;
@@ -25,22 +25,24 @@ pub(super) struct Search<'a> {
     pub(super) contest: &'a Contest<'a>,
     known: &'a Known,
     pub(super) candidate: Candidate,
+    /// Runs by the index of their setting.
     pub(super) trials: BTreeMap<i32, Trial>,
+    /// The same runs from starts moved up and down by their last bit.
     pub(super) nudged: BTreeMap<i32, [Trial; 2]>,
     pub(super) verdict: Option<Result<i32, (FailureKind, String)>>,
     pub(super) last: i32,
     /// Work beyond which its setting need not be found to a quarter of a decade.
-    of_note: f64,
+    timing_limit: f64,
     /// The least work of those that arrived; zero where none did.
     least: f64,
     pub(super) n_trials: usize,
 }
 
-/// What a rung is.
+/// What a setting is.
 enum Kind {
     /// It reaches the accuracy.
     Meets,
-    /// It does not; a tighter one may, so many rungs away.
+    /// It does not; a tighter one may, so many settings away.
     Misses(i32),
     /// It needs more than the limit.
     Cut,
@@ -56,7 +58,7 @@ impl<'a> Search<'a> {
             nudged: BTreeMap::new(),
             verdict: None,
             last: 0,
-            of_note: f64::INFINITY,
+            timing_limit: f64::INFINITY,
             least: 0.0,
             n_trials: 0,
         }
@@ -92,7 +94,7 @@ impl<'a> Search<'a> {
     /// Goes on until it is over or `limit` of work, which follows from the `least` of the others, cuts it.
     pub(super) fn advance(&mut self, limit: f64, least: &LeastWork) -> Step {
         let of_all = least.of_all();
-        self.of_note = least.of_note();
+        self.timing_limit = least.timing_limit();
         self.least = if of_all.is_finite() { of_all } else { 0.0 };
         // What was on course for more than this limit, too, is not run again: an explicit method whose steps stability binds
         // goes on as it began. Another one may take long steps once the first impacts have rung out.
@@ -102,10 +104,10 @@ impl<'a> Search<'a> {
         let is_hopeless =
             |trial: &Trial| trial.work > judged_from && trial.needs() > ON_COURSE * limit;
         self.trials.retain(|_, trial| trial.end != TrialEnd::Cut || is_hopeless(trial));
-        let found = self.bracket(limit).and_then(|rung| self.confirm(rung, limit));
+        let found = self.bracket(limit).and_then(|index| self.confirm(index, limit));
         // Where events are right at few settings, the search may pass by the one that is known.
         let found = found.or_else(|end| match self.known.reached(self.candidate) {
-            Some(rung) => self.confirm(rung, limit),
+            Some(index) => self.confirm(index, limit),
             None => Err(end),
         });
         if self.contest.is_interrupted() {
@@ -114,9 +116,9 @@ impl<'a> Search<'a> {
             return Step::Over;
         }
         match found {
-            Ok(rung) => {
-                self.known.note_reached(self.candidate, rung);
-                self.verdict = Some(Ok(rung));
+            Ok(index) => {
+                self.known.note_reached(self.candidate, index);
+                self.verdict = Some(Ok(index));
                 Step::Over
             }
             Err(End::Cut) => Step::Cut,
@@ -127,44 +129,44 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The loosest rung that meets the accuracy, as far as bisection finds it.
+    /// The loosest setting that meets the accuracy, as far as bisection finds it.
     fn bracket(&mut self, limit: f64) -> Result<i32, End> {
         let Contest { benchmark, accuracy, .. } = *self.contest;
         let method = self.candidate.method;
-        let mut rung = ladder::first(method, benchmark.t_end, accuracy);
-        let mut bracket = Bracket::new(ladder::rungs(method, benchmark.t_end), rung);
+        let mut index = settings::first(method, benchmark.t_end, accuracy);
+        let mut bracket = Bracket::new(settings::indices(method, benchmark.t_end), index);
         loop {
-            let away = match self.look(rung, limit) {
+            let away = match self.look(index, limit) {
                 Kind::Meets => {
-                    bracket.note_meets(rung);
-                    self.slack(rung)
+                    bracket.note_meets(index);
+                    self.slack(index)
                 }
                 Kind::Misses(to_go) => {
-                    let e = self.trials.get(&rung).map_or(f64::INFINITY, |trial| trial.e);
-                    bracket.note_misses(rung, to_go, (e, accuracy))
+                    let e = self.trials.get(&index).map_or(f64::INFINITY, |trial| trial.e);
+                    bracket.note_misses(index, to_go, (e, accuracy))
                 }
                 Kind::Cut => {
-                    let is_hopeless = self.needs(rung) > self.looser_saves(rung) * limit;
-                    bracket.note_cut(rung, is_hopeless).ok_or(End::Cut)?
+                    let is_hopeless = self.needs(index) > self.looser_saves(index) * limit;
+                    bracket.note_cut(index, is_hopeless).ok_or(End::Cut)?
                 }
             };
             if self.contest.is_interrupted() {
                 return Err(End::Cut);
             }
-            rung = match bracket.next(away, |misses, meets| self.fineness(misses, meets)) {
-                Move::Found(rung) => return Ok(rung),
+            index = match bracket.next(away, |misses, meets| self.fineness(misses, meets)) {
+                Move::Found(index) => return Ok(index),
                 Move::Cut => return Err(End::Cut),
                 Move::NoneReaches(last) => return Err(self.failure(last)),
                 Move::Between(low, high) => self.between(low, high),
-                Move::At(rung) => rung,
+                Move::At(index) => index,
             };
         }
     }
 
-    /// To how many rungs the setting is to be found: to one where it may be among the fastest; to any
-    /// where what misses already needs too much for that, and to a decade where what meets does.
+    /// How many settings apart what misses and what meets may stay: one where the latter may be among the fastest; any number
+    /// where what misses already needs too much for that, and a decade where what meets does.
     fn fineness(&self, misses: i32, meets: Option<i32>) -> i32 {
-        let is_dear = |trial: &&Trial| trial.work > self.of_note;
+        let is_dear = |trial: &&Trial| trial.work > self.timing_limit;
         // One that did not come to its end may cost more than a tighter one: it rejects, or chatters.
         let least = self.trials.get(&misses).filter(|trial| trial.end == TrialEnd::Reached);
         match meets {
@@ -174,27 +176,29 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The first rung from `rung` on that meets the accuracy together with the next one, and from starts
-    /// moved by the last bit.
-    fn confirm(&mut self, mut rung: i32, limit: f64) -> Result<i32, End> {
-        let tightest = *ladder::rungs(self.candidate.method, self.contest.benchmark.t_end).end();
+    /// The first setting from `index` on that meets the accuracy together with the next one, and from starts moved by the last
+    /// bit.
+    fn confirm(&mut self, mut index: i32, limit: f64) -> Result<i32, End> {
+        let tightest =
+            *settings::indices(self.candidate.method, self.contest.benchmark.t_end).end();
         loop {
-            let next = (rung + 1).min(tightest);
-            let failed = [rung, next].into_iter().rev().find_map(|at| match self.look(at, limit) {
-                Kind::Meets => None,
-                Kind::Misses(_) => Some(Ok(at)),
-                Kind::Cut => Some(Err(End::Cut)),
-            });
-            rung = match failed {
-                None if self.holds_when_nudged(rung) => return Ok(rung),
-                None => rung + 1,
+            let next = (index + 1).min(tightest);
+            let failed =
+                [index, next].into_iter().rev().find_map(|at| match self.look(at, limit) {
+                    Kind::Meets => None,
+                    Kind::Misses(_) => Some(Ok(at)),
+                    Kind::Cut => Some(Err(End::Cut)),
+                });
+            index = match failed {
+                None if self.holds_when_nudged(index) => return Ok(index),
+                None => index + 1,
                 Some(Err(end)) => return Err(end),
                 Some(Ok(at)) => at + 1,
             };
             if self.contest.is_interrupted() {
                 return Err(End::Cut);
             }
-            if rung > tightest {
+            if index > tightest {
                 return Err(self.failure(tightest));
             }
         }
@@ -205,28 +209,29 @@ impl<'a> Search<'a> {
         self.least.max(EARLY * limit)
     }
 
-    /// The work that the run of a rung needs to its end.
-    fn needs(&self, rung: i32) -> f64 {
-        self.trials.get(&rung).map_or(f64::INFINITY, Trial::needs)
+    /// The work that the run of a setting needs to its end.
+    fn needs(&self, index: i32) -> f64 {
+        self.trials.get(&index).map_or(f64::INFINITY, Trial::needs)
     }
 
     /// The factor by which the loosest setting that may still reach the accuracy, two decades from
-    /// `rung`, can at best reduce the work: `10^(1/p)` a decade at order p.
-    fn looser_saves(&self, rung: i32) -> f64 {
-        let loosest = *ladder::rungs(self.candidate.method, self.contest.benchmark.t_end).start();
-        let decades = f64::from((rung - loosest).min(LONGEST)) / f64::from(A_DECADE);
+    /// `index`, can at best reduce the work: `10^(1/p)` a decade at order p.
+    fn looser_saves(&self, index: i32) -> f64 {
+        let loosest =
+            *settings::indices(self.candidate.method, self.contest.benchmark.t_end).start();
+        let decades = f64::from((index - loosest).min(LONGEST)) / f64::from(A_DECADE);
         libm::exp10(decades / self.candidate.method.order as f64)
     }
 
-    /// Runs a rung, unless that is done, and judges it.
-    fn look(&mut self, rung: i32, limit: f64) -> Kind {
+    /// Runs a setting, unless that is done, and judges it.
+    fn look(&mut self, index: i32, limit: f64) -> Kind {
         let contest = self.contest;
-        self.last = rung;
-        if !self.trials.contains_key(&rung) {
-            let trial = self.run(rung, Start::Exact, limit);
-            self.trials.insert(rung, trial);
+        self.last = index;
+        if !self.trials.contains_key(&index) {
+            let trial = self.run(index, Start::Exact, limit);
+            self.trials.insert(index, trial);
         }
-        let trial = &self.trials[&rung];
+        let trial = &self.trials[&index];
         let goal = MARGIN * contest.accuracy;
         let n_events = contest.benchmark.reference.n_all_events() as f64 * trial.covered
             / contest.benchmark.whole();
@@ -248,47 +253,47 @@ impl<'a> Search<'a> {
                     Kind::Misses(EVENTS_WRONG)
                 }
             }
-            TrialEnd::Reached => Kind::Misses(rungs_of(trial.e / goal).ceil() as i32),
+            TrialEnd::Reached => Kind::Misses(settings_of(trial.e / goal).ceil() as i32),
         }
     }
 
-    /// Whether a rung reaches the accuracy from starts moved by the last bit, too; not asked where it
+    /// Whether a setting reaches the accuracy from starts moved by the last bit, too; not asked where it
     /// cannot be among the fastest.
-    fn holds_when_nudged(&mut self, rung: i32) -> bool {
-        if self.trials.get(&rung).is_some_and(|trial| trial.work > self.of_note) {
+    fn holds_when_nudged(&mut self, index: i32) -> bool {
+        if self.trials.get(&index).is_some_and(|trial| trial.work > self.timing_limit) {
             return true;
         }
-        if !self.nudged.contains_key(&rung) {
-            let both = [Start::Up, Start::Down].map(|start| self.run(rung, start, f64::INFINITY));
-            self.nudged.insert(rung, both);
+        if !self.nudged.contains_key(&index) {
+            let both = [Start::Up, Start::Down].map(|start| self.run(index, start, f64::INFINITY));
+            self.nudged.insert(index, both);
         }
         let goal = MARGIN * self.contest.accuracy;
-        self.nudged[&rung].iter().all(|trial| trial.e <= goal && self.accepts_events(trial))
+        self.nudged[&index].iter().all(|trial| trial.e <= goal && self.accepts_events(trial))
     }
 
-    /// The run of a rung from `start`, as known or made under `limit`.
-    fn run(&mut self, rung: i32, start: Start, limit: f64) -> Trial {
+    /// The run of a setting from `start`, as known or made under `limit`.
+    fn run(&mut self, index: i32, start: Start, limit: f64) -> Trial {
         let Contest { benchmark, accuracy, rules, stop } = *self.contest;
-        let setting = self.contest.setting(self.candidate, rung);
+        let setting = self.contest.setting(self.candidate, index);
         let chatter = rules.right_events.must_be_right(accuracy, self.candidate.events);
         let limit = TrialLimit { work: limit, early: self.early(limit), chatter };
         let make = || Trial::new(benchmark, &setting, start, limit, stop);
-        let (trial, is_made) = self.known.or_make((self.candidate, rung, start), limit, make);
+        let (trial, is_made) = self.known.or_make((self.candidate, index, start), limit, make);
         self.n_trials += usize::from(is_made);
         trial
     }
 
-    /// How many rungs looser than one that meets the accuracy another might meet it.
-    fn slack(&self, rung: i32) -> i32 {
-        let e = self.trials.get(&rung).map_or(0.0, |trial| trial.e);
-        (rungs_of(MARGIN * self.contest.accuracy / e).floor() as i32).clamp(1, LONGEST)
+    /// How many settings looser than one that meets the accuracy another might meet it.
+    fn slack(&self, index: i32) -> i32 {
+        let e = self.trials.get(&index).map_or(0.0, |trial| trial.e);
+        (settings_of(MARGIN * self.contest.accuracy / e).floor() as i32).clamp(1, LONGEST)
     }
 
-    /// A rung between one that misses and one that meets (or is cut): where a power law through both
+    /// A setting between one that misses and one that meets (or is cut): where a power law through both
     /// errors has the accuracy, or else the middle.
     fn between(&self, low: i32, high: i32) -> i32 {
-        let e = |rung: i32| {
-            self.trials.get(&rung).map(|trial| trial.e).filter(|e| *e > 0.0 && e.is_finite())
+        let e = |index: i32| {
+            self.trials.get(&index).map(|trial| trial.e).filter(|e| *e > 0.0 && e.is_finite())
         };
         let goal = MARGIN * self.contest.accuracy;
         let part = match (e(low), e(high)) {
@@ -307,7 +312,7 @@ impl<'a> Search<'a> {
     /// The work of the setting that was found; infinite where none was.
     pub(super) fn work(&self) -> f64 {
         let found = self.verdict.as_ref().and_then(|verdict| verdict.as_ref().ok());
-        found.and_then(|rung| self.trials.get(rung)).map_or(f64::INFINITY, |trial| trial.work)
+        found.and_then(|index| self.trials.get(index)).map_or(f64::INFINITY, |trial| trial.work)
     }
 }
 
@@ -319,9 +324,9 @@ pub(super) enum End {
     Failure(FailureKind, String),
 }
 
-/// Rungs that a factor in the error is worth, where error goes with tolerance.
-fn rungs_of(factor: f64) -> f64 {
-    let rungs = f64::from(A_DECADE) * libm::log10(factor);
+/// Settings that a factor in the error is worth, where error goes with tolerance.
+fn settings_of(factor: f64) -> f64 {
+    let settings = f64::from(A_DECADE) * libm::log10(factor);
     let longest = f64::from(LONGEST);
-    if rungs.is_nan() { longest } else { rungs.clamp(-longest, longest) }
+    if settings.is_nan() { longest } else { settings.clamp(-longest, longest) }
 }
