@@ -68,6 +68,18 @@ pub struct Group {
     pub site: usize,
 }
 
+/// Groups of one state each, over its largest magnitude; `states` are those of a problem from the first one on.
+pub fn each_a_group(states: impl IntoIterator<Item = Quantity>) -> Vec<Group> {
+    let group = |(i, state): (usize, Quantity)| Group {
+        name: state.name,
+        unit: state.unit,
+        states: vec![i],
+        scale: GroupScale::Largest,
+        site: 0,
+    };
+    states.into_iter().enumerate().map(group).collect()
+}
+
 /// What a site does in a mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -193,14 +205,7 @@ pub trait Problem: System<Mode: Send + Sync> + Send + Sync {
     /// How errors are measured: `e` is the largest, over samples and groups, of the Euclidean error of a group over its
     /// scale. By default each state is a group, over its largest magnitude.
     fn groups(&self) -> Vec<Group> {
-        let group = |(i, state): (usize, Quantity)| Group {
-            name: state.name,
-            unit: state.unit,
-            states: vec![i],
-            scale: GroupScale::Largest,
-            site: 0,
-        };
-        self.states().into_iter().enumerate().map(group).collect()
+        each_a_group(self.states())
     }
 
     /// Its name, where a subject has several parts.

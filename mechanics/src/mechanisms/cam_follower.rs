@@ -7,7 +7,9 @@ use std::fmt;
 use deltazero_solvers::root::{Bracket, find_root};
 use deltazero_solvers::rounding::ROUNDING;
 use deltazero_solvers::{Error, Next, Outcome, Real, Record, System};
-use deltazero_study::problem::{Energy, Group, Laws, Power, Problem, Quantity, Role, Touch};
+use deltazero_study::problem::{
+    Energy, Group, Laws, Power, Problem, Quantity, Role, Touch, each_a_group,
+};
 use deltazero_study::run::{OwnRun, extended};
 
 use crate::laws::elastic::Elastic;
@@ -351,7 +353,7 @@ impl Problem for CamFollower {
 
     /// Lift and speed; the angle has no error.
     fn groups(&self) -> Vec<Group> {
-        super::groups_of_first(self, 2)
+        each_a_group(self.states().into_iter().take(2))
     }
 
     fn role(&self, mode: &Mode, _site: usize) -> Role {

@@ -18,9 +18,8 @@ use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
 
-use deltazero_study::problem::{Group, GroupScale, Quantity};
+use deltazero_study::Subject;
 use deltazero_study::warning::Warning;
-use deltazero_study::{Problem, Subject};
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
@@ -225,16 +224,4 @@ impl fmt::Debug for Chosen {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_tuple(self.entry.name).field(&self.tables).finish()
     }
-}
-
-/// Each of the first `n` states as a group of its own, over its largest magnitude.
-fn groups_of_first<P: Problem>(problem: &P, n: usize) -> Vec<Group> {
-    let group = |(i, state): (usize, Quantity)| Group {
-        name: state.name,
-        unit: state.unit,
-        states: vec![i],
-        scale: GroupScale::Largest,
-        site: 0,
-    };
-    problem.states().into_iter().take(n).enumerate().map(group).collect()
 }

@@ -7,7 +7,9 @@ use std::fmt;
 
 use deltazero_solvers::rounding::ROUNDING;
 use deltazero_solvers::{Error, Next, Outcome, Real, Record, System};
-use deltazero_study::problem::{EndName, Energy, Group, Power, Problem, Quantity, Role, Touch};
+use deltazero_study::problem::{
+    EndName, Energy, Group, Power, Problem, Quantity, Role, Touch, each_a_group,
+};
 use deltazero_study::run::{OwnRun, extended};
 use serde::Deserialize;
 
@@ -325,7 +327,7 @@ impl Problem for RockingBlock {
 
     /// The tilt and its rate; the phase has no error.
     fn groups(&self) -> Vec<Group> {
-        super::groups_of_first(self, 2)
+        each_a_group(self.states().into_iter().take(2))
     }
 
     fn n_sites(&self) -> usize {
