@@ -1,10 +1,37 @@
-//! Fields and headers of CSV files.
+//! CSV files: tables by their columns, and fields.
 
 use std::borrow::Cow;
 
-/// A number as it reads back to the same bits; empty for none.
+/// A column of a table: its name, and what a row has in it, as it is to stand there.
+pub(crate) type Column<R> = (&'static str, fn(&R) -> String);
+
+/// A table with the names of its columns above: one line a row.
+pub(crate) fn table<R>(rows: impl IntoIterator<Item = R>, columns: &[Column<R>]) -> String {
+    let mut csv = header(columns) + "\n";
+    for row in rows {
+        csv += &(line(&row, columns) + "\n");
+    }
+    csv
+}
+
+/// The names of columns.
+pub(crate) fn header<R>(columns: &[Column<R>]) -> String {
+    columns.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(",")
+}
+
+/// The fields of a row.
+pub(crate) fn line<R>(row: &R, columns: &[Column<R>]) -> String {
+    columns.iter().map(|(_, of)| of(row)).collect::<Vec<_>>().join(",")
+}
+
+/// A number as it reads back to the same bits.
+pub(crate) fn number(x: f64) -> String {
+    format!("{x:e}")
+}
+
+/// The same; empty for none.
 pub(crate) fn exact(x: Option<f64>) -> String {
-    x.map_or_else(String::new, |x| format!("{x:e}"))
+    x.map_or_else(String::new, number)
 }
 
 /// Text as a field of a CSV file.

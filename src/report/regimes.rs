@@ -10,7 +10,7 @@ use deltazero_study::selection::{CUT, EVENTS_FROM, Entry, FINAL, Failure, Failur
 use deltazero_study::setting::Events;
 
 use crate::config::Config;
-use crate::csv::{exact, field};
+use crate::csv::{self, Column, exact, field, number};
 use crate::figures::Drawing;
 use crate::mechanisms::text;
 use crate::study::regimes::{Cell, maps, of_map};
@@ -19,88 +19,115 @@ use crate::study::regimes::{Cell, maps, of_map};
 const NEAR: f64 = 1.3;
 
 /// Columns of a contest.
-const CONTEST: &str = "accuracy,status,t_end_s,horizon_s,n_events,method,events,rtol,step,e,e_least,e_most,missed,spurious,\
-                       wall_s,n_rhs,n_accepted,second,second_events,second_wall_s,explicit,explicit_wall_s,implicit,\
-                       implicit_wall_s,located,located_wall_s,blind,blind_wall_s,auto_over_winner,failures,error,cpu_s,\
-                       second_cpu_s,within_noise,explicit_cpu_s,implicit_cpu_s,located_cpu_s,\
-                       blind_cpu_s";
+const CONTEST: [Column<Contested>; 38] = [
+    ("accuracy", |own| number(own.accuracy)),
+    ("status", |own| own.status.name().to_owned()),
+    ("t_end_s", |own| exact(own.t_end_s)),
+    ("horizon_s", |own| exact(own.horizon_s)),
+    ("n_events", |own| super::count(own.n_events)),
+    ("method", |own| text_of(own.winner(), |entry| entry.method.clone())),
+    ("events", |own| text_of(own.winner(), |entry| entry.events.to_string())),
+    ("rtol", |own| exact(own.winner().and_then(|entry| entry.rtol))),
+    ("step", |own| exact(own.winner().and_then(|entry| entry.step))),
+    ("e", |own| text_of(own.winner(), |entry| number(entry.e))),
+    ("e_least", |own| text_of(own.winner(), |entry| number(entry.e_spread[0]))),
+    ("e_most", |own| text_of(own.winner(), |entry| number(entry.e_spread[1]))),
+    ("missed", |own| text_of(own.winner(), |entry| entry.missed.to_string())),
+    ("spurious", |own| text_of(own.winner(), |entry| entry.spurious.to_string())),
+    ("wall_s", |own| wall_s(own.winner())),
+    ("n_rhs", |own| text_of(own.winner(), |entry| entry.n_rhs.to_string())),
+    ("n_accepted", |own| text_of(own.winner(), |entry| entry.n_accepted.to_string())),
+    ("second", |own| text_of(own.second(), |entry| entry.method.clone())),
+    ("second_events", |own| text_of(own.second(), |entry| entry.events.to_string())),
+    ("second_wall_s", |own| wall_s(own.second())),
+    ("explicit", |own| text_of(best_explicit(own), name)),
+    ("explicit_wall_s", |own| wall_s(best_explicit(own))),
+    ("implicit", |own| text_of(best_implicit(own), name)),
+    ("implicit_wall_s", |own| wall_s(best_implicit(own))),
+    ("located", |own| text_of(best_located(own), name)),
+    ("located_wall_s", |own| wall_s(best_located(own))),
+    ("blind", |own| text_of(best_blind(own), name)),
+    ("blind_wall_s", |own| wall_s(best_blind(own))),
+    ("auto_over_winner", |own| exact(own.auto_over_winner())),
+    ("failures", failures),
+    ("error", |own| field(own.error.as_deref().unwrap_or_default())),
+    ("cpu_s", |own| cpu_s(own.winner())),
+    ("second_cpu_s", |own| cpu_s(own.second())),
+    ("within_noise", |own| {
+        field(&own.within_noise().into_iter().map(name).collect::<Vec<_>>().join("; "))
+    }),
+    ("explicit_cpu_s", |own| cpu_s(best_explicit(own))),
+    ("implicit_cpu_s", |own| cpu_s(best_implicit(own))),
+    ("located_cpu_s", |own| cpu_s(best_located(own))),
+    ("blind_cpu_s", |own| cpu_s(best_blind(own))),
+];
 
 /// `regimes.csv`: one row a cell.
 pub fn csv(cells: &[Cell]) -> String {
-    let mut csv = format!("reading,stiffness,damping_ratio,{CONTEST}\n");
+    let mut csv = format!("reading,stiffness,damping_ratio,{}\n", csv::header(&CONTEST));
     for cell in cells {
-        let at = [exact(Some(cell.stiffness)), exact(Some(cell.damping_ratio))].join(",");
-        let _ = writeln!(csv, "{},{at},{}", cell.reading, contest_fields(cell).join(","));
+        let Cell { reading, stiffness, damping_ratio, contest } = cell;
+        let contest = csv::line(contest, &CONTEST);
+        let _ = writeln!(csv, "{reading},{stiffness:e},{damping_ratio:e},{contest}");
     }
     csv
 }
 
 /// `map.csv`: one row a cell and an accuracy. A parameter of a model with the name of another column has its long name.
 pub fn map_csv(map: &Map) -> String {
-    let is_taken = |name: &str| CONTEST.split(',').any(|column| column == name);
+    let is_taken = |name: &str| CONTEST.iter().any(|(column, _)| *column == name);
     let names = map.axes.each_ref().map(|MapAxis { name, .. }| match is_taken(name) {
         true => format!("{}.{name}", text::TABLES[1]),
         false => field(name),
     });
     let names = names.join(",");
-    let mut csv = format!("{names},{CONTEST}\n");
-    for MapCell { at, contest } in &map.cells {
-        let at = at.map(|x| exact(Some(x))).join(",");
-        let _ = writeln!(csv, "{at},{}", contest_fields(contest).join(","));
+    let mut csv = format!("{names},{}\n", csv::header(&CONTEST));
+    for MapCell { at: [x, y], contest } in &map.cells {
+        let _ = writeln!(csv, "{x:e},{y:e},{}", csv::line(contest, &CONTEST));
     }
     csv
 }
 
-/// The columns of a contest.
-fn contest_fields(contest: &Contested) -> Vec<String> {
-    let (first, second) = (contest.winner(), contest.second());
-    let of = |f: fn(&Entry) -> f64| exact(first.map(f));
-    let count = |f: fn(&Entry) -> u64| first.map_or_else(String::new, |e| f(e).to_string());
-    let mut fields = vec![
-        exact(Some(contest.accuracy)),
-        contest.status.name().to_owned(),
-        exact(contest.t_end_s),
-        exact(contest.horizon_s),
-        super::count(contest.n_events),
-        first.map_or_else(String::new, |entry| entry.method.clone()),
-        first.map_or_else(String::new, |entry| entry.events.to_string()),
-        exact(first.and_then(|entry| entry.rtol)),
-        exact(first.and_then(|entry| entry.step)),
-        of(|entry| entry.e),
-        of(|entry| entry.e_spread[0]),
-        of(|entry| entry.e_spread[1]),
-        count(|entry| entry.missed as u64),
-        count(|entry| entry.spurious as u64),
-        of(|entry| entry.wall_s),
-        count(|entry| entry.n_rhs),
-        count(|entry| entry.n_accepted),
-        second.map_or_else(String::new, |entry| entry.method.clone()),
-        second.map_or_else(String::new, |entry| entry.events.to_string()),
-        exact(second.map(|entry| entry.wall_s)),
-    ];
-    let bests = [
-        contest.best(|entry| !entry.implicit),
-        contest.best(|entry| entry.implicit),
-        contest.best(|entry| entry.events == Events::Located),
-        contest.best(|entry| entry.events == Events::Blind),
-    ];
-    for best in bests {
-        fields.push(best.map_or_else(String::new, name));
-        fields.push(exact(best.map(|entry| entry.wall_s)));
-    }
-    fields.push(exact(contest.auto_over_winner()));
-    let failures = contest.standings.failures.iter();
+/// What `of` writes of a run; nothing where there is none.
+fn text_of(entry: Option<&Entry>, of: fn(&Entry) -> String) -> String {
+    entry.map_or_else(String::new, of)
+}
+
+fn wall_s(entry: Option<&Entry>) -> String {
+    exact(entry.map(|entry| entry.wall_s))
+}
+
+fn cpu_s(entry: Option<&Entry>) -> String {
+    exact(entry.and_then(|entry| entry.cpu_s))
+}
+
+/// The fastest explicit run.
+fn best_explicit(contest: &Contested) -> Option<&Entry> {
+    contest.best(|entry| !entry.implicit)
+}
+
+/// The fastest implicit run.
+fn best_implicit(contest: &Contested) -> Option<&Entry> {
+    contest.best(|entry| entry.implicit)
+}
+
+/// The fastest run that locates events.
+fn best_located(contest: &Contested) -> Option<&Entry> {
+    contest.best(|entry| entry.events == Events::Located)
+}
+
+/// The fastest blind run.
+fn best_blind(contest: &Contested) -> Option<&Entry> {
+    contest.best(|entry| entry.events == Events::Blind)
+}
+
+/// The methods that do not arrive, each with the kind of its failure.
+fn failures(contest: &Contested) -> String {
     let failure = |failure: &Failure| {
         format!("{} {}: {}", failure.method, failure.events, failure.kind.name())
     };
-    fields.push(field(&failures.map(failure).collect::<Vec<_>>().join("; ")));
-    fields.push(field(contest.error.as_deref().unwrap_or_default()));
-    fields.push(exact(first.and_then(|entry| entry.cpu_s)));
-    fields.push(exact(second.and_then(|entry| entry.cpu_s)));
-    let near: Vec<String> = contest.within_noise().into_iter().map(name).collect();
-    fields.push(field(&near.join("; ")));
-    fields.extend(bests.map(|best| exact(best.and_then(|entry| entry.cpu_s))));
-    fields
+    let all: Vec<String> = contest.standings.failures.iter().map(failure).collect();
+    field(&all.join("; "))
 }
 
 /// What the map asks, and under which rules.
@@ -463,7 +490,7 @@ mod tests {
         let page = include_str!("../../docs/results.md");
         let table =
             &page[page.find("### `regimes.csv`").unwrap()..page.find("## Warnings").unwrap()];
-        for column in CONTEST.split(',') {
+        for (column, _) in CONTEST {
             assert!(table.contains(&format!("`{column}`")), "{column}");
         }
     }

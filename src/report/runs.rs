@@ -6,7 +6,7 @@ use deltazero_study::columns::{Column, Value, shown};
 use deltazero_study::work_precision::{Row, WorkPrecision};
 
 use super::{About, count, rounded};
-use crate::csv::{exact, field};
+use crate::csv::{self, exact, field};
 
 /// `study.csv`.
 pub fn study_csv(about: &About, table: &WorkPrecision) -> String {
@@ -26,47 +26,43 @@ pub fn study_csv(about: &About, table: &WorkPrecision) -> String {
     csv
 }
 
+/// Columns of the report's table of all runs.
+const RUNS: [csv::Column<Row>; 18] = [
+    ("method", |row| row.method.clone()),
+    ("events", |row| row.events.to_string()),
+    ("setting", Row::setting),
+    ("status", |row| match &row.error {
+        None => row.status.name().to_owned(),
+        Some(error) => format!("{}: {error}", row.status.name()),
+    }),
+    ("e", |row| rounded(row.e, 2)),
+    ("event time error [s]", |row| rounded(row.event_time_error_s, 2)),
+    ("missed", |row| count(row.missed)),
+    ("spurious", |row| count(row.spurious)),
+    ("n_rhs", |row| row.n_rhs.to_string()),
+    ("steps", |row| row.n_accepted.to_string()),
+    ("rejected", |row| row.n_rejected.to_string()),
+    ("retaken", |row| row.n_retaken.to_string()),
+    ("Jacobians", |row| row.n_jac.to_string()),
+    ("factorisations", |row| row.n_factorisations.to_string()),
+    ("linear solves", |row| row.n_lin_solves.to_string()),
+    ("time min [ms]", |row| milliseconds(row.times_s()[0])),
+    ("median [ms]", |row| milliseconds(row.times_s()[1])),
+    ("max [ms]", |row| milliseconds(row.times_s()[2])),
+];
+
 /// All runs: errors, events, work, time.
 pub(super) fn runs(rows: &[Row]) -> String {
-    let mut text = String::from(
-        "| method | events | setting | status | e | event time error [s] | missed | spurious | n_rhs | \
-         steps | rejected | retaken | Jacobians | factorisations | linear solves | time min [ms] | \
-         median [ms] | max [ms] |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    let milliseconds = |time: Option<f64>| {
-        time.map_or_else(|| "–".to_owned(), |time| format!("{:.2}", 1e3 * time))
-    };
+    let names = RUNS.map(|(name, _)| name).join(" | ");
+    let mut text = format!("| {names} |\n|{}\n", "---|".repeat(RUNS.len()));
     for row in rows {
-        let [least, median, most] = row.times_s().map(milliseconds);
-        let status = match &row.error {
-            None => row.status.name().to_owned(),
-            Some(error) => format!("{}: {error}", row.status.name()),
-        };
-        let _ = writeln!(
-            text,
-            "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |",
-            row.method,
-            row.events,
-            row.setting(),
-            status,
-            rounded(row.e, 2),
-            rounded(row.event_time_error_s, 2),
-            count(row.missed),
-            count(row.spurious),
-            row.n_rhs,
-            row.n_accepted,
-            row.n_rejected,
-            row.n_retaken,
-            row.n_jac,
-            row.n_factorisations,
-            row.n_lin_solves,
-            least,
-            median,
-            most,
-        );
+        let _ = writeln!(text, "| {} |", RUNS.map(|(_, of)| of(row)).join(" | "));
     }
     text
+}
+
+fn milliseconds(time_s: Option<f64>) -> String {
+    time_s.map_or_else(|| "–".to_owned(), |time| format!("{:.2}", 1e3 * time))
 }
 
 /// What tells a run from the others, before its columns.

@@ -1,10 +1,8 @@
 //! The data behind the figures of step sizes.
 
-use std::fmt::Write as _;
-
 use deltazero_study::steps::StepTables;
 
-use crate::csv::{exact, field};
+use crate::csv::{self, exact, field, number};
 use crate::study::stability::Stability;
 
 /// Each file's name and text.
@@ -26,156 +24,126 @@ pub fn files(
 
 /// Every accepted step.
 fn steps(tables: &StepTables) -> String {
-    let mut csv = String::from(
-        "method,setting,joint,t_s,h_s,mode,since_restart,n_rejected,lands,mode_name\n",
-    );
-    for history in &tables.histories {
-        let (method, setting, joint) = (&history.method, &history.setting, history.part);
-        for step in &history.steps {
-            let _ = writeln!(
-                csv,
-                "{method},{setting},{joint},{:e},{:e},{},{},{},{},{}",
-                step.t_s,
-                step.h_s,
-                step.mode,
-                step.since_restart,
-                step.n_rejected,
-                step.lands,
-                field(history.mode_name(step))
-            );
-        }
-    }
-    csv
+    let histories = tables.histories.iter();
+    csv::table(
+        histories.flat_map(|history| history.steps.iter().map(move |step| (history, step))),
+        &[
+            ("method", |(history, _)| history.method.clone()),
+            ("setting", |(history, _)| history.setting.clone()),
+            ("joint", |(history, _)| history.part.to_string()),
+            ("t_s", |(_, step)| number(step.t_s)),
+            ("h_s", |(_, step)| number(step.h_s)),
+            ("mode", |(_, step)| step.mode.to_string()),
+            ("since_restart", |(_, step)| step.since_restart.to_string()),
+            ("n_rejected", |(_, step)| step.n_rejected.to_string()),
+            ("lands", |(_, step)| step.lands.to_string()),
+            ("mode_name", |(history, step)| field(history.mode_name(step))),
+        ],
+    )
 }
 
 fn histogram(tables: &StepTables) -> String {
-    let mut csv = String::from("method,setting,mode,h_from_s,h_to_s,n_steps\n");
-    for row in &tables.histogram {
-        let (from, to) = row.h_s;
-        let _ = writeln!(
-            csv,
-            "{},{},{},{from:e},{to:e},{}",
-            row.method,
-            row.setting,
-            field(&row.mode),
-            row.n_steps
-        );
-    }
-    csv
+    csv::table(
+        &tables.histogram,
+        &[
+            ("method", |row| row.method.clone()),
+            ("setting", |row| row.setting.clone()),
+            ("mode", |row| field(&row.mode)),
+            ("h_from_s", |row| number(row.h_s.0)),
+            ("h_to_s", |row| number(row.h_s.1)),
+            ("n_steps", |row| row.n_steps.to_string()),
+        ],
+    )
 }
 
 fn stays(tables: &StepTables) -> String {
-    let mut csv =
-        String::from("method,setting,joint,contact,t_s,duration_s,whole,n_steps,n_rejected,mode\n");
-    for row in &tables.stays {
-        let _ = writeln!(
-            csv,
-            "{},{},{},{},{:e},{:e},{},{},{},{}",
-            row.method,
-            row.setting,
-            row.part,
-            row.is_contact,
-            row.t_s,
-            row.duration_s,
-            row.is_whole,
-            row.n_steps,
-            row.n_rejected,
-            field(&row.mode)
-        );
-    }
-    csv
+    csv::table(
+        &tables.stays,
+        &[
+            ("method", |row| row.method.clone()),
+            ("setting", |row| row.setting.clone()),
+            ("joint", |row| row.part.to_string()),
+            ("contact", |row| row.is_contact.to_string()),
+            ("t_s", |row| number(row.t_s)),
+            ("duration_s", |row| number(row.duration_s)),
+            ("whole", |row| row.is_whole.to_string()),
+            ("n_steps", |row| row.n_steps.to_string()),
+            ("n_rejected", |row| row.n_rejected.to_string()),
+            ("mode", |row| field(&row.mode)),
+        ],
+    )
 }
 
 fn restarts(tables: &StepTables) -> String {
-    let mut csv = String::from(
-        "method,setting,into_contact,step,n,h_q1_s,h_median_s,h_q3_s,ratio_q1,ratio_median,\
-         ratio_q3,n_rejected,mode\n",
-    );
-    for row in &tables.restarts {
-        let [h1, h2, h3] = row.h_s;
-        let [r1, r2, r3] = row.h_over_settled;
-        let _ = writeln!(
-            csv,
-            "{},{},{},{},{},{h1:e},{h2:e},{h3:e},{r1:e},{r2:e},{r3:e},{},{}",
-            row.method,
-            row.setting,
-            row.into_contact,
-            row.step,
-            row.n,
-            row.n_rejected,
-            field(&row.mode)
-        );
-    }
-    csv
+    csv::table(
+        &tables.restarts,
+        &[
+            ("method", |row| row.method.clone()),
+            ("setting", |row| row.setting.clone()),
+            ("into_contact", |row| row.into_contact.to_string()),
+            ("step", |row| row.step.to_string()),
+            ("n", |row| row.n.to_string()),
+            ("h_q1_s", |row| number(row.h_s[0])),
+            ("h_median_s", |row| number(row.h_s[1])),
+            ("h_q3_s", |row| number(row.h_s[2])),
+            ("ratio_q1", |row| number(row.h_over_settled[0])),
+            ("ratio_median", |row| number(row.h_over_settled[1])),
+            ("ratio_q3", |row| number(row.h_over_settled[2])),
+            ("n_rejected", |row| row.n_rejected.to_string()),
+            ("mode", |row| field(&row.mode)),
+        ],
+    )
 }
 
 fn restart_costs(tables: &StepTables) -> String {
-    let mut csv = String::from(
-        "method,setting,n_events,settled_1_s,settled_2_s,recovery_steps,lost_steps,rejected,rhs_restart,\
-         rhs_location,rhs_step,rhs_event\n",
-    );
-    for row in &tables.restart_costs {
-        let settled = |joint: usize| exact(row.settled_s.get(joint - 1).copied().flatten());
-        let _ = writeln!(
-            csv,
-            "{},{},{},{},{},{},{},{:e},{:e},{:e},{:e},{:e}",
-            row.method,
-            row.setting,
-            row.n_events,
-            settled(1),
-            settled(2),
-            exact(row.recovery_steps),
-            exact(row.lost_steps),
-            row.rejected,
-            row.rhs_restart,
-            row.rhs_location,
-            row.rhs_step,
-            row.rhs_event()
-        );
-    }
-    csv
+    csv::table(
+        &tables.restart_costs,
+        &[
+            ("method", |row| row.method.clone()),
+            ("setting", |row| row.setting.clone()),
+            ("n_events", |row| row.n_events.to_string()),
+            ("settled_1_s", |row| exact(row.settled_s.first().copied().flatten())),
+            ("settled_2_s", |row| exact(row.settled_s.get(1).copied().flatten())),
+            ("recovery_steps", |row| exact(row.recovery_steps)),
+            ("lost_steps", |row| exact(row.lost_steps)),
+            ("rejected", |row| number(row.rejected)),
+            ("rhs_restart", |row| number(row.rhs_restart)),
+            ("rhs_location", |row| number(row.rhs_location)),
+            ("rhs_step", |row| number(row.rhs_step)),
+            ("rhs_event", |row| number(row.rhs_event())),
+        ],
+    )
 }
 
 fn rk4_stability(stability: &Stability) -> String {
-    let mut csv = String::from(
-        "joint,h_s,e,n_events,limit_s,time_scale_s,omega_least_rad_s,omega_largest_rad_s\n",
-    );
-    for run in &stability.runs {
-        let Some(joint) = stability.stiffness.iter().find(|row| row.joint == run.joint) else {
-            continue;
-        };
-        let (least, largest) = joint.omega_rad_s;
-        let _ = writeln!(
-            csv,
-            "{},{:e},{},{},{:e},{:e},{least:e},{largest:e}",
-            run.joint,
-            run.h_s,
-            exact(run.e),
-            run.n_events,
-            joint.limit_s,
-            joint.time_scale_s
-        );
-    }
-    csv
+    let joint = |number| stability.stiffness.iter().find(|row| row.joint == number);
+    csv::table(
+        stability.runs.iter().filter_map(|run| Some((run, joint(run.joint)?))),
+        &[
+            ("joint", |(run, _)| run.joint.to_string()),
+            ("h_s", |(run, _)| number(run.h_s)),
+            ("e", |(run, _)| exact(run.e)),
+            ("n_events", |(run, _)| run.n_events.to_string()),
+            ("limit_s", |(_, joint)| number(joint.limit_s)),
+            ("time_scale_s", |(_, joint)| number(joint.time_scale_s)),
+            ("omega_least_rad_s", |(_, joint)| number(joint.omega_rad_s.0)),
+            ("omega_largest_rad_s", |(_, joint)| number(joint.omega_rad_s.1)),
+        ],
+    )
 }
 
 fn tolerance(tables: &StepTables) -> String {
-    let mut csv = String::from(
-        "method,events,n_fitted,slope,e_over_rtol,scatter_decades,floor_rtol,floor_e\n",
-    );
-    for row in &tables.proportionality {
-        let _ = writeln!(
-            csv,
-            "{},{},{},{},{},{},{},{}",
-            row.method,
-            row.events,
-            row.n_fitted,
-            exact(row.slope),
-            exact(row.e_over_rtol),
-            exact(row.scatter_decades),
-            exact(row.floor.map(|floor| floor.rtol)),
-            exact(row.floor.map(|floor| floor.e))
-        );
-    }
-    csv
+    csv::table(
+        &tables.proportionality,
+        &[
+            ("method", |row| row.method.clone()),
+            ("events", |row| row.events.to_string()),
+            ("n_fitted", |row| row.n_fitted.to_string()),
+            ("slope", |row| exact(row.slope)),
+            ("e_over_rtol", |row| exact(row.e_over_rtol)),
+            ("scatter_decades", |row| exact(row.scatter_decades)),
+            ("floor_rtol", |row| exact(row.floor.map(|floor| floor.rtol))),
+            ("floor_e", |row| exact(row.floor.map(|floor| floor.e))),
+        ],
+    )
 }
