@@ -7,6 +7,8 @@ pub mod html;
 pub mod laws;
 pub mod recommend;
 pub mod regimes;
+pub mod run_lines;
+pub mod run_record;
 mod runs;
 pub mod simulation;
 pub mod steps;

@@ -5,20 +5,19 @@ use std::time::Duration;
 
 use clap::Args;
 use deltazero::config::Config;
+use deltazero::report::run_lines::{failure, run_lines};
+use deltazero::report::run_record::{PartsRecord, RunRecord, Simulated};
 use deltazero::report::simulation::{events_csv, trajectory_csv};
-use deltazero_solvers::{Grid, Outcome, Stats};
-use deltazero_study::digits::{as_meant, count_of};
-use deltazero_study::energy_balance::Balance;
-use deltazero_study::errors::contact_summary::ContactSummary;
-use deltazero_study::errors::work::WorkByPhase;
+use deltazero_solvers::{Grid, Outcome};
+use deltazero_study::Subject;
+use deltazero_study::digits::as_meant;
 use deltazero_study::horizon::{Horizon, Span, TightRuns, tight_runs};
 use deltazero_study::part::Timing;
 use deltazero_study::run::{Limits, Price, Setting};
 use deltazero_study::selection::work;
-use deltazero_study::simulation::{Asked, Simulation, SiteMotion};
-use deltazero_study::warning::{Code, Warning, place};
-use deltazero_study::{Part, Subject};
-use serde_json::{Map, Value, json};
+use deltazero_study::simulation::{Asked, SiteMotion};
+use deltazero_study::warning::{Code, Warning};
+use serde_json::json;
 
 use super::output::{Output, hash};
 use super::progress::TimeBar;
@@ -43,14 +42,6 @@ pub(super) struct SimulateArgs {
     /// Do not measure how far the motion is predictable, which takes two tight runs more
     #[arg(long)]
     no_horizon: bool,
-}
-
-/// A part of what is integrated, and its run.
-struct Simulated<'a> {
-    part: &'a Part,
-    own: Simulation,
-    /// Why it was broken off, if by too many rows.
-    too_long: Option<String>,
 }
 
 pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure> {
@@ -84,24 +75,32 @@ pub(super) fn run(args: &SimulateArgs, stop: &AtomicBool) -> Result<(), Failure>
     let mut warnings = warnings(&config, &parts, horizon);
     warnings.extend(tight.iter().flat_map(|tight| other_events(&subject, &parts, tight)));
     let time = Alone::of(&subject, &setting, &parts, &config, stop);
-    let mut summary = run_json(&output, &config, &setting, &parts, &time);
-    summary["warnings"] = json!(warnings);
-    summary["horizon_s"] = horizon_json(horizon);
+    let record = RunRecord {
+        hash: output.hash.clone(),
+        config: config.to_json(),
+        version: env!("CARGO_PKG_VERSION"),
+        wall_s: time.wall.as_secs_f64(),
+        batch: time.batch,
+        warnings,
+        horizon_s: horizon,
+        parts: PartsRecord::new(&setting, &parts),
+    };
+    let json = json!(record);
     let sites: Vec<_> = parts.iter().flat_map(|part| &part.own.sites).collect();
     output.write_by("trajectory.csv", |out| trajectory_csv(out, &sites))?;
     output.write("events.csv", events_csv(&sites).as_bytes())?;
-    output.write_json(RECORD, &summary)?;
+    output.write_json(RECORD, &json)?;
 
     if args.run.to.json {
-        print(&format!("{summary:#}\n"))?;
+        print(&format!("{json:#}\n"))?;
     } else {
-        print(&report_lines(&summary, &parts, horizon, stop.load(Ordering::Relaxed)))?;
+        print(&run_lines(&record, &parts, stop.load(Ordering::Relaxed)))?;
     }
-    warn(&warnings, args.run.to.quiet);
+    warn(&record.warnings, args.run.to.quiet);
     if !args.run.to.quiet {
         say(&format!("written to {}: trajectory.csv, events.csv, run.json", output.path()));
     }
-    match outcome(&parts) {
+    match record.parts.outcome {
         "failed" => Err(Failure::Run(failure(&parts))),
         "interrupted" => Err(Failure::Interrupted("what was computed until then is written")),
         _ if stop.load(Ordering::Relaxed) => Err(Failure::Interrupted(written(horizon))),
@@ -180,15 +179,6 @@ fn spans(config: &Config, setting: &Setting, parts: &[Simulated<'_>]) -> Vec<Spa
     parts.iter().map(span).collect()
 }
 
-/// A time [s], null for a run that is predictable to its end, `"not_measured"`.
-fn horizon_json(horizon: Option<Horizon>) -> Value {
-    match horizon {
-        Some(Horizon::LostAt(t)) => t.into(),
-        Some(Horizon::WholeRun) => Value::Null,
-        Some(Horizon::NotMeasured) | None => "not_measured".into(),
-    }
-}
-
 /// What there is of a run that came to its end before an interruption.
 fn written(horizon: Option<Horizon>) -> &'static str {
     match horizon {
@@ -199,218 +189,10 @@ fn written(horizon: Option<Horizon>) -> &'static str {
     }
 }
 
-fn horizon_line(horizon: Option<Horizon>, has_failed: bool, is_interrupted: bool) -> String {
-    match horizon {
-        Some(Horizon::LostAt(t)) => format!("predictable up to {} s\n", as_meant(t)),
-        Some(Horizon::WholeRun) if has_failed => "predictable as far as it came\n".to_owned(),
-        Some(Horizon::WholeRun) => "predictable to its end\n".to_owned(),
-        Some(Horizon::NotMeasured) if is_interrupted => "horizon not measured\n".to_owned(),
-        Some(Horizon::NotMeasured) => {
-            "horizon not measured: no tight run came to the end at a few times the work\n"
-                .to_owned()
-        }
-        None => String::new(),
-    }
-}
-
-/// `failed` if any part did, else `interrupted`, else the name of the end if every part came to it.
-fn outcome(parts: &[Simulated<'_>]) -> &'static str {
-    let any = |outcome| parts.iter().any(|part| part.own.run.outcome == Ok(outcome));
-    if parts.iter().any(|part| part.own.run.outcome.is_err() || part.too_long.is_some()) {
-        "failed"
-    } else if any(Outcome::Interrupted) {
-        "interrupted"
-    } else if any(Outcome::Finished) {
-        "finished"
-    } else {
-        parts.first().map_or("finished", |part| part.part.end_name.key)
-    }
-}
-
-/// What tells a site of a part apart, as the fields of a row.
-fn labels(part: &Part, site: usize) -> Map<String, Value> {
-    part.labels[site].iter().map(|(name, value)| ((*name).to_owned(), (*value).into())).collect()
-}
-
-fn run_json(
-    output: &Output,
-    config: &Config,
-    setting: &Setting,
-    parts: &[Simulated<'_>],
-    time: &Alone,
-) -> Value {
-    let (mut stats, mut balance) = (Stats::default(), None::<Balance>);
-    let mut work = Vec::new();
-    for Simulated { own, .. } in parts {
-        stats += own.run.stats;
-        if let Some(own) = own.balance {
-            *balance.get_or_insert_default() += own;
-        }
-        work.extend_from_slice(&own.work);
-    }
-    let count =
-        |of: fn(&Simulation) -> usize| parts.iter().map(|part| of(&part.own)).sum::<usize>();
-    let end_name = parts.first().map_or("stopped", |part| part.part.end_name.key);
-    let mut counts = json!({
-        "n_rhs": stats.work.n_rhs,
-        "n_accepted": stats.n_accepted,
-        "n_implicit": stats.n_implicit,
-        "n_rejected": stats.n_rejected,
-        "n_retaken": stats.n_retaken,
-        "n_events": count(|own| own.n_events),
-        "n_grazing": stats.n_grazing,
-        "n_jac": stats.work.n_jac,
-        "n_factorisations": stats.work.n_factorisations,
-        "n_lin_solves": stats.work.n_lin_solves,
-        "n_at_speed_floor": count(|own| own.n_at_speed_floor),
-    });
-    if let Some(order) = setting.method.series_order(setting.rtol()) {
-        counts["series_order"] = order.into();
-    }
-    let mut all = json!({
-        "hash": output.hash,
-        "config": config.to_json(),
-        "version": env!("CARGO_PKG_VERSION"),
-        "wall_s": time.wall.as_secs_f64(),
-        "batch": time.batch,
-        "counts": counts,
-        "work_by_phase": WorkByPhase::new(&work),
-        "outcome": outcome(parts),
-        "error": parts.iter().find_map(error),
-    });
-    all[format!("{end_name}_s")] = parts.iter().filter_map(reached).collect();
-    if let Some(balance) = balance {
-        all["energy"] = json!(balance);
-    }
-    if parts.iter().any(|part| part.own.contacts.is_some()) {
-        all["contacts"] = parts.iter().flat_map(contact_rows).collect();
-    }
-    all
-}
-
-/// Where and when a part came to its end.
-fn reached(Simulated { part, own, .. }: &Simulated<'_>) -> Option<Value> {
-    let mut row = labels(part, own.stopped?);
-    row.insert("t_s".to_owned(), own.run.t.into());
-    Some(row.into())
-}
-
-/// Why a part failed, if it did.
-fn error(Simulated { part, own, too_long }: &Simulated<'_>) -> Option<Value> {
-    let failure = own.run.outcome.as_ref().err().map(ToString::to_string);
-    let message = failure.or_else(|| too_long.clone())?;
-    let mut row = labels(part, own.failed_site.unwrap_or(0));
-    if own.failed_site.is_none() && part.labels.len() > 1 {
-        row.insert(part.labels[0][0].0.to_owned(), Value::Null);
-    }
-    row.insert("t".to_owned(), own.run.t.into());
-    row.insert("mode".to_owned(), own.run.mode.clone().into());
-    row.insert("message".to_owned(), message.into());
-    Some(row.into())
-}
-
-/// The contacts of each site of a part, in short; none where the model tells of none.
-fn contact_rows(Simulated { part, own, .. }: &Simulated<'_>) -> Vec<Value> {
-    let row = |(site, contacts): (usize, &Vec<_>)| {
-        let mut row = json!(ContactSummary::of(contacts.iter()));
-        for (name, value) in labels(part, site) {
-            row[name] = value;
-        }
-        row
-    };
-    own.contacts.iter().flatten().enumerate().map(row).collect()
-}
-
-/// The contacts of a part in a line; none where there are none.
-fn contact_line(Simulated { own, .. }: &Simulated<'_>) -> Option<String> {
-    let own = ContactSummary::of(own.contacts.iter().flatten().flatten());
-    let (force, at) = own.peak_force_n.zip(own.peak_force_at_s)?;
-    let speeds = own.smallest_impact_speed_m_s.zip(own.largest_impact_speed_m_s);
-    // A contact without penetration has no rate of it.
-    let speeds = speeds.filter(|(_, most)| *most > 0.0);
-    let speeds = speeds.map_or_else(String::new, |(least, most)| {
-        format!(", impacts at {least:.3e} to {most:.3e} m/s")
-    });
-    Some(format!(
-        "  {}: peak force {force:.4e} N at {at:.6} s, deepest {:.3e} m{speeds}, impulse {:.4e} N s, \
-         longest {:.3e} s\n",
-        count_of(own.n, "contact"),
-        own.deepest_m?,
-        own.impulse_n_s,
-        own.longest_s?
-    ))
-}
-
-/// The message of a failed run: where, in which mode, what to try.
-fn failure(parts: &[Simulated<'_>]) -> String {
-    let failed = parts.iter().find_map(|part| Some((part, error(part)?)));
-    let Some((Simulated { part, own, .. }, error)) = failed else { return String::new() };
-    let message = error["message"].as_str().unwrap_or_default();
-    let lines = own.failed_place.as_ref().map_or_else(String::new, |lines| format!("\n{lines}"));
-    format!("{}{message}; what was computed until then is written{lines}", place(&part.name))
-}
-
-fn report_lines(
-    summary: &Value,
-    parts: &[Simulated<'_>],
-    horizon: Option<Horizon>,
-    is_interrupted: bool,
-) -> String {
-    let counts = &summary["counts"];
-    let counted = |key: &str, thing| count_of(counts[key].as_u64().unwrap_or(0), thing);
-    let mut text = format!(
-        "{}: {}, {}, {} ({} rejected, {} retaken), {:.2} ms{}\n",
-        outcome(parts),
-        counted("n_events", "event"),
-        counted("n_rhs", "right-hand side"),
-        counted("n_accepted", "step"),
-        counts["n_rejected"],
-        counts["n_retaken"],
-        1e3 * summary["wall_s"].as_f64().unwrap_or(f64::NAN),
-        match summary["batch"].as_u64() {
-            Some(n) if n > 1 => format!(" ({n} parts at once)"),
-            _ => String::new(),
-        }
-    );
-    for part in parts {
-        text += &part_line(part);
-        text += &contact_line(part).unwrap_or_default();
-    }
-    let has_failed = parts.iter().any(|part| error(part).is_some());
-    text += &horizon_line(horizon, has_failed, is_interrupted);
-    match summary["warnings"].as_array().map_or(0, Vec::len) {
-        0 => {}
-        n => text += &format!("{}, in run.json\n", count_of(n, "warning")),
-    }
-    text
-}
-
-/// A part in a line: where it ended, in which mode, and how good its energy balance is.
-fn part_line(Simulated { part, own, .. }: &Simulated<'_>) -> String {
-    let name = match (part.name.as_str(), part.sites.len()) {
-        ("", _) => String::new(),
-        (name, 1) => format!("{name}: "),
-        (name, n) => format!("{name} of {n} {}s: ", part.labels[0][0].0),
-    };
-    let t = own.run.t;
-    let end = match own.stopped {
-        Some(site) => {
-            let place = match part.labels[site].first() {
-                Some((label, value)) if part.sites.len() > 1 => format!("{label} {value} "),
-                _ => String::new(),
-            };
-            format!("{place}{} at {t:.6} s, {}", part.end_name.words, own.end)
-        }
-        None => format!("{} at t = {t:e} s", own.end),
-    };
-    let energy = own.balance.map_or_else(String::new, |balance| {
-        format!("; energy residual {:.1e} J of {:.1e} J of work", balance.residual, balance.work)
-    });
-    format!("{name}{end}, {}{energy}\n", own.run.mode)
-}
-
 #[cfg(test)]
 mod tests {
+    use deltazero_study::Part;
+
     use super::*;
 
     #[test]
