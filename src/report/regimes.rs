@@ -12,7 +12,7 @@ use deltazero_study::setting::Events;
 use crate::config::Config;
 use crate::csv::{self, Column, exact, field, number};
 use crate::figures::Drawing;
-use crate::mechanisms::text;
+use crate::mechanisms::text::column_of;
 use crate::study::regimes::{Cell, maps, of_map};
 
 /// A time within this factor of the winner's is near it.
@@ -76,11 +76,8 @@ pub fn csv(cells: &[Cell]) -> String {
 /// `map.csv`: one row a cell and an accuracy. A parameter of a model with the name of another column has its long name.
 pub fn map_csv(map: &Map) -> String {
     let is_taken = |name: &str| CONTEST.iter().any(|(column, _)| *column == name);
-    let names = map.axes.each_ref().map(|MapAxis { name, .. }| match is_taken(name) {
-        true => format!("{}.{name}", text::TABLES[1]),
-        false => field(name),
-    });
-    let names = names.join(",");
+    let own = |MapAxis { name, .. }: &MapAxis| field(&column_of(name, is_taken(name)));
+    let names = map.axes.each_ref().map(own).join(",");
     let mut csv = format!("{names},{}\n", csv::header(&CONTEST));
     for MapCell { at: [x, y], contest } in &map.cells {
         let _ = writeln!(csv, "{x:e},{y:e},{}", csv::line(contest, &CONTEST));

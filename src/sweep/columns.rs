@@ -14,7 +14,7 @@ use serde_json::Value;
 
 use super::plan::{Plan, Values};
 use crate::config::Varied;
-use crate::mechanisms::text;
+use crate::mechanisms::text::column_of;
 
 /// What a row has in a column.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,10 +103,7 @@ impl Head {
 pub(super) fn heads_of_rows(plan: &Plan, varied: &[Varied], told: &[Head]) -> Vec<Head> {
     let (run, status) = (Head::count("run"), Head::text("status"));
     let is_taken = |key: &str| [&run, &status].into_iter().chain(told).any(|head| head.name == key);
-    let own = |key: &str| {
-        let long = if is_taken(key) { format!("{}.", text::TABLES[1]) } else { String::new() };
-        long + key
-    };
+    let own = |key: &str| column_of(key, is_taken(key));
     let axes = plan.axes.iter().map(|axis| (&axis.key, CellKind::of(&axis.values)));
     let drawn = plan.random.iter().flat_map(|random| &random.keys);
     let drawn = drawn.map(|draw| (&draw.key, CellKind::Number));

@@ -14,6 +14,7 @@ use crate::keys::{End, Kind, Range};
 
 use super::toml_source;
 use crate::mechanisms::Chosen;
+use crate::mechanisms::text::MODEL;
 
 /// A model file, read and checked.
 #[derive(Clone)]
@@ -55,10 +56,10 @@ impl Model {
     /// # Errors
     /// It is no model.
     pub(super) fn carried_by(given: &Given) -> Result<Option<Self>, ConfigError> {
-        let Some(table) = given.entry("model") else { return Ok(None) };
+        let Some(table) = given.entry(MODEL) else { return Ok(None) };
         let word = |name| match table.entry(name).map(|given| &given.datum) {
             Some(Datum::Word(word)) => Ok(word.clone()),
-            _ => Err(table.wrong_type("model", "a table with the words name and text")),
+            _ => Err(table.wrong_type(MODEL, "a table with the words name and text")),
         };
         Self::new(&word("name")?, &word("text")?).map(Some)
     }

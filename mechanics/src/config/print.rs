@@ -9,7 +9,7 @@ use super::given::is_bare_key;
 use super::values::{OfModel, Values};
 use super::{Config, Given, Model, toml_source};
 use crate::keys::{DefaultValue, JOINT_TABLES, JOINTS, Key};
-use crate::mechanisms::text::TABLES;
+use crate::mechanisms::text::{MODEL, PARAMETERS};
 use crate::mechanisms::{Entry, MECHANISMS};
 
 const HEAD: &str = "\
@@ -131,7 +131,7 @@ impl Config {
     pub fn commented_toml(&self) -> String {
         let Entry { name, about, .. } = self.mechanism.entry;
         let tables = &self.mechanism.tables;
-        let [model, parameters] = TABLES.map(|name| tables.get(name));
+        let [model, parameters] = [MODEL, PARAMETERS].map(|name| tables.get(name));
         let head = match model {
             Some(model) => {
                 let file = model["name"].as_str().unwrap_or_default();
@@ -143,7 +143,7 @@ impl Config {
         };
         let mut text = commented(&head, self.mechanism.entry, Some(self));
         if let Some(Value::Object(own)) = parameters {
-            write_table(&mut text, TABLES[1], own);
+            write_table(&mut text, PARAMETERS, own);
         }
         text
     }

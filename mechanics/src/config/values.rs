@@ -15,10 +15,8 @@ use super::model::{self, Model};
 use super::nearest::{nearest_key, nearest_of};
 use super::toml_source;
 use crate::keys::{DefaultValue, JOINT_TABLES, JointConfig, Key, Run, one_joint};
-use crate::mechanisms::{Chosen, Entry, text};
-
-/// The table of a configuration that holds the values of a model's parameters.
-const PARAMETERS: &str = text::TABLES[1];
+use crate::mechanisms::text::{MODEL, PARAMETERS};
+use crate::mechanisms::{Chosen, Entry};
 
 /// A default that a model from a file brings: path, value as TOML, and where it is from.
 pub(super) type OfModel = (String, String, &'static str);
@@ -248,7 +246,7 @@ impl Values {
 
     /// Whether an entry of the root is how a configuration carries its model, and no setting.
     fn is_carried(&self, path: &str, name: &str) -> bool {
-        self.model.is_some() && path.is_empty() && ["mechanism", "model"].contains(&name)
+        self.model.is_some() && path.is_empty() && ["mechanism", MODEL].contains(&name)
     }
 
     /// The complaint about a path that is no key, or about a table that is none.

@@ -14,7 +14,7 @@ use super::unused::law_without;
 use super::values::{Target, Values, parameter_path, table, typed};
 use crate::keys::{JOINT_TABLES, JOINTS, Key, Kind, one_joint};
 use crate::mechanisms::Chosen;
-use crate::mechanisms::text::TABLES;
+use crate::mechanisms::text::{MODEL, PARAMETERS};
 
 /// The part that holds the tables of the mechanism.
 const OWN: &str = "tables of the mechanism";
@@ -233,7 +233,7 @@ impl Variants {
     fn places(&mut self, i: usize) -> Vec<Entered> {
         let path = self.keys[i].path.clone();
         let Some(key) = self.keys[i].key else {
-            return vec![Entered { part: self.part(OWN), path: vec![TABLES[1].to_owned(), path] }];
+            return vec![Entered { part: self.part(OWN), path: vec![PARAMETERS.to_owned(), path] }];
         };
         let name = || key.name().to_owned();
         let Some(table) = key.table() else {
@@ -271,7 +271,7 @@ impl Variants {
             OWN => {
                 let own = self.config.mechanism.tables.iter();
                 // The text of a model is no value.
-                let own = own.filter(|(name, _)| *name != TABLES[0]);
+                let own = own.filter(|(name, _)| *name != MODEL);
                 own.map(|(name, table)| (name.clone(), table.clone())).collect()
             }
             _ if JOINTS.contains(&name) => self.settings.joint_tables(name),
@@ -358,7 +358,7 @@ fn own(config: &Config, tables: &Value, model: Option<&Model>) -> Result<Chosen,
         let tables = typed(OWN, tables.clone())?;
         return Chosen::new(entry, tables).map_err(|error| table(entry.name, &error));
     };
-    let parameters = tables[TABLES[1]].as_object().into_iter().flatten();
+    let parameters = tables[PARAMETERS].as_object().into_iter().flatten();
     let values = parameters.filter_map(|(name, value)| Some((name.clone(), value.as_f64()?)));
     model.chosen(&values.collect::<Vec<_>>(), config.run.t_end)
 }

@@ -11,8 +11,15 @@ use super::in_words::fact;
 use super::{Chosen, Entry, Mechanism};
 use crate::keys::Shared;
 
-/// The tables of a configuration that hold a model and the values of its parameters.
-pub const TABLES: [&str; 2] = ["model", "parameters"];
+/// The table of a configuration that holds a model.
+pub const MODEL: &str = "model";
+/// The table of the values of its parameters.
+pub const PARAMETERS: &str = "parameters";
+
+/// The name of the column of a parameter: its long one where another column has its own.
+pub fn column_of(parameter: &str, is_taken: bool) -> String {
+    if is_taken { format!("{PARAMETERS}.{parameter}") } else { parameter.to_owned() }
+}
 
 /// Models from files stand in no list: a file chooses its own.
 static TEXT: Entry = Entry {
@@ -53,8 +60,8 @@ impl Chosen {
         let parameters: Map<String, Value> =
             values.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
         let model = json!({ "name": file.file_name(), "text": text });
-        let tables = [model, parameters.into()];
-        let tables = TABLES.map(str::to_owned).into_iter().zip(tables).collect();
+        let tables = [(MODEL, model), (PARAMETERS, parameters.into())];
+        let tables = tables.map(|(name, table)| (name.to_owned(), table)).into_iter().collect();
         let value = Text { file: Arc::clone(file), subject, values };
         Ok(Self { entry: &TEXT, tables, value: Arc::new(value) })
     }
