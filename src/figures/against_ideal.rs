@@ -5,6 +5,9 @@ use deltazero_study::motion::Motion;
 
 use super::Drawing;
 
+/// Name of its files.
+pub(super) const NAME: &str = "against_ideal";
+
 /// A column with this before the name of another is the same without clearance.
 const MARK: &str = "ideal_";
 /// Colours of the quantity with clearance and without.
@@ -65,5 +68,5 @@ pub(super) fn drawing(motion: &Motion) -> Option<Drawing> {
         size: Size { width: 1100, height: 720 },
         ..Figure::default()
     };
-    Some(Drawing { name: "against_ideal", caption, figure })
+    Some(Drawing { name: NAME, caption, figure })
 }

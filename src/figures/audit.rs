@@ -28,17 +28,30 @@ const WIDE: f64 = 0.06;
 /// Least force on a logarithmic axis [N].
 const LEAST_FORCE: f64 = 0.03;
 
+/// Names of their files.
+pub(super) const NAMES: [&str; 8] = [
+    "fig07_ab_ideal",
+    "fig08_af_ideal",
+    "fig09_ab",
+    "fig10_x01",
+    "fig11_y01",
+    "fig12_f_n1",
+    "fig13_af",
+    "fig14_f_n2",
+];
+
 /// All of them.
 pub fn drawings(audit: &Audit) -> Vec<Drawing> {
+    let [ab_ideal, af_ideal, ab, x01, y01, f_n1, af, f_n2] = NAMES;
     vec![
-        ideal(audit, 1, "fig07_ab_ideal"),
-        ideal(audit, 2, "fig08_af_ideal"),
-        strut(audit, 1, "fig09_ab"),
-        displacement(audit, Quantity::D1, "fig10_x01"),
-        displacement(audit, Quantity::D2, "fig11_y01"),
-        force(audit, 1, "fig12_f_n1"),
-        strut(audit, 2, "fig13_af"),
-        force(audit, 2, "fig14_f_n2"),
+        ideal(audit, 1, ab_ideal),
+        ideal(audit, 2, af_ideal),
+        strut(audit, 1, ab),
+        displacement(audit, Quantity::D1, x01),
+        displacement(audit, Quantity::D2, y01),
+        force(audit, 1, f_n1),
+        strut(audit, 2, af),
+        force(audit, 2, f_n2),
     ]
 }
 

@@ -6,6 +6,9 @@ use deltazero_study::simulation::SiteMotion;
 
 use super::Drawing;
 
+/// Name of its files.
+pub(super) const NAME: &str = "gap_and_force";
+
 /// A unit of penetration, and how many of it are a metre.
 type Unit = (&'static str, f64);
 
@@ -75,7 +78,7 @@ pub(super) fn drawing(motion: &Motion) -> Option<Drawing> {
         size: Size { width: 1100, height: if lasts { 720 } else { 400 } },
         ..Figure::default()
     };
-    Some(Drawing { name: "gap_and_force", caption, figure })
+    Some(Drawing { name: NAME, caption, figure })
 }
 
 /// Time, penetration and force at each sample of a site.

@@ -41,35 +41,28 @@ const LANDING: f64 = 1e-9;
 
 /// The names of all figures that studies have.
 pub const OF_STUDIES: [&str; 15] = [
-    "work_precision_time",
-    "work_precision_rhs",
+    work_precision::TIME,
+    work_precision::RHS,
     "step_size",
     "step_size_zoom",
     "step_histogram",
-    "steps_per_contact",
+    stays::NAME,
     "restarts",
-    "motion",
-    "gap_and_force",
-    "against_ideal",
-    "orbit",
-    "rk4_order",
-    "rk4_stability",
-    "tolerance",
-    "chosen_axes",
+    motion::NAME,
+    contact::NAME,
+    against_ideal::NAME,
+    orbit::NAME,
+    rk4_order::NAME,
+    stability::NAME,
+    proportionality::NAME,
+    work_precision::CHOSEN,
 ];
 
 /// The names of all figures that audits have.
-pub const OF_AUDITS: [&str; 9] = [
-    "fig07_ab_ideal",
-    "fig08_af_ideal",
-    "fig09_ab",
-    "fig10_x01",
-    "fig11_y01",
-    "fig12_f_n1",
-    "fig13_af",
-    "fig14_f_n2",
-    "torque_ratio",
-];
+pub const OF_AUDITS: [&str; 9] = {
+    let [ab_ideal, af_ideal, ab, x01, y01, f_n1, af, f_n2] = audit::NAMES;
+    [ab_ideal, af_ideal, ab, x01, y01, f_n1, af, f_n2, torque_ratio::NAME]
+};
 
 /// A figure with what is said about it.
 #[derive(Clone, Debug)]

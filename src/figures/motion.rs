@@ -7,6 +7,9 @@ use deltazero_study::simulation::SiteMotion;
 use super::modes::{MOST, look_of, quoted};
 use super::{Drawing, duration};
 
+/// Name of its files.
+pub(super) const NAME: &str = "motion";
+
 /// Panels, at most.
 const MOST_PANELS: usize = 8;
 /// Lines of a vector, at most; they are spread over its indices.
@@ -61,7 +64,7 @@ pub(super) fn drawing(motion: &Motion) -> Option<Drawing> {
     };
     let panels: Vec<Panel> = shown.iter().enumerate().flat_map(row).collect();
     let caption = caption(motion, &columns, &stays, left_out);
-    Some(Drawing { name: "motion", caption, figure: figure(panels, shown.len(), columns.len()) })
+    Some(Drawing { name: NAME, caption, figure: figure(panels, shown.len(), columns.len()) })
 }
 
 /// What is shown beside the whole run, if anything is.

@@ -6,6 +6,9 @@ use deltazero_study::simulation::SiteMotion;
 
 use super::Drawing;
 
+/// Name of its files.
+pub(super) const NAME: &str = "orbit";
+
 /// Columns of the pin's displacement in its bush.
 const PIN: [&str; 2] = ["d1", "d2"];
 
@@ -38,7 +41,7 @@ pub(super) fn drawing(motion: &Motion, clearances: &[f64]) -> Option<Drawing> {
         size: Size { width: 1100, height: 600 },
         ..Figure::default()
     };
-    Some(Drawing { name: "orbit", caption, figure })
+    Some(Drawing { name: NAME, caption, figure })
 }
 
 fn panel(site: &SiteMotion, clearance: f64) -> Option<Panel> {

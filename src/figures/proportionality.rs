@@ -8,6 +8,9 @@ use deltazero_study::work_precision::{Row, WorkPrecision};
 use super::work_precision::not_drawn;
 use super::{Drawing, curve, groups};
 
+/// Name of its files.
+pub(super) const NAME: &str = "tolerance";
+
 /// `e` against rtol of each method, located on the left, blind on the right.
 pub(super) fn drawing(table: &WorkPrecision, rows: &[ToleranceRow]) -> Drawing {
     let kinds = [Events::Located, Events::Blind];
@@ -34,7 +37,7 @@ pub(super) fn drawing(table: &WorkPrecision, rows: &[ToleranceRow]) -> Drawing {
         share_y: true,
         ..Figure::default()
     };
-    Drawing { name: "tolerance", caption, figure }
+    Drawing { name: NAME, caption, figure }
 }
 
 /// One treatment of events; the legend has a method by where it is drawn first.

@@ -8,6 +8,9 @@ use deltazero_study::work_precision::WorkPrecision;
 use super::work_precision::not_drawn;
 use super::{Drawing, curve, groups};
 
+/// Name of its files.
+pub(super) const NAME: &str = "rk4_order";
+
 /// Errors below this are near rounding and above this far from the limit of small steps; neither
 /// tells the order.
 const SLOPE_RANGE: (f64, f64) = (1e-11, 1e-2);
@@ -52,5 +55,5 @@ pub(super) fn drawing(table: &WorkPrecision) -> Drawing {
     };
     let figure =
         Figure { size: Size::SINGLE, ..Figure::single("rk4: error against step size", chart) };
-    Drawing { name: "rk4_order", caption, figure }
+    Drawing { name: NAME, caption, figure }
 }

@@ -6,6 +6,9 @@ use deltazero_study::steps::step_size::ACCURACY;
 use super::Drawing;
 use crate::study::stability::{Stability, StepErrorRow, StiffnessRow};
 
+/// Name of its files.
+pub(super) const NAME: &str = "rk4_stability";
+
 /// `e` and the events of each joint against its step over the contact's time scale.
 pub(super) fn drawing(stability: &Stability) -> Drawing {
     let runs = |joint: usize| stability.runs.iter().filter(move |run| run.joint == joint);
@@ -51,7 +54,7 @@ pub(super) fn drawing(stability: &Stability) -> Drawing {
         size: Size { width: 760, height: 720 },
         ..Figure::stacked("rk4: where stability binds", panels)
     };
-    Drawing { name: "rk4_stability", caption, figure }
+    Drawing { name: NAME, caption, figure }
 }
 
 /// The events of a run that came to its end.

@@ -8,6 +8,9 @@ use deltazero_study::steps::stays::StayRow;
 use super::modes::quoted;
 use super::{Drawing, in_threes, number};
 
+/// Name of its files.
+pub(super) const NAME: &str = "steps_per_contact";
+
 /// Modes that have a panel, at most.
 const MOST_MODES: usize = 9;
 
@@ -55,7 +58,7 @@ pub(super) fn drawing(rows: &[StayRow], modes: &[String]) -> Drawing {
         ..LineChart::default()
     };
     let figure = Figure { size: Size::WIDE, ..Figure::single("Steps per contact", chart) };
-    Drawing { name: "steps_per_contact", caption, figure }
+    Drawing { name: NAME, caption, figure }
 }
 
 /// A panel for each of the modes that are stayed in.
@@ -101,7 +104,7 @@ fn by_mode(whole: &[&StayRow], methods: &[&str], modes: &[String]) -> Drawing {
         findings.join("; ")
     );
     let panels = shown.iter().map(panel).collect();
-    Drawing { name: "steps_per_contact", caption, figure: in_threes("Steps per stay", panels) }
+    Drawing { name: NAME, caption, figure: in_threes("Steps per stay", panels) }
 }
 
 fn kind(is_contact: bool) -> &'static str {

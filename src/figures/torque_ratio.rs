@@ -8,6 +8,9 @@ use super::Drawing;
 use crate::keys::{Inertia, ReadingName};
 use crate::study::torque_ratio::{RatioCurve, TorqueRatio};
 
+/// Name of its files.
+pub(super) const NAME: &str = "torque_ratio";
+
 /// The colour of the joint without clearance: black.
 const IDEAL: usize = 6;
 
@@ -36,7 +39,7 @@ pub fn drawing(table: &TorqueRatio) -> Drawing {
         share_x: true,
         share_y: false,
     };
-    Drawing { name: "torque_ratio", caption, figure }
+    Drawing { name: NAME, caption, figure }
 }
 
 fn of(table: &TorqueRatio, inertia: Inertia) -> impl Iterator<Item = &RatioCurve> {

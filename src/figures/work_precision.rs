@@ -8,6 +8,11 @@ use deltazero_study::work_precision::{ACCURACIES, Row, WorkPrecision, cheapest, 
 
 use super::{Drawing, curve, groups};
 
+/// Names of the files of the three figures.
+pub(super) const TIME: &str = "work_precision_time";
+pub(super) const RHS: &str = "work_precision_rhs";
+pub(super) const CHOSEN: &str = "chosen_axes";
+
 /// `e` against the shortest time of each run.
 pub(super) fn against_time(table: &WorkPrecision) -> Drawing {
     let x = Axis::log("time of the integration [ms]");
@@ -28,7 +33,7 @@ pub(super) fn against_time(table: &WorkPrecision) -> Drawing {
         not_drawn(n_exact(table), "e")
     );
     let figure = Figure { size: Size::WIDE, ..Figure::single("Work and precision: time", chart) };
-    Drawing { name: "work_precision_time", caption, figure }
+    Drawing { name: TIME, caption, figure }
 }
 
 /// `e` against evaluations of the right-hand side.
@@ -47,7 +52,7 @@ pub(super) fn against_rhs(table: &WorkPrecision) -> Drawing {
         size: Size::WIDE,
         ..Figure::single("Work and precision: right-hand sides", chart)
     };
-    Drawing { name: "work_precision_rhs", caption, figure }
+    Drawing { name: RHS, caption, figure }
 }
 
 /// How many runs have no error at all.
@@ -91,7 +96,7 @@ pub fn chosen_axes(table: &WorkPrecision, x: &str, y: &str) -> Option<Drawing> {
     );
     let title = format!("{} against {}", y.name, x.name);
     let figure = Figure { size: Size::WIDE, ..Figure::single(title, chart) };
-    Some(Drawing { name: "chosen_axes", caption, figure })
+    Some(Drawing { name: CHOSEN, caption, figure })
 }
 
 /// The curve of each method, of the points that its rows are `at`.

@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use deltazero::figures::OF_STUDIES;
 use serde_json::{Value, json};
 
 use crate::{Scratch, Table, number};
@@ -77,6 +78,9 @@ fn without_a_command_the_study_is_done_and_every_run_is_a_row() {
     for svg in files.iter().filter(|name| name.ends_with(".svg")) {
         assert!(files.contains(&svg.replace(".svg", ".png")), "{files:?}");
         assert!(!scratch.text(&format!("deltazero-out/{svg}")).contains("no data"), "{svg}");
+        // What is in no list is left there by the next study.
+        let is_of_it = |name: &&str| *svg == format!("figures/{name}.svg");
+        assert!(OF_STUDIES.iter().any(is_of_it), "{svg}");
     }
     for name in ["steps", "step_histogram", "stays", "restarts", "restart_costs", "rk4_stability"] {
         let table = scratch.table(&format!("deltazero-out/{name}.csv"));
