@@ -81,7 +81,7 @@ const GUARD_RANGE: usize = 2;
 ///
 /// Under `F_N = K δ + D δ̇` the contact is in series with the follower: with `Z = k − m Ω² + i c Ω` and
 /// `Z_c = K + i D Ω` the steady force has the mean `(F_0 + k h/2) K/(K + k)` and the amplitude `(h/2) |Z Z_c/(Z + Z_c)|`,
-/// equal at the [speed of separation](Self::compliant_separation_speed); it is lower than the rigid one by
+/// equal at the speed of separation, for which the tests solve; it is lower than the rigid one by
 /// the part `(k + 2 F_0/h)/(2K)`, to first order in 1/K and without damping.
 ///
 /// The follower starts as if the cam had always turned: at φ = 0, at rest, at the δ_0 with
@@ -170,15 +170,6 @@ impl CamFollower {
         }
     }
 
-    /// N(φ) [N], of a follower that a rigid contact holds to the cam; below zero it would have to pull.
-    pub fn rigid_force(&self, phi: f64) -> f64 {
-        let (sin, cos) = libm::sincos(phi);
-        let half = 0.5 * self.lift;
-        let inertia = self.mass * self.speed * self.speed - self.stiffness;
-        let turning = inertia * cos + self.damping * self.speed * sin;
-        self.preload + half * (self.stiffness + turning)
-    }
-
     /// The speed Ω above which a follower on a rigid contact separates [rad/s].
     pub fn separation_speed(&self) -> f64 {
         // m² W² + (c² − 2 m k) W + k² − (k + 2 F_0/h)² = 0,  W = Ω²
@@ -187,37 +178,6 @@ impl CamFollower {
         let b = 0.5 * c * c - m * k;
         let square = (-b + (b * b + m * m * (most - k) * (most + k)).sqrt()) / (m * m);
         square.sqrt()
-    }
-
-    /// The same for the law `K δ + D δ̇`, in the steady motion; none for another law.
-    pub fn compliant_separation_speed(&self) -> Option<f64> {
-        let Elastic::Linear { stiffness } = self.normal.elastic else { return None };
-        if self.normal.hysteresis != 0.0 {
-            return None;
-        }
-        let (half, k) = (0.5 * self.lift, self.stiffness);
-        let mean = (self.preload + k * half) * stiffness / (stiffness + k);
-        let excess = |omega: f64| {
-            let own = [k - self.mass * omega * omega, self.damping * omega];
-            let contact = [stiffness, self.normal.damping * omega];
-            let sum = [own[0] + contact[0], own[1] + contact[1]];
-            let [own, contact, sum] = [own, contact, sum].map(|[re, im]| libm::hypot(re, im));
-            mean - half * own * contact / sum
-        };
-        let rigid = self.separation_speed();
-        let bracket = Bracket { above: 0.5 * rigid, below: 2.0 * rigid };
-        Some(find_root(excess, bracket, f64::EPSILON * rigid))
-    }
-
-    /// State x, ẋ at the time `s` after `(x, v)` in flight; not a number from the critical damping `2√(k m)` on.
-    pub fn flight(&self, [x, v]: [f64; 2], s: f64) -> [f64; 2] {
-        let rest = -self.preload / self.stiffness;
-        let sigma = 0.5 * self.damping / self.mass;
-        let omega = (self.stiffness / self.mass - sigma * sigma).sqrt();
-        let (a, b) = (x - rest, (v + sigma * (x - rest)) / omega);
-        let ((sin, cos), decay) = (libm::sincos(omega * s), libm::exp(-sigma * s));
-        let (q, p) = (a * cos + b * sin, b * cos - a * sin);
-        [rest + decay * q, decay * (omega * p - sigma * q)]
     }
 
     /// Period of the cam [s].

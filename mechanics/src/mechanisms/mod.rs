@@ -8,10 +8,10 @@ mod four_bar;
 pub mod impact_oscillator;
 mod in_words;
 pub mod rocking_block;
-#[cfg(test)]
-mod runs;
 mod slider_crank;
 pub mod strut;
+#[cfg(test)]
+mod test_runs;
 pub mod text;
 
 use std::fmt;

@@ -4,10 +4,53 @@ use deltazero_study::errors::log_log_slope;
 use deltazero_study::run::{Accuracy, Setting, integrate};
 use deltazero_study::setting::Events;
 
-use super::super::runs::{Run, by_every_method, distance, setting};
 use super::*;
 use crate::config::Config;
 use crate::laws::ContactLaw;
+use crate::mechanisms::test_runs::{Run, by_every_method, distance, setting};
+
+impl CamFollower {
+    /// N(φ) [N], of a follower that a rigid contact holds to the cam; below zero it would have to pull.
+    fn rigid_force(&self, phi: f64) -> f64 {
+        let (sin, cos) = libm::sincos(phi);
+        let half = 0.5 * self.lift;
+        let inertia = self.mass * self.speed * self.speed - self.stiffness;
+        let turning = inertia * cos + self.damping * self.speed * sin;
+        self.preload + half * (self.stiffness + turning)
+    }
+
+    /// The speed Ω above which a follower on the contact `K δ + D δ̇` separates in the steady motion [rad/s]; none for
+    /// another law.
+    fn compliant_separation_speed(&self) -> Option<f64> {
+        let Elastic::Linear { stiffness } = self.normal.elastic else { return None };
+        if self.normal.hysteresis != 0.0 {
+            return None;
+        }
+        let (half, k) = (0.5 * self.lift, self.stiffness);
+        let mean = (self.preload + k * half) * stiffness / (stiffness + k);
+        let excess = |omega: f64| {
+            let own = [k - self.mass * omega * omega, self.damping * omega];
+            let contact = [stiffness, self.normal.damping * omega];
+            let sum = [own[0] + contact[0], own[1] + contact[1]];
+            let [own, contact, sum] = [own, contact, sum].map(|[re, im]| libm::hypot(re, im));
+            mean - half * own * contact / sum
+        };
+        let rigid = self.separation_speed();
+        let bracket = Bracket { above: 0.5 * rigid, below: 2.0 * rigid };
+        Some(find_root(excess, bracket, f64::EPSILON * rigid))
+    }
+
+    /// State x, ẋ at the time `s` after `(x, v)` in flight; not a number from the critical damping `2√(k m)` on.
+    fn flight(&self, [x, v]: [f64; 2], s: f64) -> [f64; 2] {
+        let rest = -self.preload / self.stiffness;
+        let sigma = 0.5 * self.damping / self.mass;
+        let omega = (self.stiffness / self.mass - sigma * sigma).sqrt();
+        let (a, b) = (x - rest, (v + sigma * (x - rest)) / omega);
+        let ((sin, cos), decay) = (libm::sincos(omega * s), libm::exp(-sigma * s));
+        let (q, p) = (a * cos + b * sin, b * cos - a * sin);
+        [rest + decay * q, decay * (omega * p - sigma * q)]
+    }
+}
 
 /// The default with a contact of the stiffness K [N/m] and a tenth of the critical damping.
 fn on_contact(stiffness: f64) -> CamFollower {

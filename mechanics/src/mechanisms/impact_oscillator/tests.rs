@@ -2,12 +2,116 @@ use deltazero_solvers::{Grid, Trajectory};
 
 use deltazero_study::energy_balance::Balance;
 
-use super::super::runs::{Run, balance, by_every_method, distance};
 use super::*;
 use crate::config::Config;
+use crate::mechanisms::test_runs::{Run, balance, by_every_method, distance};
 
 /// Twenty periods of the force [s].
 const DEFAULT_END: f64 = 21.0;
+
+/// A motion that hits the stop once in n periods of the force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PeriodicOrbit {
+    /// Time of an impact [s].
+    impact_time: f64,
+    /// Speed before each impact [m/s].
+    impact_speed: f64,
+    /// State at t = 0: u [m] and u̇ [m/s].
+    start: [f64; 2],
+}
+
+impl ImpactOscillator {
+    /// Amplitude F at which the steady motion without impacts just reaches the stop [N]:
+    /// `F = d √((k − mω²)² + (cω)²)`.
+    fn grazing_amplitude(&self) -> f64 {
+        let [along, across] = self.dynamic_stiffness();
+        self.gap * libm::hypot(along, across)
+    }
+
+    /// State `s` after `y` at `t0` in free motion, past the stop too; not a number from the critical damping on.
+    fn free_motion(&self, t0: f64, y: [f64; 2], s: f64) -> [f64; 2] {
+        let (sigma, omega_d) = self.decay();
+        let [x_0, v_0] = self.steady(t0);
+        let a = y[0] + self.gap - x_0;
+        let b = (y[1] - v_0 + sigma * a) / omega_d;
+        let ([x, v], [q, q_dot]) = (self.steady(t0 + s), self.decaying([a, b], s));
+        [x - self.gap + q, v + q_dot]
+    }
+
+    /// The motions that hit the stop once in `n` periods, the faster impact first; none where the force is too weak.
+    ///
+    /// With T = 2πn/ω and `q(s) = e^(−σs) (a cos ω_d s + b sin ω_d s)` the free part after an impact at t_0,
+    ///
+    /// ```text
+    /// q(T) = q(0) = a:                b = a (1 − E C)/(E S),  E, C, S = e^(−σT), cos ω_d T, sin ω_d T
+    /// V + q̇(0) = −e (V + q̇(T)):      V = −κ a,  κ a = (q̇(0) + e q̇(T))/(1 + e)
+    /// (d − a)² + (κ a/ω)² = B²:       a; then B cos(ωt_0 − β) = d − a,  −B ω sin(ωt_0 − β) = V
+    /// ```
+    ///
+    /// `V` is the velocity of the steady motion at t_0. Derived here, as Shaw and Holmes do for their limit of a rigid
+    /// stop. That the motion stays below the stop between the impacts is not checked. Valid below the critical damping;
+    /// none from there on.
+    fn periodic_orbits(&self, n: u32) -> Vec<PeriodicOrbit> {
+        let (sigma, omega_d) = self.decay();
+        let [along, across] = self.dynamic_stiffness();
+        let steady = self.amplitude / libm::hypot(along, across);
+        let span = self.period() * f64::from(n);
+        let ([sin, cos], decay) =
+            ([libm::sin, libm::cos].map(|f| f(omega_d * span)), libm::exp(-sigma * span));
+        let slope = (1.0 - decay * cos) / (decay * sin);
+        let rate = |s| self.decaying([1.0, slope], s)[1];
+        let kappa = (rate(0.0) + self.restitution * rate(span)) / (1.0 + self.restitution);
+        // (1 + κ²/ω²) a² − 2 d a + d² − B² = 0
+        let lead = 1.0 + kappa * kappa / (self.frequency * self.frequency);
+        let square = self.gap * self.gap - lead * (self.gap * self.gap - steady * steady);
+        if square < 0.0 {
+            return Vec::new();
+        }
+        let orbit = |sign: f64| {
+            let a = (self.gap + sign * square.sqrt()) / lead;
+            let v = -kappa * a;
+            let phase = libm::atan2(-v / self.frequency, self.gap - a) + libm::atan2(across, along);
+            let impact_time = phase.rem_euclid(2.0 * PI) / self.frequency;
+            let speed = v + a * rate(span);
+            let after = [0.0, -self.restitution * speed];
+            let since = span - impact_time;
+            let start = self.free_motion(impact_time - span, after, since);
+            PeriodicOrbit { impact_time, impact_speed: speed, start }
+        };
+        let mut orbits = [-1.0, 1.0].map(orbit).to_vec();
+        orbits.retain(|orbit| orbit.impact_speed > 0.0);
+        orbits.sort_by(|a, b| b.impact_speed.total_cmp(&a.impact_speed));
+        orbits
+    }
+
+    /// `k − mω²` and `cω` [N/m].
+    fn dynamic_stiffness(&self) -> [f64; 2] {
+        let omega = self.frequency;
+        [self.stiffness - self.mass * omega * omega, self.damping * omega]
+    }
+
+    /// σ [1/s] and ω_d [rad/s].
+    fn decay(&self) -> (f64, f64) {
+        let sigma = 0.5 * self.damping / self.mass;
+        (sigma, (self.stiffness / self.mass - sigma * sigma).sqrt())
+    }
+
+    /// The steady motion without a stop: x [m] and ẋ [m/s].
+    fn steady(&self, t: f64) -> [f64; 2] {
+        let [along, across] = self.dynamic_stiffness();
+        let (sin, cos) = libm::sincos(self.frequency * t - libm::atan2(across, along));
+        let b = self.amplitude / libm::hypot(along, across);
+        [b * cos, -b * self.frequency * sin]
+    }
+
+    /// `e^(−σs) (a cos ω_d s + b sin ω_d s)` and its rate.
+    fn decaying(&self, [a, b]: [f64; 2], s: f64) -> [f64; 2] {
+        let (sigma, omega_d) = self.decay();
+        let (sin, cos) = libm::sincos(omega_d * s);
+        let (q, p) = (a * cos + b * sin, b * cos - a * sin);
+        [q, omega_d * p - sigma * q].map(|x| x * libm::exp(-sigma * s))
+    }
+}
 
 /// Impacts by the closed form, each found by bisection: time [s] and speed before it [m/s]; and the state at `t_end`.
 fn closed_form(oscillator: &ImpactOscillator, t_end: f64) -> (Vec<(f64, f64)>, [f64; 2]) {

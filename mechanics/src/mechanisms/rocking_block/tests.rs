@@ -4,8 +4,8 @@ use deltazero_study::run::integrate;
 use deltazero_study::setting::Events;
 use num_dual::{Dual2_64, DualNum as _};
 
-use super::super::runs::{Run, balance, by_every_method, distance, setting};
 use super::*;
+use crate::mechanisms::test_runs::{Run, balance, by_every_method, distance, setting};
 
 /// Before the impacts accumulate [s].
 const DEFAULT_END: f64 = 7.5;
