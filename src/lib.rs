@@ -35,8 +35,9 @@
 //! | [`figures`] | the figures, each a function from a table to a chart |
 //! | [`report`] | tables to CSV, Markdown and an HTML page |
 //! | [`studied`] | a study of any subject, with all its files |
-//! | [`whole`] | files that are there whole or not at all |
+//! | [`atomic_file`] | files that are there whole or not at all |
 
+pub mod atomic_file;
 pub mod chunks;
 mod csv;
 pub mod figures;
@@ -45,6 +46,5 @@ pub mod run;
 pub mod studied;
 pub mod study;
 pub mod sweep;
-pub mod whole;
 
 pub use deltazero_mechanics::{config, keys, laws, mechanisms, model};

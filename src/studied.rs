@@ -16,12 +16,12 @@ use deltazero_study::steps::StepTables;
 use deltazero_study::work_precision::{WorkPrecision, in_doubt};
 use deltazero_study::{Plan, Subject, work_precision};
 
+use crate::atomic_file;
 use crate::figures::{self, Drawing, Picture};
 use crate::report::simulation::motion_csv;
 use crate::report::{self, About};
 use crate::study::machine::Machine;
 use crate::study::record::Provenance;
-use crate::whole;
 
 /// A study that is done.
 #[derive(Clone, Debug)]
@@ -58,7 +58,7 @@ impl Studied {
     }
 
     /// Writes `study.csv`, `study.md`, `report.html`, `motion.csv`, the tables of steps and `figures/` into `dir`, which is made
-    /// where there is none; each file [whole] or not at all.
+    /// where there is none; each file [whole](atomic_file) or not at all.
     ///
     /// # Errors
     /// Those of the file system, and where a figure cannot be drawn.
@@ -140,7 +140,7 @@ pub fn write_map(map: &Map, dir: impl AsRef<Path>) -> io::Result<()> {
 
 /// Writes a file of `dir`, whole or not at all.
 fn write(dir: &Path, name: &str, content: &[u8]) -> io::Result<()> {
-    whole::write(&dir.join(name), content).map_err(io::Error::other)
+    atomic_file::write(&dir.join(name), content).map_err(io::Error::other)
 }
 
 /// `map.md`: pictures of a map, and its table.

@@ -22,7 +22,7 @@ use sha2::{Digest, Sha256};
 
 pub use work::{Made, Maker, Work, work};
 
-use crate::whole::{self, FileError};
+use crate::atomic_file::{self, FileError};
 
 /// Longest last line.
 const LONGEST_LINE: u64 = 512;
@@ -170,7 +170,7 @@ impl Chunks {
         let Rows { text, n, failed } = rows;
         let line = self.line(chunk, *n, *failed, text.len() as u64);
         let sum = checksum(text, &line);
-        whole::write_by(path, |out| {
+        atomic_file::write_by(path, |out| {
             out.write_all(text.as_bytes())?;
             writeln!(out, "{line} {sum}")
         })

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use deltazero_study::parallel::on_threads;
 
 use super::{Chunks, Rows};
-use crate::whole::FileError;
+use crate::atomic_file::FileError;
 
 /// The rows of a chunk under way are not written more often than this.
 const PAUSE: Duration = Duration::from_secs(10);

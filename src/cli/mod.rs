@@ -5,7 +5,6 @@ mod axes;
 mod completions;
 mod config;
 mod contests;
-mod kept;
 mod laws;
 mod meter;
 mod methods;
@@ -17,6 +16,7 @@ mod recommend;
 mod reference;
 mod regimes;
 mod report;
+mod resume;
 mod rows;
 mod simulate;
 mod study;
@@ -29,10 +29,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{Args, CommandFactory as _, Parser, Subcommand};
+use deltazero::atomic_file::FileError;
 use deltazero::config::{Config, ConfigError};
 use deltazero::mechanisms::MECHANISMS;
 use deltazero::study::machine::Machine;
-use deltazero::whole::FileError;
 use deltazero_study::setting::Events;
 use deltazero_study::warning::Warning;
 

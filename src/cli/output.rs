@@ -4,8 +4,8 @@ use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use deltazero::atomic_file::{self, FileError};
 use deltazero::figures::{self, Drawing, Picture};
-use deltazero::whole::{self, FileError};
 use deltazero_study::reference::RECIPE;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -157,7 +157,7 @@ impl Output {
         name: &str,
         content: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
     ) -> Result<(), Failure> {
-        Ok(whole::write_by(&self.dir.join(name), content)?)
+        Ok(atomic_file::write_by(&self.dir.join(name), content)?)
     }
 
     /// Draws figures, as SVG and PNG into `figures/`.
@@ -201,7 +201,7 @@ pub(super) fn cannot_draw(name: &str, error: &deltazero_plots::Error) -> Failure
 /// The lock of a command that alone writes into `dir`; what an earlier one left unfinished is removed.
 fn alone(dir: &Path) -> Result<Vec<File>, Failure> {
     let locks = vec![lock(dir, LOCK, File::try_lock)?];
-    whole::sweep_up(dir, LOCK);
+    atomic_file::sweep_up(dir, LOCK);
     Ok(locks)
 }
 

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::{ArgGroup, Args};
+use deltazero::atomic_file;
 use deltazero::figures::Drawing;
 use deltazero::figures::sweep::{self, Asked, PlotError};
 use deltazero::sweep::results::{Results, ResultsError};
 use deltazero::sweep::sobol::Sobol;
-use deltazero::whole;
 use serde_json::json;
 
 use super::{Failure, print, say};
@@ -103,7 +103,7 @@ fn write(drawing: &Drawing, stem: &Path) -> Result<[PathBuf; 2], Failure> {
     };
     let files = [named(".png"), named(".svg")];
     for (path, content) in files.iter().zip([&picture.png[..], picture.svg.as_bytes()]) {
-        whole::write(path, content)?;
+        atomic_file::write(path, content)?;
     }
     Ok(files)
 }

@@ -22,10 +22,10 @@ use deltazero_study::work_precision::{Progress, Row, Status, WorkPrecision, agai
 use humantime::format_rfc3339_seconds;
 use serde_json::{Value, json};
 
-use super::kept::{Kept, RECORD, write_json};
 use super::output::{Output, cannot_draw, hash, is_current};
 use super::progress::Bar;
 use super::reference::reference;
+use super::resume::{Kept, RECORD, write_json};
 use super::{Failure, RESUMED, RunArgs, note_left_out, print, say, warn};
 
 /// What stands beside it, apart from the reference, which tells itself whose it is.

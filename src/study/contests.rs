@@ -8,8 +8,8 @@ use deltazero_study::Subject;
 use deltazero_study::map::{Contested, MapPlan, contested};
 use serde_json::json;
 
+use crate::atomic_file::FileError;
 use crate::chunks::{Chunks, Maker, Rows};
-use crate::whole::FileError;
 
 /// Runs the contests of sites, each the only run of its chunk.
 pub struct Contests<'a> {

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::atomic_file::FileError;
 use crate::config::{ConfigError, Place};
-use crate::whole::FileError;
 
 /// Why a sweep is refused, or cannot go on; the message is one line.
 #[derive(Debug, thiserror::Error)]

@@ -4,9 +4,9 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::runner::OK;
+use crate::atomic_file::{self, FileError};
 use crate::chunks::{Chunks, Rows};
 use crate::csv::fields;
-use crate::whole::{self, FileError};
 
 /// Failed runs that are told of one by one.
 const TOLD: usize = 3;
@@ -46,7 +46,7 @@ pub fn join(
 ) -> Result<Joined, FileError> {
     let mut joined = Joined { bytes: header.len() as u64, ..Joined::default() };
     let mut unread = None;
-    let written = whole::write_by(path, |out| {
+    let written = atomic_file::write_by(path, |out| {
         out.write_all(header.as_bytes())?;
         for chunk in 0..chunks.n() {
             match chunks.read(chunk) {
@@ -69,7 +69,7 @@ pub fn join(
         (Some(error), _) => Err(error),
         (None, Err(error)) if joined.altered.is_empty() => Err(error),
         (None, Err(_)) => Ok(joined),
-        (None, Ok(())) => whole::sync_dir(path).map(|()| joined),
+        (None, Ok(())) => atomic_file::sync_dir(path).map(|()| joined),
     }
 }
 

@@ -53,9 +53,9 @@ use deltazero_solvers::lanes::FUSED;
 use deltazero_study::reference::RECIPE;
 use serde_json::{Value, json};
 
+use crate::atomic_file::FileError;
 use crate::config::{Config, Variants};
 use crate::csv::field;
-use crate::whole::FileError;
 
 pub use default_columns::default_columns;
 pub use error::SweepError;

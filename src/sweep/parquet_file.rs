@@ -16,8 +16,8 @@ use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type;
 
 use super::columns::{CellKind, Head};
+use crate::atomic_file::{self, FileError};
 use crate::csv::fields;
-use crate::whole::{self, FileError};
 
 /// Rows of a group, which is in memory as a whole.
 const GROUP: usize = 50_000;
@@ -117,7 +117,7 @@ pub(super) fn write(
     path: &Path,
 ) -> std::result::Result<(), Refused> {
     let mut refused = None;
-    let written = whole::write_by(path, |out| {
+    let written = atomic_file::write_by(path, |out| {
         to(out, csv, heads, metadata, &mut refused).map_err(io::Error::other)
     });
     match (written, refused) {

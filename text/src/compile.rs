@@ -1,7 +1,7 @@
 //! From declarations to tapes: the model of one part.
 
 mod mode;
-mod told;
+mod observables;
 
 pub(crate) use mode::role;
 
@@ -44,7 +44,7 @@ pub(crate) fn compile(
         .iter()
         .map(|value| expander.number(&value.value, "the start of a discrete value"));
     let discrete = discrete.collect::<Checked<Vec<_>>>()?;
-    let observables = told::observables(&mut expander)?;
+    let observables = observables::observables(&mut expander)?;
     let (mut modes, mut warnings) = (Vec::new(), Vec::new());
     let (mut tried, mut rates, mut guards) = (Vec::new(), Vec::new(), Vec::new());
     for i in 0..file.modes.len() {
@@ -57,7 +57,7 @@ pub(crate) fn compile(
         guards.extend(own_guards);
     }
     check_definitions(file, tried)?;
-    told::warn_of_contact(file, &mut warnings);
+    observables::warn_of_contact(file, &mut warnings);
     let sparsity = Sparsity::new(&expander.graph, &rates);
     let guard_span = span(&expander.graph, &guards, expander.layout.n);
     let is_autonomous = !rates.iter().any(|rates| expander.graph.is_of_time(rates));
@@ -76,7 +76,7 @@ pub(crate) fn compile(
         }),
         states: states(&expander, &scales),
         groups: groups(&expander),
-        observables: told::columns(&observables),
+        observables: observables::columns(&observables),
         sparsity,
         guard_span,
         unit_of_time: t_end.map_or(1.0, |t_end| t_end.min(1.0)),

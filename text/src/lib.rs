@@ -77,7 +77,7 @@ mod leftovers;
 #[cfg(feature = "machine-code")]
 mod machine;
 #[cfg(not(feature = "machine-code"))]
-#[path = "no_machine.rs"]
+#[path = "machine_off.rs"]
 mod machine;
 mod mode;
 pub mod models;

@@ -3,8 +3,8 @@
 use serde_json::Value;
 
 use super::error::ConfigError;
-use super::given::{Datum, Given};
 use super::nearest::nearest_word;
+use super::raw_value::{Datum, Given};
 use crate::keys::{Kind, listing};
 
 /// Largest integer up to which every integer is an f64: 2⁵³.

@@ -17,7 +17,7 @@
 //! ```
 //!
 //! One table, [`keys`], is the home of every key: its default, range, unit and documentation. What
-//! a user gives passes through it key by key (`toml_source` → `values` → `together` → [`Config`]), and the
+//! a user gives passes through it key by key (`toml_source` → `values` → `cross_check` → [`Config`]), and the
 //! default file ([`default_toml`]) and the JSON Schema ([`json_schema`]) are printed from it.
 //!
 //! Each [mechanism](crate::mechanisms) has keys of its own, and may have other defaults for those that all share.
@@ -28,13 +28,13 @@
 
 mod all_keys;
 mod check;
+mod cross_check;
 mod error;
-mod given;
 mod model;
 mod nearest;
 mod print;
+mod raw_value;
 mod schema;
-mod together;
 pub mod toml_source;
 mod unused;
 mod values;
@@ -52,13 +52,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 pub use all_keys::{find, is_of_runs, keys};
+pub use cross_check::MOST_ROWS;
 pub use error::{ConfigError, Place, ROW_BYTES};
-pub use given::{Datum, Given};
 pub use model::Model;
 pub use nearest::nearest_word;
 pub use print::default_toml;
+pub use raw_value::{Datum, Given};
 pub use schema::json_schema;
-pub use together::MOST_ROWS;
 pub use variants::{Variants, Varied};
 
 use crate::keys::{JOINT_TABLES, JOINTS, Shared};

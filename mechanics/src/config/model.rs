@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::check::check;
 use super::error::ConfigError;
-use super::given::{Datum, Given};
+use super::raw_value::{Datum, Given};
 use crate::keys::{End, Kind, Range};
 
 use super::toml_source;

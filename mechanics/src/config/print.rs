@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 use super::all_keys::keys;
 use super::check::check;
 use super::error::Place;
-use super::given::is_bare_key;
+use super::raw_value::is_bare_key;
 use super::values::{OfModel, Values};
 use super::{Config, Given, Model, toml_source};
 use crate::keys::{DefaultValue, JOINT_TABLES, JOINTS, Key};

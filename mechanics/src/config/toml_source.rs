@@ -7,7 +7,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::error::{ConfigError, Place};
-use super::given::{DEPTH, Datum, Given, excerpt, is_bare_key, key_text};
+use super::raw_value::{DEPTH, Datum, Given, excerpt, is_bare_key, key_text};
 
 /// A text, and what places in it are called.
 struct Source<'a> {

@@ -1,6 +1,6 @@
 //! One mode: its rates, guards, transitions and what is told of it.
 
-use super::told::{Observable, told};
+use super::observables::{Observable, told};
 use super::{Assignment, Purpose, assignments, each_of, indices, within};
 use crate::declarations::{Definition, EventDeclaration, Follows, ModeRole};
 use crate::expand::{Expander, Flaw};
