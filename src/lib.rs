@@ -29,7 +29,8 @@
 //! |---|---|
 //! | [`keys`], [`laws`], [`model`], [`mechanisms`], [`config`] | what is integrated, of [`deltazero_mechanics`] |
 //! | [`run`] | one run of a mechanism, joint by joint |
-//! | [`study`] | what a configuration asks of the study, and the experiments on the paper's mechanism |
+//! | [`study`] | what a configuration asks of the study, and the experiments on the mechanisms |
+//! | [`paper`] | the claims of the paper, and what comes out of its equations |
 //! | [`chunks`] | many runs, in parallel, kept on disk as they are made |
 //! | [`sweep`] | the runs of a plan |
 //! | [`figures`] | the figures, each a function from a table to a chart |
@@ -41,6 +42,7 @@ pub mod atomic_file;
 pub mod chunks;
 mod csv;
 pub mod figures;
+pub mod paper;
 pub mod report;
 pub mod run;
 pub mod studied;

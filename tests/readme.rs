@@ -4,9 +4,9 @@
 use std::sync::atomic::AtomicBool;
 
 use deltazero::config::Config;
+use deltazero::paper::audit::Audit;
 use deltazero::report;
 use deltazero::report::laws::markdown;
-use deltazero::study::audit::Audit;
 use deltazero::study::friction::costs;
 use deltazero::study::plan::plan;
 use deltazero::study::restitution::deliveries;

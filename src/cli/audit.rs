@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::Args;
 use deltazero::config::Config;
 use deltazero::keys::{FrictionLaw, Shared, Study};
-use deltazero::study::audit::{Audit, audit};
+use deltazero::paper::audit::{Audit, audit};
 use deltazero::{figures, report};
 use serde_json::{Value, json};
 

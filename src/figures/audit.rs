@@ -10,11 +10,11 @@ use deltazero_plots::{
 
 use super::Drawing;
 use crate::keys::ReadingName;
-use crate::study::audit::Audit;
-use crate::study::claims::{ClaimRow, Verdict};
-use crate::study::course::{Bin, Quantity, Range, coarser};
-use crate::study::deployment::{Course, TRANSIENT_S};
-use crate::study::ideal::RIGHT_ANGLE;
+use crate::paper::audit::Audit;
+use crate::paper::claims::{ClaimRow, Verdict};
+use crate::paper::course::{Bin, Quantity, Range, coarser};
+use crate::paper::deployment::{Course, TRANSIENT_S};
+use crate::paper::ideal::RIGHT_ANGLE;
 
 /// Bins over the width of a panel: of a smooth curve, and of one that oscillates, each some periods long.
 const FINE: usize = 350;

@@ -6,7 +6,7 @@ use deltazero_plots::{
 
 use super::Drawing;
 use crate::keys::{Inertia, ReadingName};
-use crate::study::torque_ratio::{RatioCurve, TorqueRatio};
+use crate::paper::torque_ratio::{RatioCurve, TorqueRatio};
 
 /// Name of its files.
 pub(super) const NAME: &str = "torque_ratio";

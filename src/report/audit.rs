@@ -8,11 +8,11 @@ use crate::config::Config;
 use crate::csv::exact;
 use crate::figures::Drawing;
 use crate::keys::{Inertia, ReadingName};
-use crate::study::audit::Audit;
-use crate::study::claims::{CLAIMS, ClaimRow, PAPER_FORCE, PAPER_X01, Verdict, contact_at, digits};
-use crate::study::course::{Quantity, coarser};
-use crate::study::deployment::{PATIENCE, RunRow};
-use crate::study::ideal::{IdealRow, RIGHT_ANGLE};
+use crate::paper::audit::Audit;
+use crate::paper::claims::{CLAIMS, ClaimRow, PAPER_FORCE, PAPER_X01, Verdict, contact_at, digits};
+use crate::paper::course::{Quantity, coarser};
+use crate::paper::deployment::{PATIENCE, RunRow};
+use crate::paper::ideal::{IdealRow, RIGHT_ANGLE};
 
 /// Claims that the README lists.
 const HEADLINE: [&str; 9] = [

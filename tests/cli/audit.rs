@@ -1,8 +1,8 @@
 //! `audit`: the paper's claims, whatever the threads.
 
 use deltazero::figures::OF_AUDITS;
+use deltazero::paper::audit::Audit;
 use deltazero::report;
-use deltazero::study::audit::Audit;
 use serde_json::Value;
 
 use crate::{Scratch, committed, with_sets};

@@ -6,12 +6,12 @@ use deltazero_study::digits::rounded_to;
 use super::{Heading, Page, Part, Section, Table};
 use crate::config::Config;
 use crate::figures::Picture;
+use crate::paper::audit::Audit;
+use crate::paper::claims::{CLAIMS, ClaimRow};
 use crate::report::audit::{
     DIGITS, IDEAL_COLUMNS, RATIO_COLUMNS, RUN_COLUMNS, RUN_NOTE, VAGUE, findings, ideal_lines,
     ratio_lines, run_lines,
 };
-use crate::study::audit::Audit;
-use crate::study::claims::{CLAIMS, ClaimRow};
 
 /// The page of an audit with its figures.
 pub fn page(config: &Config, audit: &Audit, pictures: Vec<Picture>) -> Page {

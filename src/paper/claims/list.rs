@@ -4,7 +4,7 @@ use super::measures::{
     best_sine, deviation, largest, last_force, last_over_largest, settled, settled_force,
 };
 use super::{CLOSE, Claim, Deployment, SINUSOIDAL, TRANSIENT_S, Test};
-use crate::study::course::Quantity;
+use crate::paper::course::Quantity;
 
 const fn ideal(
     name: &'static str,

@@ -1,8 +1,8 @@
 //! What is measured on a deployment, claim by claim.
 
 use super::Deployment;
-use crate::study::course::{Bin, Quantity, coarser};
-use crate::study::deployment::Course;
+use crate::paper::course::{Bin, Quantity, coarser};
+use crate::paper::deployment::Course;
 
 /// Forces are settled in the second after the paper's time of fluctuation [s].
 const SETTLED_S: (f64, f64) = (2.0, 3.0);
@@ -122,7 +122,7 @@ fn variance_and_sine(bins: &[Bin]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::course::Range;
+    use crate::paper::course::Range;
 
     #[test]
     fn a_sine_is_one_and_a_sawtooth_is_not() {

@@ -70,7 +70,7 @@ pub fn audit(
     let (name, rtol) = RUN_BY;
     let method = Method::named(name)?;
     let setting = Setting { method, events: Events::Located, accuracy: Accuracy::Rtol(rtol, None) };
-    let limits = super::plan::limits(config, stop);
+    let limits = crate::study::plan::limits(config, stop);
     let ideals = without_clearance(config, config.strut.inertia);
     let mut jobs: Vec<(Option<ReadingName>, Block)> = Vec::new();
     jobs.extend(ideals.into_iter().map(|block| (None, block)));
