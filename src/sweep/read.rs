@@ -12,6 +12,8 @@ use crate::config::toml_source::{document, read};
 use crate::config::{ConfigError, Datum, Given, Model, Variants, Varied};
 use crate::keys::Kind;
 
+/// Why ends are refused whose distance is no number.
+const TOO_FAR_APART: &str = "the ends are farther apart than the largest number, 1.8e308";
 /// Largest number of runs.
 const MOST_RUNS: u64 = 1_000_000_000_000;
 /// Largest number of points of an axis, of draws at a point, and of runs in a chunk.
@@ -145,6 +147,9 @@ fn axis(variants: &Variants, i: usize, table: &Table<'_>) -> Result<Axis, SweepE
     if form == "log" && ends.iter().any(|end| *end <= 0.0) {
         return Err(refused(form, given, "both ends must be greater than zero; use linear"));
     }
+    if form == "linear" && !(ends[1] - ends[0]).is_finite() {
+        return Err(refused(form, given, TOO_FAR_APART));
+    }
     for entry in entries {
         variants.checked(i, entry)?;
     }
@@ -219,6 +224,9 @@ fn draw(variants: &Variants, i: usize, table: &Table<'_>) -> Result<Draw, SweepE
             return Err(refused(form, given, "both must be greater than zero; use uniform"));
         }
         "log_uniform" => Law::LogUniform(pair),
+        _ if !(pair[1] - pair[0]).is_finite() => {
+            return Err(refused(form, given, TOO_FAR_APART));
+        }
         _ => Law::Uniform(pair),
     };
     // A normal draw that its key does not take is a run that fails: its tail ends nowhere.

@@ -14,6 +14,9 @@ use super::reading::Reading;
 use super::sliding::Shape;
 use super::state::State;
 
+/// A pin so many of its radii deep has run away: no contact that is only too soft lets it so far.
+const RUN_AWAY: f64 = 1e3;
+
 /// A joint and what hangs on it.
 ///
 /// Joint 1 and joint 2 of the struts differ in constants alone: with X = z02, Y = y02 the equations of joint 2
@@ -226,10 +229,16 @@ impl Block {
                 Err(Error::OutsideModel { t, mode: mode.to_string(), reason })
             }
             (Err(error), None) if mode.is_contact() && self.pose(y).delta > self.pin_radius => {
+                let delta = self.pose(y).delta;
+                // A contact that is too soft lets the pin through; a run without bound is the method's.
+                let way_out = if delta < RUN_AWAY * self.pin_radius {
+                    "take a stiffer contact"
+                } else {
+                    "take a shorter step or a tighter tolerance, and if that does not help a stiffer contact"
+                };
                 let reason = format!(
-                    "penetration δ = {:.6e} m is deeper than the pin's radius of {} m, where no law of contact means \
-                     anything ({error}); take a stiffer contact",
-                    self.pose(y).delta,
+                    "penetration δ = {delta:.6e} m is deeper than the pin's radius of {} m, where no law of contact means \
+                     anything ({error}); {way_out}",
                     self.pin_radius
                 );
                 Err(Error::OutsideModel { t, mode: mode.to_string(), reason })
