@@ -9,7 +9,7 @@ use common::{balance, config, distance, located, run, run_chain, setting};
 use deltazero::model::struts::chain_of;
 use deltazero::model::{Chain, Jointed as _};
 use deltazero::run::{mode_changes, trajectories};
-use deltazero_solvers::{Accepted, Event, Next, Record};
+use deltazero_solvers::{Event, Next, Record};
 use deltazero_study::Problem as _;
 use deltazero_study::errors::{ErrorScale, ScaledGroup, log_log_slope, match_events, worse};
 use deltazero_study::run::{Accuracy, Setting};
@@ -67,10 +67,6 @@ struct Touches {
 }
 
 impl Record<Chain> for Touches {
-    fn step(&mut self, _: &Accepted<'_, Chain>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-
     fn event(&mut self, event: &Event<'_, Chain>) -> ControlFlow<()> {
         let Next::Mode(after) = &event.after else { return ControlFlow::Continue(()) };
         let k = Chain::bay_of(event.guard);

@@ -212,8 +212,4 @@ impl<P: Jointed> Record<P> for Meter {
             ControlFlow::Continue(())
         }
     }
-
-    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
 }

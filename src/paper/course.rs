@@ -3,7 +3,7 @@
 
 use std::ops::ControlFlow;
 
-use deltazero_solvers::{Accepted, Event, Record, System as _};
+use deltazero_solvers::{Accepted, Record, System as _};
 use deltazero_study::quadrature::GAUSS;
 use serde::{Deserialize, Serialize};
 
@@ -171,10 +171,6 @@ impl Record<Block> for Binning<'_> {
             }
             from = to;
         }
-        ControlFlow::Continue(())
-    }
-
-    fn event(&mut self, _: &Event<'_, Block>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 }

@@ -5,7 +5,7 @@
 
 use std::ops::ControlFlow;
 
-use deltazero_solvers::{Accepted, Event, Method, Needs, Next, Record};
+use deltazero_solvers::{Event, Method, Needs, Next, Record};
 use deltazero_study::run::{Accuracy, Setting};
 use deltazero_study::setting::Events;
 use serde::Serialize;
@@ -90,10 +90,6 @@ struct Leaves {
 }
 
 impl Record<Block> for Leaves {
-    fn step(&mut self, _: &Accepted<'_, Block>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-
     fn event(&mut self, event: &Event<'_, Block>) -> ControlFlow<()> {
         if event.after == Next::Mode(Mode::Apart) {
             self.speed = event.y[4];

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use deltazero_solvers::{Accepted, Event, Needs, Record};
+use deltazero_solvers::{Event, Needs, Record};
 
 use crate::account::Account;
 use crate::balance::Balance;
@@ -158,10 +158,6 @@ impl<'a, P: Problem> Counts<'a, P> {
 }
 
 impl<P: Problem> Record<P> for Counts<'_, P> {
-    fn step(&mut self, _: &Accepted<'_, P>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
         let change = change(self.problem, event.t, event.guard, &event.before, &event.after);
         if let Some((site, _)) = change

@@ -6,7 +6,7 @@ use std::fmt::Debug;
 use std::ops::ControlFlow;
 
 use deltazero_solvers::contracts::Checked;
-use deltazero_solvers::{Accepted, Event, Needs, Next, Record};
+use deltazero_solvers::{Event, Needs, Next, Record};
 pub use error::ProblemError;
 
 use crate::problem::{GroupScale, Problem};
@@ -38,10 +38,6 @@ impl<'a, P: Problem> Entered<'a, P> {
 }
 
 impl<P: Problem> Record<P> for Entered<'_, P> {
-    fn step(&mut self, _: &Accepted<'_, P>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
-
     fn event(&mut self, event: &Event<'_, P>) -> ControlFlow<()> {
         let Next::Mode(mode) = &event.after else { return ControlFlow::Continue(()) };
         let said = check_sites(self.problem, mode)

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use deltazero_solvers::{Accepted, Event, Needs, Record};
+use deltazero_solvers::{Accepted, Needs, Record};
 
 use crate::problem::{Problem, scales};
 use crate::warning::{Code, Warning};
@@ -127,10 +127,6 @@ impl<P: Problem> Record<P> for Stiffness<'_, P> {
                 self.is_told = true;
             }
         }
-        ControlFlow::Continue(())
-    }
-
-    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use deltazero_solvers::{Accepted, Event, Needs, Record};
+use deltazero_solvers::{Accepted, Needs, Record};
 use serde::{Deserialize, Serialize};
 
 use super::{ErrorScale, worse};
@@ -76,10 +76,6 @@ impl<P: Problem> Record<P> for Nodes {
         }
         ControlFlow::Continue(())
     }
-
-    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
-        ControlFlow::Continue(())
-    }
 }
 
 /// A recorder that compares a run with the nodes of its reference.
@@ -131,10 +127,6 @@ impl<P: Problem> Record<P> for Distance<'_> {
             self.time += node.weight;
             self.ahead = rest;
         }
-        ControlFlow::Continue(())
-    }
-
-    fn event(&mut self, _: &Event<'_, P>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
 
