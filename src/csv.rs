@@ -29,7 +29,7 @@ pub(crate) fn number(x: f64) -> String {
     format!("{x:e}")
 }
 
-/// The same; empty for none.
+/// A number as [`number`] writes it; empty for none.
 pub(crate) fn exact(x: Option<f64>) -> String {
     x.map_or_else(String::new, number)
 }

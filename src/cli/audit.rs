@@ -73,7 +73,7 @@ fn one_bay(config: Config) -> Result<Config, Failure> {
     for (key, torque) in [("drive.m1", config.drive.m1), ("drive.m4", config.drive.m4)] {
         if torque == 0.0 {
             return Err(Failure::Usage(format!(
-                "{key} = 0: a strut without torque stays where it is, and the claims are of its way to 90°; `simulate` takes it"
+                "{key} = 0: a strut without torque stays where it is, and the claims are of its way to 90°; give it a torque"
             )));
         }
     }

@@ -45,7 +45,9 @@ pub(super) struct PlotArgs {
 impl From<PlotError> for Failure {
     fn from(error: PlotError) -> Self {
         match error {
-            PlotError::Results(ResultsError::Row { .. } | ResultsError::Length { .. })
+            PlotError::Results(
+                ResultsError::Row { .. } | ResultsError::Order { .. } | ResultsError::Length { .. },
+            )
             | PlotError::Drawing(_) => Self::Run(error.to_string()),
             _ => Self::Usage(error.to_string()),
         }

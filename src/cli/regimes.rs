@@ -45,24 +45,26 @@ pub(super) struct RegimesArgs {
 
 /// Refuses what the map, which gives both joints the same stiffness and damping, would not be of.
 fn of_power(config: Config) -> Result<Config, Failure> {
-    let refused = |what: String| {
+    let by_axes = |what: String| {
         let way_out = "`--axis NAME=VALUES` twice makes a map over any two numbers";
-        Err(Failure::Usage(format!("{what}: {way_out}")))
+        Err(Failure::Usage(format!("{what}; {way_out}")))
     };
     let [one, two] = &config.joints;
     if let Some(joint) = [one, two].into_iter().find(|joint| joint.contact.law.word != "power") {
         let law = joint.contact.law;
-        return refused(format!(
-            "contact.law = {law} has no stiffness and damping ratio as F_N = K δⁿ + D δ̇ has"
+        return by_axes(format!(
+            "the map is over K and ζ of F_N = K δⁿ + D δ̇, and contact.law = {law} does not have both"
         ));
     }
     if one.joint.clearance == 0.0 && two.joint.clearance == 0.0 {
-        return refused("joint.clearance = 0: there is no contact to make a map of".to_owned());
+        let what =
+            "joint.clearance = 0: there is no contact to make a map of; give one joint a clearance";
+        return Err(Failure::Usage(what.to_owned()));
     }
     let of_map = |joint: &JointConfig| (joint.contact.stiffness, joint.contact.damping);
     if of_map(one) != of_map(two) {
-        let what = "contact.stiffness and contact.damping differ from joint to joint, and the map gives both the same";
-        return refused(what.to_owned());
+        let what = "contact.stiffness or contact.damping differs from joint to joint, and the map gives both joints the same";
+        return by_axes(what.to_owned());
     }
     Ok(config)
 }

@@ -87,7 +87,7 @@ fn not_drawn(audit: &Audit, joint: usize) -> String {
         ReadingName::ALL.iter().filter(left_out).map(|reading| reading.name()).collect();
     match names[..] {
         [] => String::new(),
-        _ => format!(" Not drawn, as it does not reach 90°: {}.", names.join(", ")),
+        _ => format!(" Not drawn, as it did not come to 90°: {}.", names.join(", ")),
     }
 }
 
@@ -395,7 +395,10 @@ fn seconds(t: Option<f64>) -> String {
 fn arrivals(audit: &Audit, joint: usize) -> String {
     let arrival = |reading: &ReadingName| {
         let course = audit.course(Some(*reading), joint)?;
-        Some(format!("{reading} {}", seconds(course.run.reached_90_s)))
+        Some(match (course.run.reached_90_s, &course.run.error) {
+            (None, Some(_)) => format!("{reading} not known"),
+            (t, _) => format!("{reading} {}", seconds(t)),
+        })
     };
     ReadingName::ALL.iter().filter_map(arrival).collect::<Vec<_>>().join(", ")
 }

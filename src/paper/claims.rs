@@ -232,7 +232,11 @@ impl Claim {
             reading: reading.map_or("ideal", ReadingName::name).to_owned(),
             measured,
             unit: self.unit.to_owned(),
-            verdict: if is_whole { self.test.verdict(measured, of) } else { Verdict::Undecided },
+            verdict: match self.test.verdict(measured, of) {
+                Verdict::Impossible => Verdict::Impossible,
+                _ if !is_whole => Verdict::Undecided,
+                verdict => verdict,
+            },
             horizon_s: horizons.reduce(f64::min),
             moved: measured.and(moved.is_finite().then_some(moved)),
             beyond_horizon,

@@ -51,7 +51,7 @@ pub struct RunRow {
     pub theta_max_at_s: f64,
     /// Mode changes, the start's own left out.
     pub n_events: usize,
-    /// Separations of pin and bush in the first [`TRANSIENT_S`]; none of a run that is shorter.
+    /// Separations of pin and bush in the first [`TRANSIENT_S`]; none of a run that ends before without being at 90°.
     pub separations: Option<usize>,
     /// Largest normal force before the horizon [N].
     pub force_before_horizon_n: f64,
@@ -89,7 +89,8 @@ impl Course {
         let run = RunRow {
             reached_90_s: reached_90_s.filter(|at| *at <= t),
             end_s: end_s.min(t),
-            separations: separations.filter(|_| t >= TRANSIENT_S),
+            separations: separations
+                .filter(|_| t >= TRANSIENT_S || reached_90_s.is_some_and(|at| at <= t)),
             ..self.run.clone()
         };
         Self { run, bins: self.until(t).to_vec(), end: self.end, nudged: Vec::new() }
@@ -137,6 +138,9 @@ pub(super) fn course(
     let lost = nudged.iter().filter_map(|(_, other)| lost_at(block, &trajectory, other));
     own.run.horizon_s = lost.reduce(f64::min);
     own.nudged = nudged.into_iter().map(|(course, _)| course).collect();
+    let beside = own.nudged.iter().find_map(|other| other.run.error.as_ref());
+    let beside = beside.map(|error| format!("from a start moved by its last bit: {error}"));
+    own.run.error = own.run.error.take().or(beside);
 
     let moved = |t: f64| {
         let apart = own.nudged.iter().map(|other| Some((other.run.reached_90_s? - t).abs()));
@@ -193,7 +197,8 @@ fn followed(
         theta_max_rad: furthest.map_or(0.0, turned),
         theta_max_at_s: furthest.map_or(0.0, Bin::middle_s),
         n_events: events.len(),
-        separations: (run.t >= TRANSIENT_S).then(|| separations.count()),
+        separations: (run.t >= TRANSIENT_S || run.stopped_at().is_some())
+            .then(|| separations.count()),
         force_before_horizon_n: largest_force(&bins),
         force_n: largest_force(&bins),
         force_moved_n: None,

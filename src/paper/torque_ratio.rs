@@ -45,7 +45,7 @@ pub struct RatioCurve {
     pub reading: Option<ReadingName>,
     /// Inertia of a strut about its centroid.
     pub inertia: Inertia,
-    /// When AB reaches 90° [s]; none if it never does.
+    /// When AB reaches 90° [s]; none if it does not, or its run ends early.
     pub theta1_90_s: Option<f64>,
     /// M1/M4 that brings AF there at the same time; none where there is none.
     pub ratio: Option<f64>,

@@ -200,12 +200,16 @@ pub fn findings(config: &Config, audit: &Audit) -> Vec<String> {
     findings.extend(cut_short(audit));
     let ideal = audit.row("ideal_theta2_90", "ideal").and_then(|row| row.measured);
     let [late, alike] = [under("clearance_theta2_90"), under("theta2_deviation")];
-    let contradicts = match late.iter().any(|reading| alike.contains(reading)) {
-        true => String::new(),
-        false => format!(
+    let of_both =
+        |row: &&ClaimRow| ["clearance_theta2_90", "theta2_deviation"].contains(&&*row.claim);
+    let is_decided = |row: &ClaimRow| row.verdict != Verdict::Undecided;
+    let has_both = late.iter().any(|reading| alike.contains(reading));
+    let contradicts = match ideal {
+        Some(t) if !has_both && audit.rows.iter().filter(of_both).all(is_decided) => format!(
             " Both cannot be, for without clearance AF takes {} s: the paper's (1) and (4) contradict each other.",
-            maybe(ideal, "for ever")
+            short(t)
         ),
+        _ => String::new(),
     };
     findings.push(format!(
         "AF at 90° after 9 s: {}. That clearance hardly influences θ2: {}.{contradicts}",
@@ -372,7 +376,7 @@ pub(super) fn ratio_lines(audit: &Audit) -> Vec<Vec<String>> {
             vec![
                 name(curve.reading).to_owned(),
                 inertia(curve.inertia),
-                digits(curve.theta1_90_s, "never"),
+                digits(curve.theta1_90_s, "not reached"),
                 digits(curve.ratio, "none"),
                 digits(curve.ratio.map(|ratio| m1 / ratio), ""),
             ]

@@ -333,7 +333,7 @@ fn auto(cells: &[&Cell]) -> String {
     let (Some(median), Some((most, at))) = (median(&ratios), ratios.last()) else {
         let chooses = |own: &Failure| Method::named(&own.method).is_some_and(Method::chooses);
         let took_part = |cell: &&Cell| cell.standings.failures.iter().any(chooses);
-        return match cells.iter().any(took_part) {
+        return match decided == 0 || cells.iter().any(took_part) {
             true => "`auto` reaches it nowhere.".to_owned(),
             false => "`auto` did not take part.".to_owned(),
         };

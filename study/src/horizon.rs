@@ -30,7 +30,7 @@ pub use judge::parting;
 
 /// Times at which runs are compared.
 const TIMES: usize = 1000;
-/// Times at which runs are compared of a problem of very many states, at the least.
+/// Fewest times at which runs of a problem of very many states are compared.
 const LEAST_TIMES: usize = 50;
 /// Numbers that a run keeps.
 const MOST_NUMBERS: usize = 600_000;

@@ -204,13 +204,23 @@ fn runs_that_end_early_leave_their_claims_undecided() {
     let ran = scratch.succeed(&args);
     assert!(ran.stderr.contains("warning: pin, joint 1: the run ends at 0."), "{}", ran.stderr);
     let rows: Vec<Value> = serde_json::from_str(&ran.stdout).unwrap();
-    for row in rows.iter().filter(|row| row["reading"] != "ideal") {
-        assert!(row["verdict"] == "undecided" && row["measured"].is_null(), "{row}");
+    let of_readings: Vec<&Value> = rows.iter().filter(|row| row["reading"] != "ideal").collect();
+    assert!(of_readings.len() > 50, "{}", of_readings.len());
+    for row in of_readings {
+        let is_impossible = row["claim"].as_str().unwrap().starts_with("x01_max");
+        let verdict = if is_impossible { "impossible" } else { "undecided" };
+        assert!(row["verdict"] == verdict && row["measured"].is_null(), "{row}");
     }
     let page = scratch.text("out/audit.md");
     assert!(page.contains("more than study.max_rhs = 20000") && !page.contains("never"), "{page}");
-    let ran = scratch.run(&with_sets(&["audit"], &["drive.m4=0"]));
-    assert!(ran.code == Some(2) && ran.stderr.contains("drive.m4 = 0"), "{}", ran.stderr);
+    assert!(!page.contains("contradict each other"), "{page}");
+    // Texts of tables stand as they are, not to three digits.
+    assert!(scratch.text("out/audit.html").contains(">13.5185923"));
+    for torque in ["drive.m1", "drive.m4"] {
+        let ran = scratch.run(&with_sets(&["audit"], &[&format!("{torque}=0")]));
+        let told = format!("{torque} = 0");
+        assert!(ran.code == Some(2) && ran.stderr.contains(&told), "{}", ran.stderr);
+    }
 }
 
 #[test]

@@ -212,3 +212,16 @@ fn a_cell_of_which_nothing_can_be_made_is_named() {
     assert!(ran.code == Some(2) && ran.stderr.starts_with(told), "{}", ran.stderr);
     assert!(ran.stderr.contains("does not go with friction.law = lugre"), "{}", ran.stderr);
 }
+
+#[test]
+fn a_map_over_stiffness_and_damping_is_of_contacts_that_have_both() {
+    let scratch = Scratch::new();
+    for (set, told) in [
+        ("contact.law=hunt_crossley", "contact.law = hunt_crossley does not have both"),
+        ("joint.clearance=0", "there is no contact to make a map of"),
+        ("joint2.contact.damping=3", "differs from joint to joint"),
+    ] {
+        let ran = scratch.run(&["regimes", "--set", set]);
+        assert!(ran.code == Some(2) && ran.stderr.contains(told), "{set}: {}", ran.stderr);
+    }
+}

@@ -14,7 +14,8 @@ use super::reading::Reading;
 use super::sliding::Shape;
 use super::state::State;
 
-/// A pin so many of its radii deep has run away: no contact that is only too soft lets it so far.
+/// Penetration, in radii of the pin, from which on the run is taken to have diverged; a contact that is only too soft lets it
+/// through by less.
 const RUN_AWAY: f64 = 1e3;
 
 /// A joint and what hangs on it.

@@ -160,12 +160,14 @@ impl Variants {
             ));
         }
         let law = format!("{table}.law");
-        if self.keys.iter().any(|varied| varied.key.is_some_and(|key| key.path == law)) {
-            return None;
-        }
-        let joint = |entered: &Entered| usize::from(self.parts[entered.part].0 == JOINTS[1]);
-        let laws = places.iter().map(|at| law_without(key.path, &self.config.joints[joint(at)]));
-        let laws: Option<Vec<String>> = laws.collect();
+        let without = |entered: &Entered| {
+            let joint = self.parts[entered.part].0;
+            let own = format!("{joint}.{law}");
+            let varies = self.keys.iter().any(|varied| varied.path == law || varied.path == own);
+            let number = usize::from(joint == JOINTS[1]);
+            if varies { None } else { law_without(key.path, &self.config.joints[number]) }
+        };
+        let laws: Option<Vec<String>> = places.iter().map(without).collect();
         let law = laws?.pop()?;
         Some(format!("{law} does not have it; `deltazero laws` tells what each is of"))
     }
@@ -451,6 +453,7 @@ mod tests {
         let said = why(&[], &["contact.restitution"]).unwrap();
         assert!(said.starts_with("contact.law = power does not have it"), "{said}");
         assert_eq!(why(&[], &["contact.restitution", "contact.law"]), None);
+        assert!(why(&[], &["joint2.contact.restitution", "joint1.contact.law"]).is_some());
         let of_one = ["joint2.contact.law=hunt_crossley".to_owned()];
         assert_eq!(why(&of_one, &["joint1.contact.stiffness"]), None);
         assert_eq!(why(&of_one, &["contact.restitution"]), None);

@@ -27,7 +27,7 @@ pub(super) enum Iteration {
 /// ```
 ///
 /// with the corrections ΔZ_k, counted from one, in units of the tolerance. From the third one on θ_k is the geometric mean of
-/// the last two quotients, and 0.99 stands for the one. Under a tolerance the first correction is judged by
+/// the last two quotients. The iteration is taken to diverge from θ_k = 0.99 on. Under a tolerance the first correction is judged by
 /// `η₁ = max(η, ε)^0.8`, with the η of the previous iteration. Hairer & Wanner, IV.8, and RADAU5. Beyond these, the first
 /// corrections may be allowed to grow.
 pub(super) struct Convergence {

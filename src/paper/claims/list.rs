@@ -50,7 +50,7 @@ pub const CLAIMS: &[Claim] = &[
     ideal(
         "ideal_theta1_ddot_grows",
         "§4 A (1): θ̈1 increases with time",
-        "θ̈1 at 90° over its largest value; reproduced within 0.02 of 1, as it is if it grows to the end",
+        "θ̈1 at 90° over its largest value, 1 where it grows to the end; reproduced within 0.02 of 1",
         "1",
         Test::IsOne,
         |of| last_over_largest(of.own[0]),
@@ -58,7 +58,7 @@ pub const CLAIMS: &[Claim] = &[
     ideal(
         "ideal_theta2_ddot_grows",
         "§4 A (1): θ̈2 increases with time",
-        "θ̈2 at 90° over its largest value; reproduced within 0.02 of 1, as it is if it grows to the end",
+        "θ̈2 at 90° over its largest value, 1 where it grows to the end; reproduced within 0.02 of 1",
         "1",
         Test::IsOne,
         |of| last_over_largest(of.own[1]),

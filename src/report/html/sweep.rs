@@ -231,8 +231,8 @@ fn indices(results: &Results, all: &[Sobol]) -> Vec<Part> {
     ]
 }
 
-/// To four digits where these are shorter than three of them with an exponent; a whole number stays. It is rounded once: what
-/// shows it rounds no further.
+/// Rounded to what the page shows, so that it is rounded once: four digits where these are no longer than three with an
+/// exponent, else three; a whole number stays.
 fn short(x: f64) -> f64 {
     let four = rounded_to(x, 4);
     let fits = four.to_string().len() <= format!("{x:.2e}").len();
@@ -255,12 +255,12 @@ fn redo(results: &Results, origin: &Origin, report: &str) -> Vec<Part> {
     let folded = |name: &str, text: String| Part::Folded(name.into(), vec![Part::Code(text)]);
     let without = match &origin.following[..] {
         [] => String::new(),
-        keys => format!(" without {}, which follow run.t_end in each run", keys.join(", ")),
+        keys => format!(" Leave out {}: they follow run.t_end in each run.", keys.join(", ")),
     };
     vec![
         Part::Text(format!(
-            "With the plan below as plan.toml and the configuration as {CONFIG} beside it{without}; the rows come out the same by the \
-             same build of the program:"
+            "Save the plan below as plan.toml and the configuration as {CONFIG} beside it.{without} The rows come out the same by \
+             the same build of the program:"
         )),
         code("deltazero sweep plan.toml --out redone"),
         Part::Text("This page and its figures alone, from the directory that holds sweep.json and runs.csv:".into()),

@@ -132,6 +132,18 @@ fn a_key_that_the_plan_varies_takes_no_value_by_set() {
 }
 
 #[test]
+fn ends_whose_distance_is_no_number_are_refused() {
+    let scratch = Scratch::new();
+    let linear = "[[axis]]\nkey = \"drive.m1\"\nlinear = [-1e308, 1e308]\npoints = 3\n";
+    let uniform =
+        "[random]\nsamples = 8\n[[random.key]]\nkey = \"drive.m1\"\nuniform = [-1e308, 1e308]\n";
+    for plan in [linear, uniform] {
+        let error = scratch.sweep(plan, &[]).err().unwrap().to_string();
+        assert!(error.contains("farther apart than the largest number"), "{error}");
+    }
+}
+
+#[test]
 fn the_values_of_an_axis_have_both_ends_and_even_distances_or_ratios() {
     let scratch = Scratch::new();
     let plan = "[[axis]]\nkey = \"contact.stiffness\"\nlog = [1e5, 1e10]\npoints = 6\n\

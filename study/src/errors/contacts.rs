@@ -19,7 +19,7 @@ const PRECISION: f64 = 1e-9;
 /// The most points of a step at which the force is looked at: both ends and the nodes.
 const MOST_POINTS: usize = GAUSS.len() + 2;
 
-/// The contact of a mode that is none, where the problem tells nothing of it.
+/// The contact in a mode without contact, where the problem tells none: no depth, no force.
 const NO_FORCE: Touch<f64> = Touch { depth: 0.0, rate: 0.0, force: 0.0 };
 
 /// One contact.

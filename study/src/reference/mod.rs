@@ -124,7 +124,7 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// A run of no part.
+    /// What sums begin with: no error, no event.
     pub(crate) const NOTHING: Self =
         Self { e: 0.0, event_time_error_s: None, missed: 0, spurious: 0 };
 
@@ -373,7 +373,7 @@ impl PartReference {
         &self.nodes[..self.nodes.partition_point(|node| self.is_within(node.t))]
     }
 
-    /// A run of its part beside it: the error of its states, and its events at all sites.
+    /// Compares a run of the same part with it: the error of its states, and its events at all sites.
     pub fn judge(&self, run: &Trace) -> Judged {
         let mut judged = Judged { e: self.error(run), ..Judged::NOTHING };
         for site in 0..self.sites.len() {

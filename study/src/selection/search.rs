@@ -27,7 +27,7 @@ pub(super) struct Search<'a> {
     pub(super) candidate: Candidate,
     /// Runs by the index of their setting.
     pub(super) trials: BTreeMap<i32, Trial>,
-    /// The same runs from starts moved up and down by their last bit.
+    /// Runs from starts moved up and down, by the index of their setting, of the settings that were confirmed.
     pub(super) nudged: BTreeMap<i32, [Trial; 2]>,
     pub(super) verdict: Option<Result<i32, (FailureKind, String)>>,
     pub(super) last: i32,

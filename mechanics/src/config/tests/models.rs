@@ -129,6 +129,29 @@ fn a_value_that_a_parameter_refuses_leaves_the_next_one_right() {
 }
 
 #[test]
+fn a_parameter_that_parts_set_cannot_vary() {
+    let text = format!("{BALL}[parts.moon]\ng = 1.6\n[parts.earth]\n");
+    let why = |text: &str| {
+        let model = Model::new("ball.toml", text).unwrap();
+        Variants::new(Some(model), None, &[], &[("g", Place::Default)]).unwrap().why_not(0)
+    };
+    assert!(why(&text).unwrap().starts_with("parts of the model give it values of their own"));
+    assert_eq!(why(BALL), None);
+}
+
+#[test]
+fn what_follows_the_end_of_a_run_is_told_from_what_was_given() {
+    let following = |sets: &[&str], path: &str| {
+        let model = Model::new("ball.toml", BALL).unwrap();
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        Variants::new(Some(model), None, &sets, &[(path, Place::Default)]).unwrap().following()
+    };
+    assert_eq!(following(&[], "run.t_end"), ["run.sample", "solver.step", "study.steps"]);
+    assert_eq!(following(&["solver.step=2e-4"], "run.t_end"), ["run.sample", "study.steps"]);
+    assert_eq!(following(&[], "g"), [] as [&str; 0]);
+}
+
+#[test]
 fn a_printed_configuration_tells_the_defaults_of_its_model_from_what_was_given() {
     let text = BALL.replace("t_end = 2", "t_end = 3") + "[solver]\natol = 1e-9\n";
     let printed = load(&text, &[]).unwrap().commented_toml();
