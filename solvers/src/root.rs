@@ -55,8 +55,8 @@ impl Bracket {
 ///
 /// It takes a step of inverse quadratic interpolation where that is safe, and a bisection elsewhere and in every
 /// fourth evaluation, so it never needs more than four times the evaluations of bisection. Where `f` is not above
-/// zero at `above`, it returns a number next to `above`; where `f` is NaN, it returns the last `below` at which `f`
-/// was a number.
+/// zero at `above`, it returns a number next to `above`; where it is above zero at `below`, too, and is found nowhere else,
+/// `below`; where `f` is NaN, the last `below` at which `f` was a number.
 ///
 /// T. R. Chandrupatla, "A new hybrid quadratic/bisection algorithm for finding the zero of a
 /// nonlinear function without using derivatives", Adv. Eng. Softw. 28(3), 145–149 (1997).
@@ -124,7 +124,9 @@ fn close(
     let [mut fb, mut fa] = values;
     let mut fraction = 0.5;
     let mut n = 0_u32;
-    while (b - a).abs() > tolerance && !bracket.is_closed() {
+    // They are the bracket, but where `f` is above zero at both of its ends: then they close on one of them.
+    let is_closed = |a, b| Bracket { above: a, below: b }.is_closed();
+    while (b - a).abs() > tolerance && !bracket.is_closed() && !is_closed(a, b) {
         n += 1;
         let x = a + fraction * (b - a);
         let fx = f(x);
@@ -213,6 +215,21 @@ pub(crate) fn parabola([a, m, b]: [(f64, f64); 3]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_function_above_zero_at_both_ends_ends_the_search_at_any_tolerance() {
+        for (above, below) in [(1.0, 2.0), (2.0, 1.0), (0.0, 1e-300)] {
+            for tolerance in [0.0, 1e-18, 1e-3] {
+                let mut n = 0;
+                let f = |x: f64| {
+                    n += 1;
+                    assert!(n < 5000, "it does not end");
+                    1.0 + x
+                };
+                assert_eq!(find_root(f, Bracket { above, below }, tolerance), below);
+            }
+        }
+    }
 
     #[test]
     fn a_root_is_found_near_a_guess_on_either_side_of_it() {
