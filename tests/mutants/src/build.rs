@@ -1,0 +1,139 @@
+//! The package with its changes, built.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+
+use crate::Failure;
+use crate::mutant::Mutant;
+use crate::switch::Switched;
+
+/// What came of it.
+pub struct Built {
+    /// Programs of tests, with the directory that each runs in.
+    pub programs: Vec<Program>,
+    /// The changes that compile, and have a switch.
+    pub switched: Vec<usize>,
+}
+
+/// A program of tests, and the directory that it runs in.
+pub type Program = (PathBuf, PathBuf);
+
+/// A complaint of the compiler: the file, where in it, and what it says.
+type Complaint = (String, Range<usize>, String);
+
+/// Switches all changes, and takes those back that the compiler refuses until it refuses none.
+pub fn build(tree: &Path, package: &str, mutants: &[Mutant], dir: &Path) -> Result<Built, Failure> {
+    let mut files: BTreeMap<&str, Vec<(usize, &Mutant)>> = BTreeMap::new();
+    for (id, mutant) in mutants.iter().enumerate() {
+        files.entry(&mutant.file).or_default().push((id, mutant));
+    }
+    let sources: BTreeMap<&str, String> = files
+        .keys()
+        .map(|file| Ok((*file, original(&tree.join(file))?)))
+        .collect::<std::io::Result<_>>()?;
+    let known = dir.join("refused.json");
+    let mut refused: BTreeSet<usize> =
+        std::fs::read(&known).map_or(Ok(BTreeSet::new()), |text| serde_json::from_slice(&text))?;
+    loop {
+        let mut switched = BTreeMap::new();
+        for (file, all) in &files {
+            let wanted: Vec<_> =
+                all.iter().copied().filter(|(id, _)| !refused.contains(id)).collect();
+            let text = Switched::of(&sources[file], &wanted)
+                .map_err(|error| format!("{file}: {error}"))?;
+            if std::fs::read_to_string(tree.join(file))? != text.text {
+                std::fs::write(tree.join(file), &text.text)?;
+            }
+            switched.insert(*file, text);
+        }
+        let (errors, programs) = compile(tree, package, dir)?;
+        if errors.is_empty() {
+            let ids: BTreeSet<usize> = switched
+                .values()
+                .flat_map(|file| file.places.iter().flat_map(|(_, ids)| ids.clone()))
+                .collect();
+            return Ok(Built { programs, switched: ids.into_iter().collect() });
+        }
+        let before = refused.len();
+        for (file, range, message) in errors {
+            let file = switched
+                .get(file.as_str())
+                .ok_or_else(|| format!("{file} was not changed: {message}"))?;
+            refused.extend(file.blamed(range));
+        }
+        println!("{} changes do not compile, or have no switch that does", refused.len());
+        std::fs::write(&known, serde_json::to_vec(&refused)?)?;
+        if refused.len() == before {
+            return Err("what the compiler refuses could not be told".into());
+        }
+    }
+}
+
+/// What a file was before it was changed, which is kept beside it.
+fn original(file: &Path) -> std::io::Result<String> {
+    let kept = file.with_extension("rs.original");
+    if !kept.exists() {
+        std::fs::copy(file, &kept)?;
+    }
+    std::fs::read_to_string(kept)
+}
+
+/// Compiles the tests of the package: complaints with file, place and text, and the programs.
+fn compile(
+    tree: &Path,
+    package: &str,
+    dir: &Path,
+) -> Result<(Vec<Complaint>, Vec<Program>), Failure> {
+    let output = Command::new("cargo")
+        .args(["test", "--no-run", "--message-format", "json", "--package", package])
+        .current_dir(tree)
+        .env("CARGO_TARGET_DIR", dir.join("target"))
+        .env("CARGO_INCREMENTAL", "1")
+        .env("RUSTFLAGS", "--cap-lints=allow")
+        .stderr(Stdio::inherit())
+        .output()?;
+    let (mut errors, mut programs) = (Vec::new(), Vec::new());
+    for line in String::from_utf8(output.stdout)?.lines() {
+        let said: Value = serde_json::from_str(line)?;
+        if said["profile"]["test"] == true {
+            let manifest = Path::new(said["manifest_path"].as_str().unwrap_or_default());
+            let beside = manifest.parent().unwrap_or(tree).to_owned();
+            programs.extend(
+                said["executable"].as_str().map(|program| (PathBuf::from(program), beside)),
+            );
+        }
+        let message = &said["message"];
+        if message["level"] != "error" {
+            continue;
+        }
+        let spans = message["spans"].as_array().map(Vec::as_slice).unwrap_or_default();
+        for span in spans.iter().filter(|span| span["is_primary"] == true) {
+            let span = written_at(span, tree);
+            let bytes = |key: &str| span[key].as_u64().map_or(0, |byte| byte as usize);
+            let file = span["file_name"].as_str().unwrap_or_default().to_owned();
+            errors.push((
+                file,
+                bytes("byte_start")..bytes("byte_end"),
+                message["message"].to_string(),
+            ));
+        }
+    }
+    if errors.is_empty() && !output.status.success() {
+        return Err("cargo test --no-run failed".into());
+    }
+    Ok((errors, programs))
+}
+
+/// Where what a complaint is about is written: a macro's own text is not, but where it is called.
+fn written_at<'a>(mut span: &'a Value, tree: &Path) -> &'a Value {
+    while !tree.join(span["file_name"].as_str().unwrap_or_default()).starts_with(tree)
+        && span["expansion"].is_object()
+    {
+        span = &span["expansion"]["span"];
+    }
+    span
+}
