@@ -1,6 +1,6 @@
 //! Which changes do the tests see?
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::Path;
@@ -24,13 +24,10 @@ pub fn judge(
 ) -> Result<(), Failure> {
     let path = dir.join("outcomes.txt");
     let before = std::fs::read_to_string(&path).unwrap_or_default();
-    let known: HashMap<&str, &str> =
-        before.lines().filter_map(|line| line.split_once(' ')).map(|(a, b)| (b, a)).collect();
-    let todo: Vec<usize> = chosen
-        .iter()
-        .copied()
-        .filter(|id| !known.contains_key(mutants[*id].name.as_str()))
-        .collect();
+    let known: HashSet<&str> =
+        before.lines().filter_map(|line| Some(line.split_once(' ')?.1)).collect();
+    let todo: Vec<usize> =
+        chosen.iter().copied().filter(|id| !known.contains(mutants[*id].name.as_str())).collect();
     let file = Mutex::new(OpenOptions::new().create(true).append(true).open(&path)?);
     let (next, seen_by) = (AtomicUsize::new(0), Mutex::new(HashMap::<&str, Vec<usize>>::new()));
     on_all_processors(|_| {

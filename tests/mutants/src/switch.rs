@@ -176,16 +176,13 @@ impl<'ast> Visit<'ast> for Finder<'_> {
     fn visit_expr_unary(&mut self, unary: &'ast ExprUnary) {
         let changes = self.take(unary.op.span(), "UnaryOperator");
         if let [(id, _)] = changes.as_slice() {
-            let text = |text: String| Piece::Text(text);
-            let sign = &quote(&unary.op);
-            let pieces = vec![
-                text("(match ".to_owned()),
-                Piece::Source(unary.expr.span().byte_range()),
-                text(format!(
-                    " {{ v_{id} => if {} {{ v_{id} }} else {{ {sign}v_{id} }} }})",
-                    switch(*id)
-                )),
-            ];
+            let sign = quote(&unary.op);
+            let chosen = format!(
+                " {{ v_{id} => if {} {{ v_{id} }} else {{ {sign}v_{id} }} }})",
+                switch(*id)
+            );
+            let operand = Piece::Source(unary.expr.span().byte_range());
+            let pieces = vec![Piece::Text("(match ".to_owned()), operand, Piece::Text(chosen)];
             self.edit(unary.span().byte_range(), &changes, pieces);
         }
         visit::visit_expr_unary(self, unary);
