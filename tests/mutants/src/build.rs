@@ -25,8 +25,14 @@ pub type Program = (PathBuf, PathBuf);
 /// A complaint of the compiler: the file, where in it, and what it says.
 type Complaint = (String, Range<usize>, String);
 
-/// Switches all changes, and takes those back that the compiler refuses until it refuses none.
-pub fn build(tree: &Path, package: &str, mutants: &[Mutant], dir: &Path) -> Result<Built, Failure> {
+/// Switches all changes, and takes those back that the compiler refuses until it refuses none. Cargo is given these arguments, too.
+pub fn build(
+    tree: &Path,
+    package: &str,
+    cargo: &[String],
+    mutants: &[Mutant],
+    dir: &Path,
+) -> Result<Built, Failure> {
     let mut files: BTreeMap<&str, Vec<(usize, &Mutant)>> = BTreeMap::new();
     for (id, mutant) in mutants.iter().enumerate() {
         files.entry(&mutant.file).or_default().push((id, mutant));
@@ -50,7 +56,7 @@ pub fn build(tree: &Path, package: &str, mutants: &[Mutant], dir: &Path) -> Resu
             }
             switched.insert(*file, text);
         }
-        let (errors, programs) = compile(tree, package, dir)?;
+        let (errors, programs) = compile(tree, package, cargo, dir)?;
         if errors.is_empty() {
             let ids: BTreeSet<usize> = switched
                 .values()
@@ -86,10 +92,12 @@ fn original(file: &Path) -> std::io::Result<String> {
 fn compile(
     tree: &Path,
     package: &str,
+    cargo: &[String],
     dir: &Path,
 ) -> Result<(Vec<Complaint>, Vec<Program>), Failure> {
     let output = Command::new("cargo")
         .args(["test", "--no-run", "--message-format", "json", "--package", package])
+        .args(cargo)
         .current_dir(tree)
         .env("CARGO_TARGET_DIR", dir.join("target"))
         .env("CARGO_INCREMENTAL", "1")
