@@ -1,4 +1,4 @@
-//! The package with its changes, built.
+//! The workspace with the changes, built.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -17,6 +17,8 @@ pub struct Built {
     pub programs: Vec<Program>,
     /// The changes that compile, and have a switch.
     pub switched: Vec<usize>,
+    /// How many do not compile behind a switch.
+    pub refused: usize,
 }
 
 /// A program of tests, and the directory that it runs in.
@@ -25,17 +27,13 @@ pub type Program = (PathBuf, PathBuf);
 /// A complaint of the compiler: the file, where in it, and what it says.
 type Complaint = (String, Range<usize>, String);
 
-/// Switches all changes, and takes those back that the compiler refuses until it refuses none. Cargo is given these arguments, too.
-pub fn build(
-    tree: &Path,
-    package: &str,
-    cargo: &[String],
-    mutants: &[Mutant],
-    dir: &Path,
-) -> Result<Built, Failure> {
+/// Switches the chosen changes, and takes those back that the compiler refuses until it refuses none.
+pub fn build(mutants: &[Mutant], chosen: &BTreeSet<usize>, dir: &Path) -> Result<Built, Failure> {
+    let tree = dir.join("tree");
     let mut files: BTreeMap<&str, Vec<(usize, &Mutant)>> = BTreeMap::new();
     for (id, mutant) in mutants.iter().enumerate() {
-        files.entry(&mutant.file).or_default().push((id, mutant));
+        let file = files.entry(&mutant.file).or_default();
+        file.extend(chosen.contains(&id).then_some((id, mutant)));
     }
     let sources: BTreeMap<&str, String> = files
         .keys()
@@ -56,13 +54,17 @@ pub fn build(
             }
             switched.insert(*file, text);
         }
-        let (errors, programs) = compile(tree, package, cargo, dir)?;
+        let checked = compile(&["check", "--tests", "--keep-going"], dir)?;
+        let (errors, programs) =
+            if checked.0.is_empty() { compile(&["test", "--no-run"], dir)? } else { checked };
         if errors.is_empty() {
             let ids: BTreeSet<usize> = switched
                 .values()
                 .flat_map(|file| file.places.iter().flat_map(|(_, ids)| ids.clone()))
                 .collect();
-            return Ok(Built { programs, switched: ids.into_iter().collect() });
+            let switched = ids.into_iter().collect();
+            let refused = refused.intersection(chosen).count();
+            return Ok(Built { programs, switched, refused });
         }
         let before = refused.len();
         for (file, range, message) in errors {
@@ -88,17 +90,13 @@ fn original(file: &Path) -> std::io::Result<String> {
     std::fs::read_to_string(kept)
 }
 
-/// Compiles the tests of the package: complaints with file, place and text, and the programs.
-fn compile(
-    tree: &Path,
-    package: &str,
-    cargo: &[String],
-    dir: &Path,
-) -> Result<(Vec<Complaint>, Vec<Program>), Failure> {
+/// What one command of cargo says of all tests: complaints with file, place and text, and the programs, if it makes them.
+fn compile(command: &[&str], dir: &Path) -> Result<(Vec<Complaint>, Vec<Program>), Failure> {
+    let tree = dir.join("tree");
     let output = Command::new("cargo")
-        .args(["test", "--no-run", "--message-format", "json", "--package", package])
-        .args(cargo)
-        .current_dir(tree)
+        .args(command)
+        .args(["--workspace", "--message-format", "json"])
+        .current_dir(&tree)
         .env("CARGO_TARGET_DIR", dir.join("target"))
         .env("CARGO_INCREMENTAL", "1")
         .env("RUSTFLAGS", "--cap-lints=allow")
@@ -109,7 +107,7 @@ fn compile(
         let said: Value = serde_json::from_str(line)?;
         if said["profile"]["test"] == true {
             let manifest = Path::new(said["manifest_path"].as_str().unwrap_or_default());
-            let beside = manifest.parent().unwrap_or(tree).to_owned();
+            let beside = manifest.parent().unwrap_or(&tree).to_owned();
             programs.extend(
                 said["executable"].as_str().map(|program| (PathBuf::from(program), beside)),
             );
@@ -120,7 +118,7 @@ fn compile(
         }
         let spans = message["spans"].as_array().map(Vec::as_slice).unwrap_or_default();
         for span in spans.iter().filter(|span| span["is_primary"] == true) {
-            let span = written_at(span, tree);
+            let span = written_at(span, &tree);
             let bytes = |key: &str| span[key].as_u64().map_or(0, |byte| byte as usize);
             let file = span["file_name"].as_str().unwrap_or_default().to_owned();
             errors.push((
@@ -131,7 +129,7 @@ fn compile(
         }
     }
     if errors.is_empty() && !output.status.success() {
-        return Err("cargo test --no-run failed".into());
+        return Err(format!("cargo {} failed", command.join(" ")).into());
     }
     Ok((errors, programs))
 }

@@ -10,10 +10,7 @@ use std::time::Duration;
 
 use crate::Failure;
 use crate::mutant::Mutant;
-use crate::tests::{Ended, Test, on_all_processors};
-
-/// The longest tests that reach a change are left out beyond this time in all: it may count as missed where one of them sees it.
-const BUDGET: Duration = Duration::from_secs(60);
+use crate::tests::{BUDGET, Ended, Test, on_all_processors};
 
 /// Judges the changes of these numbers, and adds each to DIR/outcomes.txt as it comes out; what stands there is not judged again.
 pub fn judge(
@@ -67,7 +64,7 @@ fn outcome(
             continue;
         }
         (spent, reached) = (spent + test.time, true);
-        match test.run(("MUTANT", &id.to_string()))? {
+        match test.judge(id)? {
             Ended::Passed => {}
             Ended::Failed => return Ok(("caught", Some(index))),
             Ended::Late => return Ok(("endless", Some(index))),
@@ -76,18 +73,23 @@ fn outcome(
     Ok((if reached { "missed" } else { "unreached" }, None))
 }
 
-/// Says how many there are of each outcome.
+/// Says how many there are of each outcome, in each package and in all.
 fn summary(path: &Path) -> Result<(), Failure> {
-    let mut counts = BTreeMap::<String, usize>::new();
+    let mut counts = BTreeMap::<String, BTreeMap<String, usize>>::new();
     for line in std::fs::read_to_string(path)?.lines() {
-        *counts.entry(line.split(' ').next().unwrap_or_default().to_owned()).or_default() += 1;
+        let mut words = line.split([' ', '/']).map(str::to_owned);
+        let (outcome, package) =
+            (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+        for whose in [package, "all".to_owned()] {
+            *counts.entry(whose).or_default().entry(outcome.clone()).or_default() += 1;
+        }
     }
-    let all: usize = counts.values().sum();
-    let seen = counts.get("caught").unwrap_or(&0) + counts.get("endless").unwrap_or(&0);
-    println!(
-        "{counts:?}: {seen} of {all} seen, {:.1} %; {}",
-        100.0 * seen as f64 / all.max(1) as f64,
-        path.display()
-    );
+    for (whose, counts) in counts {
+        let all: usize = counts.values().sum();
+        let seen = counts.get("caught").unwrap_or(&0) + counts.get("endless").unwrap_or(&0);
+        let share = 100.0 * seen as f64 / all as f64;
+        println!("{whose}: {counts:?}: {seen} of {all} seen, {share:.1} %");
+    }
+    println!("{}", path.display());
     Ok(())
 }
