@@ -5,7 +5,7 @@
 Ours is `deltazero study` of the text as it comes with the program. The others are given the study's own reference: they deliver
 its samples, and their error e is the largest difference over the largest value of that state. Time is that of the processor,
 the least of nine runs, of fewer where they are long, and of four such rounds of ours and heyoka; what is compiled just in
-time is compiled before. Written to results/models.csv.
+time is compiled before. Written to results/models.csv, where rows of models that are not named stay as they are.
 """
 
 import csv
@@ -123,8 +123,14 @@ def summary(rows):
 
 
 def write(name, rows):
-    """Writes the rows to results/, and their summary."""
+    """Writes the rows to results/ in the place of those of the same models, and their summary."""
     path = os.path.join(HERE, "..", "results", name)
+    with open(path + ".csv", newline="") as file:
+        before = [tuple(row) for row in csv.reader(file)][1:]
+    measured = {row[0] for row in rows}
+    rows = [row for row in before if row[0] not in measured] + rows
+    order = [model.name for model in models.MODELS + contacts.MODELS]
+    rows.sort(key=lambda row: order.index(row[0]))
     with open(path + ".csv", "w", newline="") as file:
         table = csv.writer(file)
         table.writerow(["model", "tool", "method", "tolerance", "e", "n_events", "cpu_s"])
