@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::output::{Output, hash};
 use super::progress::Bar;
-use super::{Failure, RunArgs, default_only, or_cores, print, say};
+use super::{Failure, RunArgs, default_only, or_cores, print, say, warn};
 
 /// The record of an audit.
 const RECORD: &str = "audit.json";
@@ -30,8 +30,17 @@ pub(super) struct AuditArgs {
 pub(super) fn run(args: &AuditArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let config =
         one_bay(default_only(args.run.load()?, "the claims are those of the struts' paper")?)?;
+    let used = used(&config)?;
+    warn(&config.warnings(), args.run.to.quiet);
+    let unused = differing(&config.to_json(), &used);
+    if !unused.is_empty() && !args.run.to.quiet {
+        let unused = unused.join(", ");
+        say(&format!(
+            "warning: an audit does not use {unused}: its readings, methods and times are those of its claims"
+        ));
+    }
     let dir = args.run.to.dir("deltazero-out/audit");
-    let output = Output::open(&dir, hash("audit", &used(&config)?), args.run.to.force)?;
+    let output = Output::open(&dir, hash("audit", &used), args.run.to.force)?;
     output.remove_of_another(RECORD, &FILES, &figures::OF_AUDITS)?;
     let bar = Bar::new(args.run.to.quiet);
     let audit = audit(&config, or_cores(args.threads), stop, &|progress| bar.show(progress));
@@ -90,6 +99,22 @@ fn used(config: &Config) -> Result<Value, Failure> {
         Shared { reading, bays, run, solver, study, contest, regimes, ..config.shared.clone() };
     let used = Config { shared, ..config.clone() };
     Ok(used.to_json())
+}
+
+/// Paths of the values in which two configurations differ.
+fn differing(a: &Value, b: &Value) -> Vec<String> {
+    let Some(entries) = a.as_object() else { return Vec::new() };
+    let mut paths = Vec::new();
+    for (name, own) in entries.iter().filter(|(name, own)| b[name.as_str()] != **own) {
+        let inner = differing(own, &b[name.as_str()]);
+        let path = |inner: String| format!("{name}.{inner}");
+        if inner.is_empty() {
+            paths.push(name.clone())
+        } else {
+            paths.extend(inner.into_iter().map(path))
+        }
+    }
+    paths
 }
 
 fn write(output: &Output, config: &Config, audit: &Audit) -> Result<(), Failure> {

@@ -20,7 +20,7 @@ use serde_json::json;
 use super::contests;
 use super::output::{Output, hash, is_current};
 use super::progress::{Bar, spoken};
-use super::{Failure, RESUMED, RunArgs, default_only, note_left_out, print, say};
+use super::{Failure, RESUMED, RunArgs, default_only, note_left_out, print, say, warn};
 
 /// The record of a map.
 const RECORD: &str = "regimes.json";
@@ -85,6 +85,7 @@ pub(super) fn run(args: &RegimesArgs, stop: &AtomicBool) -> Result<(), Failure> 
         config.regimes.threads = usize::from(threads);
     }
     note_left_out(&config, &config.contest.events, args.run.to.quiet);
+    warn(&config.warnings(), args.run.to.quiet);
     let sites = sites(&config);
     let chunks = contests::chunks(&dir, &output, RECORD, sites.len())?;
     take_up(&output, &config, &sites, &chunks)?;

@@ -200,8 +200,16 @@ fn threads_change_nothing_and_every_figure_has_data() {
 #[test]
 fn runs_that_end_early_leave_their_claims_undecided() {
     let scratch = Scratch::new();
-    let args = with_sets(&["audit", "--out", "out", "--json"], &["study.max_rhs=20000"]);
+    let sets =
+        ["study.max_rhs=20000", "solver.rtol=1e-3", "contact.restitution=0.4", "reading=full"];
+    let args = with_sets(&["audit", "--out", "out", "--json"], &sets);
     let ran = scratch.succeed(&args);
+    for told in [
+        "warning: an audit does not use reading, solver.rtol: ",
+        "contact.law = power does not have",
+    ] {
+        assert!(ran.stderr.contains(told), "{}", ran.stderr);
+    }
     assert!(ran.stderr.contains("warning: pin, joint 1: the run ends at 0."), "{}", ran.stderr);
     let rows: Vec<Value> = serde_json::from_str(&ran.stdout).unwrap();
     let of_readings: Vec<&Value> = rows.iter().filter(|row| row["reading"] != "ideal").collect();
