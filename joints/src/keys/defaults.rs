@@ -233,7 +233,7 @@ pub const COMMON: &[Key] = &[
     },
     Key {
         path: "solver.atol",
-        kind: Kind::OneOf(&[POSITIVE, Kind::List(&POSITIVE, None)]),
+        kind: Kind::OneOf(&[POSITIVE, Kind::List(&POSITIVE)]),
         default: Absent("1e-12"),
         unit: "",
         doc: "Absolute tolerance in each state's unit, one for all or one each: of a joint (m, m, rad, m/s, m/s, rad/s), its bristles keeping rtol times their scale",
@@ -257,7 +257,7 @@ pub const COMMON: &[Key] = &[
     },
     Key {
         path: "study.methods",
-        kind: Kind::List(&Kind::Word(&METHODS), None),
+        kind: Kind::Set(&Kind::Word(&METHODS)),
         default: Toml(
             "[\"rk4\", \"rk45\", \"dop853\", \"vern98\", \"taylor\", \"radau5\", \"bdf\"]",
         ),
@@ -267,7 +267,7 @@ pub const COMMON: &[Key] = &[
     },
     Key {
         path: "study.events",
-        kind: Kind::List(&Kind::Word(Events::WORDS), None),
+        kind: Kind::Set(&Kind::Word(Events::WORDS)),
         default: Toml("[\"located\", \"blind\"]"),
         unit: "",
         doc: "Treatments of events compared",
@@ -275,7 +275,7 @@ pub const COMMON: &[Key] = &[
     },
     Key {
         path: "study.rtol",
-        kind: Kind::List(&RTOL, None),
+        kind: Kind::Set(&RTOL),
         default: Toml("[1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12]"),
         unit: "",
         doc: "Relative tolerances of the methods that choose their step",
@@ -283,7 +283,7 @@ pub const COMMON: &[Key] = &[
     },
     Key {
         path: "study.steps",
-        kind: Kind::List(&POSITIVE, None),
+        kind: Kind::Set(&POSITIVE),
         default: Toml("[1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 5e-6]"),
         unit: "s",
         doc: "Steps of the fixed-step methods",
@@ -347,7 +347,7 @@ pub const COMMON: &[Key] = &[
     },
     Key {
         path: "contest.methods",
-        kind: Kind::List(&Kind::Word(&METHODS), None),
+        kind: Kind::Set(&Kind::Word(&METHODS)),
         default: Toml(
             "[\"rk4\", \"rk43\", \"bs32\", \"rk45\", \"dop853\", \"vern98\", \"taylor\", \"rodas5p\", \"radau5\", \"bdf\", \"auto\"]",
         ),
@@ -357,7 +357,7 @@ pub const COMMON: &[Key] = &[
     },
     Key {
         path: "contest.events",
-        kind: Kind::List(&Kind::Word(Events::WORDS), None),
+        kind: Kind::Set(&Kind::Word(Events::WORDS)),
         default: Toml("[\"located\", \"blind\"]"),
         unit: "",
         doc: "Treatments of events among which they choose",
@@ -389,7 +389,7 @@ pub const COMMON: &[Key] = &[
     },
     Key {
         path: "regimes.stiffness",
-        kind: Kind::List(&POSITIVE, None),
+        kind: Kind::Set(&POSITIVE),
         default: Toml("[1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12]"),
         unit: "N/mⁿ",
         doc: "Contact stiffnesses K of the map",
@@ -397,7 +397,7 @@ pub const COMMON: &[Key] = &[
     },
     Key {
         path: "regimes.damping_ratio",
-        kind: Kind::List(&NOT_NEGATIVE, None),
+        kind: Kind::Set(&NOT_NEGATIVE),
         default: Toml("[0.0, 0.01, 0.1, 1.0, 3.0]"),
         unit: "",
         doc: "Damping ratios ζ of the map: D = 2ζ√(K m), m the mass of struts 1, 2, 5 and 6",
@@ -405,7 +405,7 @@ pub const COMMON: &[Key] = &[
     },
     Key {
         path: "regimes.accuracy",
-        kind: Kind::List(&ACCURACY, None),
+        kind: Kind::Set(&ACCURACY),
         default: Toml("[1e-3, 1e-6]"),
         unit: "",
         doc: "Errors e to be reached",
@@ -413,7 +413,7 @@ pub const COMMON: &[Key] = &[
     },
     Key {
         path: "regimes.readings",
-        kind: Kind::List(&Kind::Word(ReadingName::WORDS), None),
+        kind: Kind::Set(&Kind::Word(ReadingName::WORDS)),
         default: Absent("[\"pin\", \"full\"]"),
         unit: "",
         doc: "Readings of the map",

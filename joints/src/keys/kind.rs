@@ -13,8 +13,10 @@ pub enum Kind {
     Boolean,
     /// One of these words.
     Word(&'static [&'static str]),
-    /// A list of such values: not empty, or of a fixed length.
-    List(&'static Kind, Option<usize>),
+    /// A list of such values, not empty.
+    List(&'static Kind),
+    /// A list of such values that differ, not empty.
+    Set(&'static Kind),
     /// A value of any of these kinds.
     OneOf(&'static [Kind]),
 }
@@ -27,8 +29,7 @@ impl Kind {
             Self::Integer(low, high) => format!("from {low} to {high}"),
             Self::Boolean => String::new(),
             Self::Word(words) => listing(words),
-            Self::List(of, None) => format!("each {}", of.limits("")),
-            Self::List(of, Some(n)) => format!("{n} in a list, each {}", of.limits("")),
+            Self::List(of) | Self::Set(of) => format!("each {}", of.limits("")),
             Self::OneOf(kinds) => {
                 let limits: Vec<_> = kinds.iter().map(|kind| kind.limits("")).collect();
                 limits.join(", or ")
@@ -48,10 +49,9 @@ impl Kind {
             Self::Integer(..) => format!("an integer ({})", self.limits(unit)),
             Self::Boolean => "true or false".to_owned(),
             Self::Word(words) => format!("a word ({})", listing(words)),
-            Self::List(of, None) => {
+            Self::List(of) | Self::Set(of) => {
                 format!("a list, at least one entry, each {}", of.expected(unit))
             }
-            Self::List(of, Some(n)) => format!("a list of {n} entries, each {}", of.expected(unit)),
             Self::OneOf(kinds) => {
                 let kinds: Vec<_> = kinds.iter().map(|kind| kind.expected(unit)).collect();
                 kinds.join(", or ")

@@ -16,7 +16,7 @@ const EXACT: f64 = 9_007_199_254_740_992.0;
 /// named, counted from 0.
 ///
 /// # Errors
-/// A wrong type, a number out of range, an unknown word, a list of the wrong length.
+/// A wrong type, a number out of range, an unknown word, a list that is empty, or that has an entry twice.
 pub(super) fn check(
     kind: &Kind,
     key: &str,
@@ -60,8 +60,8 @@ pub(super) fn check(
                 })
             }
         }
-        (Kind::List(of, length), Datum::List(entries)) => {
-            if length.map_or(entries.is_empty(), |n| entries.len() != n) {
+        (Kind::List(of) | Kind::Set(of), Datum::List(entries)) => {
+            if entries.is_empty() {
                 return Err(ConfigError::WrongLength {
                     place: given.place.clone(),
                     key: key.into(),
@@ -71,7 +71,18 @@ pub(super) fn check(
                 });
             }
             let entry = |(i, entry)| check(of, &format!("{key}[{i}]"), unit, entry);
-            entries.iter().enumerate().map(entry).collect()
+            let values: Vec<Value> =
+                entries.iter().enumerate().map(entry).collect::<Result<_, _>>()?;
+            let twice = (1..values.len()).find(|i| values[..*i].contains(&values[*i]));
+            match twice.filter(|_| matches!(kind, Kind::Set(_))) {
+                None => Ok(values.into()),
+                Some(i) => Err(ConfigError::Repeated {
+                    place: given.place.clone(),
+                    key: key.into(),
+                    value: given.text.as_str().into(),
+                    entry: entries[i].text.as_str().into(),
+                }),
+            }
         }
         (Kind::OneOf(kinds), _) => check_one_of(kind, kinds, key, unit, given),
         _ => Err(given.wrong_type(key, &kind.expected(unit))),

@@ -162,6 +162,18 @@ pub enum ConfigError {
         /// What the key takes.
         expected: Box<str>,
     },
+    /// A list of entries that must differ, and do not.
+    #[error("{place}: {key} = {value} has {entry} twice: {LEAVE_ONE}")]
+    Repeated {
+        /// Where.
+        place: Place,
+        /// The key, from the root.
+        key: Box<str>,
+        /// The value as given, shortened.
+        value: Box<str>,
+        /// The entry.
+        entry: Box<str>,
+    },
     /// Blind runs alone where there are none.
     #[error("{place}: {key} asks for blind runs, but {reason}; {USE_LOCATED}")]
     NoBlindRuns {
@@ -251,7 +263,8 @@ impl ConfigError {
             Self::WrongType { place, key, value, .. }
             | Self::OutOfRange { place, key, value, .. }
             | Self::UnknownWord { place, key, value, .. }
-            | Self::WrongLength { place, key, value, .. } => (place, &**key, &**value),
+            | Self::WrongLength { place, key, value, .. }
+            | Self::Repeated { place, key, value, .. } => (place, &**key, &**value),
             Self::NoBlindRuns { place, key, .. } => (place, *key, ""),
             Self::Syntax { place, .. }
             | Self::NotWithBristles { place, .. }
@@ -282,6 +295,7 @@ impl ConfigError {
             Self::UnknownWord { allowed, nearest, .. } => {
                 format!("{allowed}{}", did_you_mean(*nearest))
             }
+            Self::Repeated { .. } => LEAVE_ONE.to_owned(),
             Self::NoBlindRuns { .. } => USE_LOCATED.to_owned(),
             Self::NotWithBristles { reason, .. } => (*reason).to_owned(),
             Self::NotInMechanism { reason, .. } => reason.to_string(),
@@ -295,6 +309,7 @@ impl ConfigError {
 }
 
 const CAN_DIFFER: &str = "only the keys of [joint], [contact] and [friction] can";
+const LEAVE_ONE: &str = "leave one of them";
 const USE_LOCATED: &str = "use events = \"located\"";
 const RAISE_STEP: &str = "raise solver.step";
 

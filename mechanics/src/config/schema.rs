@@ -75,14 +75,10 @@ fn kind_schema(kind: &Kind) -> Value {
         }
         Kind::Boolean => json!({ "type": "boolean" }),
         Kind::Word(words) => json!({ "type": "string", "enum": words }),
-        Kind::List(of, length) => {
-            let mut schema = json!({ "type": "array", "items": kind_schema(of) });
-            schema["minItems"] = length.unwrap_or(1).into();
-            if let Some(n) = length {
-                schema["maxItems"] = (*n).into();
-            }
-            schema
-        }
+        Kind::List(of) => json!({ "type": "array", "items": kind_schema(of), "minItems": 1 }),
+        Kind::Set(of) => json!({
+            "type": "array", "items": kind_schema(of), "minItems": 1, "uniqueItems": true
+        }),
         Kind::OneOf(kinds) => {
             let kinds: Vec<_> = kinds.iter().map(kind_schema).collect();
             json!({ "anyOf": kinds })

@@ -392,7 +392,7 @@ mod tests {
             Kind::Integer(low, high) => vec![(*low).into(), (low + 1).min(*high).into()],
             Kind::Boolean => vec![true.into(), false.into()],
             Kind::Word(words) => words.iter().map(|word| (*word).into()).collect(),
-            Kind::List(..) => vec![default.clone()],
+            Kind::List(_) | Kind::Set(_) => vec![default.clone()],
             Kind::OneOf(kinds) => {
                 kinds.iter().flat_map(|kind| some_values(kind, default)).collect()
             }

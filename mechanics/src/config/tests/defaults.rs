@@ -169,7 +169,7 @@ fn valid(schema: &Value, value: &Value) -> bool {
         "enum" => want.as_array().unwrap().contains(value),
         "items" => list.iter().all(|entry| valid(want, entry)),
         "minItems" => list.len() as u64 >= want.as_u64().unwrap(),
-        "maxItems" => list.len() as u64 <= want.as_u64().unwrap(),
+        "uniqueItems" => (1..list.len()).all(|i| !list[..i].contains(&list[i])),
         "anyOf" => want.as_array().unwrap().iter().any(|schema| valid(schema, value)),
         "properties" => {
             let entries = value.as_object().unwrap();
@@ -197,6 +197,7 @@ fn the_schema_refuses_what_is_refused() {
         ("/contact/law", Value::from("hertz")),
         ("/solver/rtol", Value::from(0.5)),
         ("/study/rtol", Value::from(Vec::<f64>::new())),
+        ("/study/rtol", Value::from(vec![1e-4, 1e-4])),
         ("/bays", Value::from(0)),
         ("/strut", serde_json::json!({ "lenght": 1.0 })),
     ] {

@@ -177,6 +177,19 @@ fn a_list_of_the_wrong_length_names_the_right_one() {
 }
 
 #[test]
+fn a_list_that_has_an_entry_twice_names_it() {
+    assert_eq!(
+        refusal("study.rtol = [1e-4, 1e-6, 1e-4]"),
+        "bad.toml:1: study.rtol = [1e-4, 1e-6, 1e-4] has 1e-4 twice: leave one of them"
+    );
+    assert_eq!(
+        refusal("study.methods = [\"rk45\", \"rk45\"]"),
+        "bad.toml:1: study.methods = [\"rk45\", \"rk45\"] has \"rk45\" twice: leave one of them"
+    );
+    assert!(Config::load(None, &["solver.atol=[1,1,1,2,2,2]".to_owned()]).is_ok());
+}
+
+#[test]
 fn more_fixed_steps_than_a_run_can_take_are_refused_for_fixed_step_methods_alone() {
     let sets = |method: &str| [format!("solver.method={method}"), "solver.step=1e-300".to_owned()];
     let message = Config::load(None, &sets("rk4")).unwrap_err().to_string();

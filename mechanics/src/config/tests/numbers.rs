@@ -9,7 +9,7 @@ fn range(kind: &Kind) -> Option<Range> {
     match kind {
         Kind::Number(range) => Some(*range),
         Kind::Integer(low, high) => Some(Range::closed(*low as f64, *high as f64)),
-        Kind::List(of, _) => range(of),
+        Kind::List(of) | Kind::Set(of) => range(of),
         Kind::OneOf(kinds) => kinds.iter().find_map(range),
         Kind::Boolean | Kind::Word(_) => None,
     }
@@ -18,7 +18,7 @@ fn range(kind: &Kind) -> Option<Range> {
 /// The key set to a number; for a list of numbers, its only entry.
 fn line(key: &Key, number: &str) -> String {
     match key.kind {
-        Kind::List(..) => format!("{} = [{number}]", key.path),
+        Kind::List(_) | Kind::Set(_) => format!("{} = [{number}]", key.path),
         _ => format!("{} = {number}", key.path),
     }
 }
