@@ -103,10 +103,9 @@ fn variants(args: &RegimesArgs, axes: &[MapAxis; 2]) -> Result<Variants, Failure
         return Err(Failure::Usage(format!("--axis mechanism {why}")));
     }
     let model = from.model.as_deref().map(Model::read).transpose()?;
-    let paths = axes.each_ref().map(|axis| {
-        let value = axis.values.first().copied().unwrap_or_default();
-        (axis.name.as_str(), Place::Set(format!("{}={value:?}", axis.name).into()))
-    });
+    let paths = axes
+        .each_ref()
+        .map(|axis| (axis.name.as_str(), Place::Varied(format!("--axis {}", axis.name).into())));
     Ok(Variants::new(model, from.config.as_deref(), &from.set, &paths)?)
 }
 

@@ -69,7 +69,9 @@ impl Values {
                 return refused(path, value(), "mechanism", reason.to_owned());
             }
             // A file may hold the tables of other mechanisms; who sets a key means this one.
-            let is_meant = |key: &Key| key.table().is_none() || matches!(place, Place::Set(_));
+            let is_meant = |key: &Key| {
+                key.table().is_none() || matches!(place, Place::Set(_) | Place::Varied(_))
+            };
             let is_foreign = find(path).is_some_and(|key| is_meant(key) && !entry.has(key));
             if is_foreign && !self.is_default(path) {
                 if self.model.is_some() {

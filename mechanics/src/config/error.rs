@@ -18,6 +18,8 @@ pub enum Place {
     },
     /// An argument of `--set`.
     Set(Box<str>),
+    /// A key that varies from run to run: what gave its value, in words.
+    Varied(Box<str>),
     /// A configuration in JSON, as in `run.json`.
     Json,
     /// The table of defaults in this program.
@@ -29,6 +31,7 @@ impl fmt::Display for Place {
         match self {
             Self::Line { file, line } => write!(f, "{file}:{line}"),
             Self::Set(argument) => write!(f, "--set {argument}"),
+            Self::Varied(what) => f.write_str(what),
             Self::Json => f.write_str("configuration in JSON"),
             Self::Default => f.write_str("default configuration"),
         }

@@ -184,16 +184,16 @@ impl Variants {
     /// The value that the number `x` is as the key number `i`.
     ///
     /// # Errors
-    /// As [`Config::load`] with it as an argument of `--set`.
+    /// As [`Config::load`] with it, at [`Place::Varied`].
     pub fn number(&self, i: usize, x: f64) -> Result<Value, ConfigError> {
-        let place = Place::Set(excerpt(&format!("{}={x:?}", self.keys[i].path)).into());
+        let place = Place::Varied(excerpt(&format!("{}={x:?}", self.keys[i].path)).into());
         self.checked(i, &Given { place, text: format!("{x:?}"), datum: Datum::Number(x) })
     }
 
     /// The configuration with these values, one for each path, in their normal form.
     ///
     /// # Errors
-    /// As [`Config::load`] with each value as an argument of `--set`.
+    /// As [`Config::load`] with each value, at [`Place::Varied`].
     ///
     /// # Panics
     /// With fewer values than paths.
@@ -212,7 +212,7 @@ impl Variants {
     fn loaded(&self, values: &[Value]) -> Result<Config, ConfigError> {
         let mut settings = self.settings.clone();
         for (key, value) in self.keys.iter().zip(values) {
-            let place = Place::Set(excerpt(&format!("{}={value}", key.path)).into());
+            let place = Place::Varied(excerpt(&format!("{}={value}", key.path)).into());
             settings.apply(&key.path, &Given { place, ..Given::from_json(value) })?;
         }
         settings.config()
@@ -431,7 +431,11 @@ mod tests {
             let mut variants = variants(&base, &[&path]);
             for value in values {
                 let sets = [base[0].clone(), format!("{path}={value}")];
-                let loaded = Config::load(None, &sets).map_err(|error| error.to_string());
+                // A value that is no argument does not say that it is one.
+                let said = |error: ConfigError| {
+                    error.to_string().replacen(&format!("--set {path}="), &format!("{path}="), 1)
+                };
+                let loaded = Config::load(None, &sets).map_err(said);
                 let own = variants.set(&[value]).cloned().map_err(|error| error.to_string());
                 assert_eq!(own, loaded, "{sets:?}");
                 n_compared += 1;
@@ -484,7 +488,8 @@ mod tests {
         let refused = variants.set(&["lugre".into(), 0.0.into()]).unwrap_err().to_string();
         assert!(refused.contains("does not go with friction.law = lugre"), "{refused}");
         let refused = variants.set(&["lugre".into(), (-1.0).into()]).unwrap_err().to_string();
-        assert!(refused.contains("joint.clearance = -1.0 is out of range"), "{refused}");
+        let expected = "joint.clearance=-1.0: joint.clearance = -1.0 is out of range";
+        assert!(refused.starts_with(expected), "{refused}");
         let sets = ["friction.law=coulomb".to_owned(), "joint.clearance=0".to_owned()];
         let loaded = Config::load(None, &sets).unwrap();
         assert_eq!(*variants.set(&["coulomb".into(), 0.0.into()]).unwrap(), loaded);

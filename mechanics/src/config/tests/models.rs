@@ -124,7 +124,7 @@ fn a_value_that_a_parameter_refuses_leaves_the_next_one_right() {
     let model = Model::new("ball.toml", BALL).unwrap();
     let mut variants = Variants::new(Some(model), None, &[], &[("g", Place::Default)]).unwrap();
     let refused = variants.set(&[(-1.0).into()]).unwrap_err().to_string();
-    assert_eq!(refused, "--set g=-1.0: g = -1.0 is out of range: greater than 0");
+    assert_eq!(refused, "g=-1.0: g = -1.0 is out of range: greater than 0");
     assert_eq!(variants.set(&[2.0.into()]).unwrap().mechanism.tables["parameters"]["g"], 2.0);
 }
 
