@@ -251,4 +251,11 @@ mod tests {
         let no_number = [zero / zero, (-one).ln(), (-one).sqrt(), infinite.sin_cos().0];
         assert!(no_number.iter().all(|x| x.hi().is_nan()), "{no_number:?}");
     }
+
+    #[test]
+    fn a_sum_is_its_nearest_number_and_the_rest() {
+        let sum = DoubleDouble::sum(1.0, 1e-20);
+        assert_eq!((sum.hi(), sum.lo()), (1.0, 1e-20));
+        assert_eq!(DoubleDouble::sum(0.5, 0.25).lo(), 0.0);
+    }
 }

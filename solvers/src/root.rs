@@ -340,4 +340,18 @@ mod tests {
         );
         assert_eq!(found, 0.3);
     }
+
+    #[test]
+    fn a_parabola_is_that_through_its_points() {
+        // 2 + 3 (x − 0.7)².
+        let at = |x: f64| (x, 2.0 + 3.0 * (x - 0.7) * (x - 0.7));
+        for points in [[0.1, 0.4, 1.5], [-2.0, 1.0, 1.25], [1.0, 2.0, 4.0]] {
+            let (vertex, factor) = parabola(points.map(at));
+            // Measured: 1.2e-15 and 8.9e-16.
+            assert!(
+                (vertex - 0.7).abs() < 1e-14 && (factor - 3.0).abs() < 1e-14,
+                "{vertex} {factor}"
+            );
+        }
+    }
 }

@@ -141,3 +141,15 @@ impl<P: Problem> Record<P> for StepsOf<'_, P> {
         Needs::Ends
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::ModeKind;
+
+    #[test]
+    fn codes_of_files_have_names_and_tell_a_contact() {
+        let kinds = [0, 1, -1, 2].map(ModeKind::of);
+        assert_eq!(kinds.map(ModeKind::name), ["flight", "contact", "contact", "stick"]);
+        assert_eq!(kinds.map(ModeKind::is_contact), [false, true, true, true]);
+    }
+}

@@ -451,4 +451,39 @@ mod tests {
             assert!((torque - slope).abs() < 2e-7 * slope.abs().max(1.0), "{torque} for {slope}");
         }
     }
+
+    /// By the closed loop, solved with 30 digits from the equations of the docs alone.
+    #[test]
+    fn the_bars_have_the_numbers_of_the_equations() {
+        let bars = FourBar {
+            crank: 0.3,
+            coupler: 0.9,
+            rocker: 0.7,
+            ground: 0.8,
+            coupler_mass: 1.1,
+            coupler_inertia: 0.08,
+            rocker_mass: 0.6,
+            rocker_inertia: 0.03,
+            speed: 7.0,
+            start: 0.0,
+            pin_radius: 0.01,
+        };
+        let y = [1e-3, -5e-4, 0.8, 0.02, -0.03, 7.0];
+        let at = bars.at(&y);
+        let [phi, psi] = [at.phi, at.psi].map(|[cos, sin]| libm::atan2(sin, cos));
+        for (found, expected) in [
+            (phi, 0.536_990_060_117_246_5),
+            (psi, 1.308_751_774_337_639_4),
+            (at.rates[0], -1.667_590_902_039_545),
+            (at.rates[1], 1.122_156_733_933_627),
+            (bars.spin(&at), 2.915_208_572_897_408_6),
+            (bars.spin_bound(&y), 8.321_942_465_571_122),
+            (bars.acceleration_scale(), 14.7),
+            (bars.force_scale(), 24.99),
+            (bars.kinetic(&y), 1.237_767_887_423_791_6),
+        ] {
+            // Measured: 7e-16.
+            assert!((found / expected - 1.0).abs() < 7e-15, "{found} for {expected}");
+        }
+    }
 }

@@ -225,3 +225,6 @@ impl fmt::Debug for Chosen {
         f.debug_tuple(self.entry.name).field(&self.tables).finish()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -59,3 +59,13 @@ pub(super) fn balance<P: Problem>(problem: &P, method: &str, rtol: f64, t_end: f
     let run = integrate(problem, &setting(method, rtol), start, t_end, &mut record);
     record.at(&run.mode, run.t, &run.y).unwrap()
 }
+
+/// Fails unless numbers are those that the equations give, here computed with 30 digits.
+pub(super) fn assert_numbers(what: &str, found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len(), "{what}");
+    for (found, expected) in found.iter().zip(expected) {
+        // Measured: 4e-13, of a difference of two lengths.
+        let error = (found - expected).abs();
+        assert!(error <= 4e-12 * expected.abs(), "{what}: {found:e} for {expected:e}");
+    }
+}

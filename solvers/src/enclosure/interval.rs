@@ -481,4 +481,33 @@ mod tests {
         assert!(about_zero.value().is_nan() && Interval::WHOLE.value().is_nan());
         assert!(Interval::new(-2.0, -1.0).value() < 0.0 && (one / 3.0).value() > 0.0);
     }
+
+    #[test]
+    fn the_distance_of_a_number_is_zero_inside_alone() {
+        let x = Interval::new(-1.0, 3.0);
+        for (at, distance) in [(-3.0, 2.0), (-1.0, 0.0), (0.5, 0.0), (3.0, 0.0), (3.5, 0.5)] {
+            assert_eq!(x.distance(at), distance, "{at}");
+        }
+    }
+
+    #[test]
+    fn signs_and_lengths_hold_those_of_their_numbers() {
+        let sign = |lo, hi| {
+            let sign = Interval::new(lo, hi).sign();
+            (sign.lo(), sign.hi())
+        };
+        assert_eq!(sign(-2.0, -1.0), (-1.0, -1.0));
+        assert_eq!(sign(-2.0, 1.0), (-1.0, 1.0));
+        assert_eq!(sign(0.0, 1.0), (0.0, 1.0));
+        let [three, four, one, two, zero] = [3.0, 4.0, 1.0, 2.0, 0.0].map(Interval::from);
+        for (d, v, rho, rate) in [
+            ([three, four], [one, two], 5.0, 2.2),
+            ([zero, -four], [one, two], 4.0, -2.0),
+            ([-three, zero], [one, two], 3.0, -1.0),
+        ] {
+            let length = Interval::length(d, v);
+            assert!(length.rho.value.contains(rho) && length.rho.value.width() < 1e-14);
+            assert!(length.rate.contains(rate) && length.rate.width() < 1e-14, "{:?}", length.rate);
+        }
+    }
 }

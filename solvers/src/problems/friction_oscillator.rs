@@ -167,4 +167,22 @@ mod tests {
         let [x, v] = oscillator.state(100.0);
         assert!(x.abs() < 1e-15 && v == 0.0);
     }
+
+    #[test]
+    fn it_sticks_while_friction_holds_the_spring_on_both_sides() {
+        let oscillator =
+            FrictionOscillator { mass: 2.0, stiffness: 50.0, friction: 5.0, release: -1.0 };
+        for (mode, y, guards, bound) in [
+            // Friction less the pull of the spring, 2 N, to the right and to the left.
+            (FrictionMode::Stick, [0.04, 0.0], [7.0, 3.0], 7.0),
+            (FrictionMode::Stick, [-0.04, 0.0], [3.0, 7.0], 7.0),
+            (FrictionMode::SlipPlus, [0.04, 0.3], [0.3, 1.0], 0.5),
+            (FrictionMode::SlipMinus, [-0.04, -0.3], [0.3, 1.0], 0.5),
+        ] {
+            let [mut own, mut bounds] = [[0.0; 2]; 2];
+            oscillator.guards(mode, 0.0, &y, &mut own);
+            oscillator.guard_bounds(mode, 0.0, &y, &mut bounds);
+            assert_eq!((own, bounds), (guards, [bound * ROUNDING; 2]), "{mode:?} {y:?}");
+        }
+    }
 }

@@ -59,3 +59,54 @@ pub(crate) mod balls {
         start: [0.02, 1.0],
     };
 }
+
+#[cfg(test)]
+mod tests {
+    use deltazero_solvers::problems::{
+        BeltMode, BeltOscillator, FrictionMode, FrictionOscillator, SlidingStops,
+    };
+
+    use crate::Problem;
+
+    fn scales<P: Problem>(problem: &P) -> Vec<f64> {
+        problem.states().iter().map(|state| state.scale).collect()
+    }
+
+    const BELT: BeltOscillator = BeltOscillator {
+        mass: 2.0,
+        stiffness: 50.0,
+        belt_speed: 0.3,
+        static_friction: 5.0,
+        kinetic_friction: 3.0,
+        start: [0.0, 0.0],
+    };
+
+    const RUBS: FrictionOscillator =
+        FrictionOscillator { mass: 2.0, stiffness: 50.0, friction: 5.0, release: -0.05 };
+
+    #[test]
+    fn states_have_the_sizes_of_their_motion() {
+        // Friction stretches the spring by 0.1 m; ω = 5 rad/s.
+        assert_eq!(scales(&BELT), [0.1, 0.5]);
+        assert_eq!(scales(&BeltOscillator { belt_speed: 0.8, ..BELT }), [0.1, 0.8]);
+        assert_eq!(scales(&RUBS), [0.1, 0.5]);
+        assert_eq!(scales(&FrictionOscillator { release: 0.4, ..RUBS }), [0.4, 2.0]);
+        let slides = SlidingStops {
+            mass: 2.0,
+            gap: 0.25,
+            drive: 4.0,
+            half_period: 1.0,
+            friction: 1.0,
+            start: [0.0, 0.0],
+        };
+        assert_eq!(scales(&slides), [0.25, 1.0]);
+    }
+
+    #[test]
+    fn files_tell_the_side_that_it_slips_to() {
+        let belt = [BeltMode::SlipMinus, BeltMode::SlipPlus, BeltMode::Stick];
+        assert_eq!(belt.map(|mode| BELT.code(&mode, 0)), [-1, 1, 2]);
+        let rubs = [FrictionMode::SlipMinus, FrictionMode::SlipPlus, FrictionMode::Stick];
+        assert_eq!(rubs.map(|mode| RUBS.code(&mode, 0)), [-1, 1, 2]);
+    }
+}

@@ -311,4 +311,9 @@ mod tests {
         assert_eq!(names(&forward), names(&alone));
         assert_eq!(names(&backward), names(&alone));
     }
+
+    #[test]
+    fn a_run_chatters_beyond_four_times_the_events_of_the_reference_and_ten() {
+        assert_eq!([0.0, 7.0].map(chatter_bound), [10.0, 38.0]);
+    }
 }

@@ -4,7 +4,7 @@ use deltazero_study::energy_balance::Balance;
 
 use super::*;
 use crate::config::Config;
-use crate::mechanisms::test_runs::{Run, balance, by_every_method, distance};
+use crate::mechanisms::test_runs::{Run, assert_numbers, balance, by_every_method, distance};
 
 /// Twenty periods of the force [s].
 const DEFAULT_END: f64 = 21.0;
@@ -320,4 +320,81 @@ fn an_overdamped_mass_without_a_force_creeps_to_rest_as_in_closed_form() {
         // Measured: 2.7e-8 (tr_bdf2).
         assert!(off < 2e-7, "{name}: {off:e}");
     }
+}
+
+const OTHER: ImpactOscillator = ImpactOscillator {
+    mass: 1.3,
+    damping: 0.9,
+    stiffness: 110.0,
+    amplitude: 12.0,
+    frequency: 5.5,
+    gap: 0.07,
+    restitution: 0.6,
+    start_position: -0.04,
+    start_velocity: 0.5,
+};
+
+#[test]
+fn the_mass_has_the_numbers_of_the_equations() {
+    let (t, y) = (0.31, OTHER.start());
+    let mut rates = [0.0; 2];
+    OTHER.rhs(Mode::Free, t, &y, &mut rates);
+    assert_numbers("rates", &rates, &[0.5, -4.119_703_265_864_362]);
+    OTHER.rhs(Mode::AtStop, t, &y, &mut rates);
+    assert_eq!(rates, [0.0; 2]);
+    let scales: Vec<f64> = OTHER.states().iter().map(|state| state.scale).collect();
+    assert_numbers("scales", &scales, &[0.179_090_909_090_909_1, 1.647_396_759_713_968_8]);
+    assert_numbers("period", &[OTHER.unit_of_time()], &[1.142_397_328_578_106_6]);
+    let load = -9.305_614_245_623_671;
+    let mut guard = [0.0];
+    OTHER.guards(Mode::AtStop, t, &y, &mut guard);
+    assert_numbers("load", &guard, &[load]);
+    OTHER.guards(Mode::Free, t, &y, &mut guard);
+    assert_eq!(guard, [0.04]);
+    let energy = OTHER.energies(&Mode::Free, t, &y).unwrap();
+    assert_numbers("energy", &[energy.kinetic, energy.elastic], &[0.212, 0.0]);
+    let power = OTHER.powers(&Mode::Free, t, &y).unwrap();
+    let expected = [-0.802_807_122_811_835_6, 0.225, 0.0];
+    assert_numbers("powers", &[power.drive, power.damping, power.friction], &expected);
+    for (mode, force) in [(Mode::Free, 0.0), (Mode::AtStop, load)] {
+        let Touch { depth, rate, force: found } = OTHER.touch(&mode, t, &y, 0).unwrap();
+        assert_numbers("touch", &[depth, rate, found], &[-0.04, 0.5, force]);
+    }
+}
+
+#[test]
+fn guards_are_rounded_by_the_height_of_the_bounce() {
+    let bound = |mode, y| {
+        let mut bound = [0.0];
+        OTHER.guard_bounds(mode, 0.31, &y, &mut bound);
+        bound[0] / ROUNDING
+    };
+    // A bounce under the load, one on the spring, and none.
+    for (y, expected) in [
+        ([-0.04, 0.5], 0.057_462_576_430_827_44),
+        ([-0.04, 3.0], 0.366_134_383_902_765_4),
+        ([0.0, 0.0], 1.790_909_090_909_091e-10),
+    ] {
+        assert_numbers("bound", &[bound(Mode::Free, y)], &[expected]);
+    }
+    assert_numbers("bound", &[bound(Mode::AtStop, [0.0, 0.0])], &[40.16]);
+}
+
+#[test]
+fn the_start_at_the_stop_is_told_by_its_load_and_its_speed() {
+    let pressed = ImpactOscillator { start_position: 0.0, start_velocity: 0.0, ..OTHER };
+    // F cos 0 presses by 12 − 7.7 N.
+    assert!(pressed.initial_mode(0.0, &[0.0, 0.0]) == Mode::AtStop);
+    assert!(pressed.initial_mode(0.31, &[0.0, 0.0]) == Mode::Free);
+    assert!(pressed.initial_mode(0.0, &[0.0, -0.1]) == Mode::Free);
+    assert!(!pressed.starts_on_surface() && !OTHER.starts_on_surface());
+    assert!(ImpactOscillator { start_velocity: 0.1, ..pressed }.starts_on_surface());
+    assert_eq!(
+        [Mode::Free, Mode::AtStop].map(|mode| OTHER.role(&mode, 0)),
+        [Role::Free, Role::Contact]
+    );
+    let names = [Mode::Free, Mode::AtStop].map(|mode| format!("{mode:?}"));
+    assert_eq!(names, ["free", "at the stop"]);
+    assert!(OTHER.takes_energy(&Mode::Free, &Mode::Free));
+    assert!(!OTHER.takes_energy(&Mode::AtStop, &Mode::Free));
 }

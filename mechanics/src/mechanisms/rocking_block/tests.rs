@@ -5,7 +5,9 @@ use deltazero_study::setting::Events;
 use num_dual::{Dual2_64, DualNum as _};
 
 use super::*;
-use crate::mechanisms::test_runs::{Run, balance, by_every_method, distance, setting};
+use crate::mechanisms::test_runs::{
+    Run, assert_numbers, balance, by_every_method, distance, setting,
+};
 
 /// Before the impacts accumulate [s].
 const DEFAULT_END: f64 = 7.5;
@@ -206,4 +208,141 @@ fn a_block_that_topples_balances_by_what_moved_though_its_energy_is_below_zero()
     let run = integrate(&block, &setting("radau5", 1e-12), start, 0.2, &mut record);
     assert!(record.at(&run.mode, run.t, &run.y).unwrap().kinetic < 0.0);
     assert_eq!(record.check.warnings(Some(1e-12)), []);
+}
+
+const OTHER: RockingBlock = RockingBlock {
+    mass: 850.0,
+    half_width: 0.25,
+    half_height: 0.7,
+    gravity: 9.7,
+    restitution: None,
+    base_amplitude: 2.1,
+    base_frequency: 5.5,
+    start_angle: 0.13,
+    start_velocity: -0.6,
+};
+
+/// Rates, guards and their bounds, in roundings.
+fn numbers(block: &RockingBlock, mode: Mode, y: [f64; 3]) -> [[f64; 3]; 3] {
+    let [mut dydt, mut guards, mut bounds] = [[0.0; 3]; 3];
+    block.rhs(mode, 0.0, &y, &mut dydt);
+    block.guards(mode, 0.0, &y, &mut guards);
+    block.guard_bounds(mode, 0.0, &y, &mut bounds);
+    [dydt, guards, bounds.map(|bound| bound / ROUNDING)]
+}
+
+/// Depth, rate and force of a corner.
+fn touch(block: &RockingBlock, mode: Mode, y: &[f64; 3], corner: Corner) -> [f64; 3] {
+    let site = usize::from(corner == Corner::Right);
+    let Touch { depth, rate, force } = block.touch(&mode, 0.0, y, site).unwrap();
+    [depth, rate, force]
+}
+
+#[test]
+fn its_lengths_and_scales_are_those_of_the_equations() {
+    let own = [OTHER.radius(), OTHER.slenderness(), OTHER.frequency(), OTHER.velocity_ratio()];
+    let expected = [
+        0.743_303_437_365_925_3,
+        0.343_023_940_420_703_4,
+        3.128_480_326_395_924,
+        0.830_316_742_081_448,
+    ];
+    assert_numbers("R, α, p, r", &own, &expected);
+    let own = [OTHER.overturned_at(), OTHER.least_to_tilt(), OTHER.unit_of_time()];
+    let expected = [1.128_422_103_818_151_7, 3.464_285_714_285_714_3, 0.319_644_011_043_541_2];
+    assert_numbers("α + π/4, g tan α, 1/p", &own, &expected);
+    let scales: Vec<f64> = OTHER.states().iter().map(|state| state.scale).collect();
+    assert_numbers("scales", &scales, &[0.343_023_940_420_703_4, 1.073_143_649_088_978, 2.0 * PI]);
+    assert_eq!(OTHER.groups().len(), 2);
+    assert_eq!(OTHER.start(), [0.13, -0.6, 0.0]);
+}
+
+#[test]
+fn a_block_on_its_right_corner_has_the_numbers_of_the_equations() {
+    let (mode, y) = (Mode::Rocks(Corner::Right), [0.13, -0.6, 0.7]);
+    let [rates, guards, bounds] = numbers(&OTHER, mode, y);
+    assert_numbers("rates", &rates, &[-0.6, -3.403_404_972_512_186_6, 5.5]);
+    assert_numbers("guards", &guards, &[0.13, 0.998_422_103_818_151_7, 0.917_899_577_315_662_9]);
+    let expected = [0.182_888_210_910_479_73, 1.128_422_103_818_151_7, 2.395_004_192_788_855_6];
+    assert_numbers("bounds", &bounds, &expected);
+    let right = touch(&OTHER, mode, &y, Corner::Right);
+    assert_numbers("right corner", &right, &[0.0, 0.0, 7_568.082_014_967_64]);
+    let left = touch(&OTHER, mode, &y, Corner::Left);
+    let expected = [-0.064_817_071_309_847_43, 0.297_468_568_114_436_4, 0.0];
+    assert_numbers("left corner", &left, &expected);
+    let energy = OTHER.energies(&mode, 0.0, &y).unwrap();
+    assert_numbers("energy", &[energy.kinetic, energy.elastic], &[331.217_846_049_745_2, 0.0]);
+    let power = OTHER.powers(&mode, 0.0, &y).unwrap().drive;
+    assert_numbers("power", &[power], &[501.255_148_598_805_74]);
+}
+
+#[test]
+fn a_block_on_its_left_corner_has_the_numbers_of_the_equations() {
+    let (mode, y) = (Mode::Rocks(Corner::Left), [-0.21, -0.4, 2.9]);
+    let [rates, guards, bounds] = numbers(&OTHER, mode, y);
+    assert_numbers("rates", &rates, &[-0.4, 0.795_649_401_080_505_4, 5.5]);
+    assert_numbers("guards", &guards, &[0.21, 0.918_422_103_818_151_7, 0.979_761_073_174_817]);
+    let expected = [0.310_546_798_491_092_5, 1.128_422_103_818_151_7, 2.856_482_253_447_726_7];
+    assert_numbers("bounds", &bounds, &expected);
+    let left = touch(&OTHER, mode, &y, Corner::Left);
+    assert_numbers("left corner", &left, &[0.0, 0.0, 8_078.130_048_326_367]);
+    let right = touch(&OTHER, mode, &y, Corner::Right);
+    let expected = [-0.104_229_949_923_049_8, -0.195_606_182_944_829_65, 0.0];
+    assert_numbers("right corner", &right, &expected);
+    let energy = OTHER.energies(&mode, 0.0, &y).unwrap();
+    assert_numbers("energy", &[energy.kinetic], &[352.986_726_221_527_7]);
+    let power = OTHER.powers(&mode, 0.0, &y).unwrap().drive;
+    assert_numbers("power", &[power], &[125.852_311_081_390_85]);
+}
+
+#[test]
+fn a_block_at_rest_has_the_numbers_of_the_equations() {
+    let (mode, y) = (Mode::AtRest, [0.0, 0.0, 0.7]);
+    let [rates, guards, bounds] = numbers(&OTHER, mode, y);
+    assert_eq!(rates, [0.0, 0.0, 5.5]);
+    assert_numbers("guards", &guards, &[4.817_142_857_484_865, 2.111_428_571_086_563, 1.0]);
+    let tilts = 7.034_285_714_285_714;
+    assert_numbers("bounds", &bounds, &[tilts, tilts, 1.0]);
+    let [left, right] = [Corner::Left, Corner::Right].map(|at| touch(&OTHER, mode, &y, at));
+    assert_numbers("left corner", &left, &[0.0, 0.0, 5_732.400_000_406_99]);
+    assert_numbers("right corner", &right, &[0.0, 0.0, 2_512.599_999_593_01]);
+    assert_eq!(OTHER.energies(&mode, 0.0, &y), Some(Energy::default()));
+    assert_eq!(OTHER.powers(&mode, 0.0, &y), Some(Power::default()));
+}
+
+#[test]
+fn each_guard_is_of_the_corner_that_it_moves() {
+    let (left, right) = (Mode::Rocks(Corner::Left), Mode::Rocks(Corner::Right));
+    let site = |mode: Mode, guard: usize| OTHER.site_name(OTHER.site_of_guard(&mode, guard));
+    // Rocking, the other corner lands; the corner that carries stops to press, or the block falls over it.
+    for (mode, carrier, other) in
+        [(left, "left corner", "right corner"), (right, "right corner", "left corner")]
+    {
+        assert_eq!([0, 1, 2].map(|guard| site(mode, guard)), [other, carrier, carrier]);
+    }
+    assert_eq!([0, 1].map(|guard| site(Mode::AtRest, guard)), ["left corner", "right corner"]);
+    for (mode, roles) in [
+        (left, [Role::Contact, Role::Free]),
+        (right, [Role::Free, Role::Contact]),
+        (Mode::AtRest, [Role::Contact, Role::Contact]),
+    ] {
+        assert_eq!([0, 1].map(|site| OTHER.role(&mode, site)), roles, "{mode:?}");
+        assert_eq!(OTHER.takes_energy(&mode, &Mode::AtRest), mode != Mode::AtRest);
+    }
+    let names = [left, right, Mode::AtRest].map(|mode| format!("{mode:?}"));
+    assert_eq!(names, ["on the left corner", "on the right corner", "at rest"]);
+}
+
+#[test]
+fn the_start_tells_the_corner_and_none_is_rest() {
+    let mode = |theta: f64, omega: f64| OTHER.initial_mode(0.0, &[theta, omega, 0.0]);
+    assert!(mode(0.1, -1.0) == Mode::Rocks(Corner::Right));
+    assert!(mode(-0.1, 1.0) == Mode::Rocks(Corner::Left));
+    assert!(mode(0.0, 1.0) == Mode::Rocks(Corner::Right));
+    assert!(mode(0.0, -1.0) == Mode::Rocks(Corner::Left));
+    assert!(mode(0.0, 0.0) == Mode::AtRest);
+    let plastic = RockingBlock { restitution: Some(0.0), ..OTHER };
+    let mut y = [1e-17, -0.3, 0.7];
+    let next = plastic.transition(Mode::Rocks(Corner::Right), GUARD_GROUND, 0.0, &mut y);
+    assert_eq!((next, y), (Next::Mode(Mode::AtRest), [0.0, 0.0, 0.7]));
 }
