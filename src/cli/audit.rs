@@ -30,17 +30,17 @@ pub(super) struct AuditArgs {
 pub(super) fn run(args: &AuditArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let config =
         one_bay(default_only(args.run.load()?, "the claims are those of the struts' paper")?)?;
-    let used = used(&config)?;
+    let asked = used(&config)?;
+    let dir = args.run.to.dir("deltazero-out/audit");
+    let output = Output::open(&dir, hash("audit", &asked), args.run.to.force)?;
     warn(&config.warnings(), args.run.to.quiet);
-    let unused = differing(&config.to_json(), &used);
+    let unused = differing(&config.to_json(), &asked);
     if !unused.is_empty() && !args.run.to.quiet {
         let unused = unused.join(", ");
         say(&format!(
-            "warning: an audit does not use {unused}: its readings, methods and times are those of its claims"
+            "warning: an audit does not use {unused}: readings, methods, tolerances and times are those of its claims"
         ));
     }
-    let dir = args.run.to.dir("deltazero-out/audit");
-    let output = Output::open(&dir, hash("audit", &used), args.run.to.force)?;
     output.remove_of_another(RECORD, &FILES, &figures::OF_AUDITS)?;
     let bar = Bar::new(args.run.to.quiet);
     let audit = audit(&config, or_cores(args.threads), stop, &|progress| bar.show(progress));

@@ -170,7 +170,7 @@ fn threads_change_nothing_and_every_figure_has_data() {
     let scratch = Scratch::new();
     // Torques 120 times as strong open the struts in an eleventh of the time.
     let run = |dir: &str, threads: &str| {
-        let sets = ["drive.m1=120", "drive.m4=36"];
+        let sets = ["drive.m1=120", "drive.m4=36", "contact.restitution=0.4", "reading=full"];
         let args = with_sets(&["audit", "--out", dir, "--threads", threads, "--quiet"], &sets);
         scratch.succeed(&args)
     };

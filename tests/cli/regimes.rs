@@ -48,8 +48,11 @@ fn cells(table: &Table) -> Vec<(f64, f64, f64)> {
 #[test]
 fn every_cell_is_a_row_with_its_winner_and_threads_change_nothing_but_times() {
     let scratch = Scratch::new();
-    regimes(&scratch, "one", &["--threads", "1"]);
-    regimes(&scratch, "two", &["--threads", "2", "--quiet"]);
+    let unused = ["--set", "contact.restitution=0.4"];
+    let args = with_sets(&["regimes", "--out", "one", "--threads", "1"], &SMALL);
+    let ran = scratch.succeed(&[&args[..], &unused[..]].concat());
+    assert!(ran.stderr.contains("contact.law = power does not have it"), "{}", ran.stderr);
+    regimes(&scratch, "two", &[&["--threads", "2", "--quiet"], &unused[..]].concat());
     let table = scratch.table("one/regimes.csv");
     let grid: Vec<(f64, f64, f64)> = [1e-3, 1e-5]
         .into_iter()

@@ -125,11 +125,12 @@ def summary(rows):
 def write(name, rows):
     """Writes the rows to results/ in the place of those of the same models, and their summary."""
     path = os.path.join(HERE, "..", "results", name)
-    with open(path + ".csv", newline="") as file:
-        before = [tuple(row) for row in csv.reader(file)][1:]
-    measured = {row[0] for row in rows}
-    rows = [row for row in before if row[0] not in measured] + rows
-    order = [model.name for model in models.MODELS + contacts.MODELS]
+    before = []
+    if os.path.exists(path + ".csv"):
+        with open(path + ".csv", newline="") as file:
+            before = [tuple(row) for row in csv.reader(file)][1:]
+    names, order = {row[0] for row in rows}, [model.name for model in models.MODELS + contacts.MODELS]
+    rows = [row for row in before if row[0] in order and row[0] not in names] + rows
     rows.sort(key=lambda row: order.index(row[0]))
     with open(path + ".csv", "w", newline="") as file:
         table = csv.writer(file)

@@ -16,7 +16,7 @@ const EXACT: f64 = 9_007_199_254_740_992.0;
 /// named, counted from 0.
 ///
 /// # Errors
-/// A wrong type, a number out of range, an unknown word, a list that is empty, or that has an entry twice.
+/// A wrong type, a number out of range, an unknown word, an empty list, a set that has an entry twice.
 pub(super) fn check(
     kind: &Kind,
     key: &str,

@@ -18,7 +18,7 @@ pub enum Place {
     },
     /// An argument of `--set`.
     Set(Box<str>),
-    /// A key that varies from run to run: what gave its value, in words.
+    /// A key that varies from run to run: its value, or the argument that lets it vary.
     Varied(Box<str>),
     /// A configuration in JSON, as in `run.json`.
     Json,

@@ -1,3 +1,6 @@
+//! What a report says of each mechanism, as in `words.txt`: the words are those that it prints, and their numbers are held by tests of
+//! the laws and of the mechanisms. And which values are refused.
+
 use std::fmt::Write as _;
 
 use deltazero_text::models::MODELS;

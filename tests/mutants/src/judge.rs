@@ -12,14 +12,14 @@ use crate::Failure;
 use crate::mutant::Mutant;
 use crate::tests::{BUDGET, Ended, Test, on_all_processors};
 
-/// Judges the changes of these numbers, and adds each to DIR/outcomes.txt as it comes out; what stands there is not judged again.
+/// Judges the changes of these numbers, and adds each to the part's outcomes.txt as it comes out; what stands there is not judged again.
 pub fn judge(
     mutants: &[Mutant],
     chosen: &[usize],
     tests: &[Test],
-    dir: &Path,
+    part: &Path,
 ) -> Result<(), Failure> {
-    let path = dir.join("outcomes.txt");
+    let path = part.join("outcomes.txt");
     let before = std::fs::read_to_string(&path).unwrap_or_default();
     let known: HashSet<&str> =
         before.lines().filter_map(|line| Some(line.split_once(' ')?.1)).collect();

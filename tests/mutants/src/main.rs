@@ -25,6 +25,9 @@ fn main() -> Result<(), Failure> {
     let [shard, dir] = arguments.as_slice() else { return Err("mutants K/N DIR".into()) };
     let (k, n) = shard.split_once('/').ok_or("K/N: the part, and the number of parts")?;
     let (k, n): (usize, usize) = (k.parse()?, n.parse()?);
+    if k >= n {
+        return Err("K/N: K is from 0 to N − 1".into());
+    }
     let dir = Path::new(dir);
     let part = dir.join(format!("{k}-of-{n}"));
     std::fs::create_dir_all(&part)?;

@@ -31,7 +31,7 @@ pub enum Ended {
     Late,
 }
 
-/// What all tests of one change may take, the longest of which are left out: a change may count as missed that one of those sees.
+/// All tests of one change take at most this long together. Longer ones are left out: what only they see counts as missed.
 pub const BUDGET: Duration = Duration::from_secs(20);
 
 /// What a test may take beyond ten times what it takes without a change: an endless loop is a change that is seen.
@@ -50,9 +50,9 @@ impl Test {
 
     /// Runs it with one variable set, for so long at most.
     fn run(&self, variable: (&str, &str), limit: Duration) -> Result<Ended, Failure> {
-        // A change may ask for all memory.
+        // A change may ask for all memory. What is left behind when this program is broken off ends by itself.
         let mut child = Command::new("sh")
-            .args(["-c", "ulimit -v 4000000; exec \"$@\"", "sh"])
+            .args(["-c", "ulimit -v 4000000 -t 600; exec \"$@\"", "sh"])
             .arg(&self.program)
             .args(["--exact", &self.name, "--test-threads=1"])
             .env(variable.0, variable.1)
@@ -79,9 +79,9 @@ impl Test {
     }
 }
 
-/// All tests of these programs that pass in time, the shortest first, each run once to see what it reaches. They are kept in DIR/tests.json.
-pub fn recorded(programs: &[Program], dir: &Path) -> Result<Vec<Test>, Failure> {
-    let kept = dir.join("tests.json");
+/// All tests of these programs that pass in time, the shortest first, each run once to see what it reaches. They are kept in the part's tests.json.
+pub fn recorded(programs: &[Program], part: &Path) -> Result<Vec<Test>, Failure> {
+    let kept = part.join("tests.json");
     if let Ok(text) = std::fs::read(&kept) {
         return Ok(serde_json::from_slice(&text)?);
     }
@@ -105,7 +105,7 @@ pub fn recorded(programs: &[Program], dir: &Path) -> Result<Vec<Test>, Failure> 
     }
     let (todo, done) = (Mutex::new(todo), Mutex::new(Vec::new()));
     on_all_processors(|thread| {
-        let reached = dir.join(format!("reached.{thread}"));
+        let reached = part.join(format!("reached.{thread}"));
         while let Some(mut test) = todo.lock().map_err(|_| "a thread failed")?.pop() {
             let _ = std::fs::remove_file(&reached);
             let begin = Instant::now();

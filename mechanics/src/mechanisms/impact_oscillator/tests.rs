@@ -322,6 +322,9 @@ fn an_overdamped_mass_without_a_force_creeps_to_rest_as_in_closed_form() {
     }
 }
 
+/// Measured: 5.5e-16.
+const EXACT: f64 = 5e-15;
+
 const OTHER: ImpactOscillator = ImpactOscillator {
     mass: 1.3,
     damping: 0.9,
@@ -339,26 +342,26 @@ fn the_mass_has_the_numbers_of_the_equations() {
     let (t, y) = (0.31, OTHER.start());
     let mut rates = [0.0; 2];
     OTHER.rhs(Mode::Free, t, &y, &mut rates);
-    assert_numbers("rates", &rates, &[0.5, -4.119_703_265_864_362]);
+    assert_numbers("rates", EXACT, &rates, &[0.5, -4.119_703_265_864_362]);
     OTHER.rhs(Mode::AtStop, t, &y, &mut rates);
     assert_eq!(rates, [0.0; 2]);
     let scales: Vec<f64> = OTHER.states().iter().map(|state| state.scale).collect();
-    assert_numbers("scales", &scales, &[0.179_090_909_090_909_1, 1.647_396_759_713_968_8]);
-    assert_numbers("period", &[OTHER.unit_of_time()], &[1.142_397_328_578_106_6]);
+    assert_numbers("scales", EXACT, &scales, &[0.179_090_909_090_909_1, 1.647_396_759_713_968_8]);
+    assert_numbers("period", EXACT, &[OTHER.unit_of_time()], &[1.142_397_328_578_106_6]);
     let load = -9.305_614_245_623_671;
     let mut guard = [0.0];
     OTHER.guards(Mode::AtStop, t, &y, &mut guard);
-    assert_numbers("load", &guard, &[load]);
+    assert_numbers("load", EXACT, &guard, &[load]);
     OTHER.guards(Mode::Free, t, &y, &mut guard);
     assert_eq!(guard, [0.04]);
     let energy = OTHER.energies(&Mode::Free, t, &y).unwrap();
-    assert_numbers("energy", &[energy.kinetic, energy.elastic], &[0.212, 0.0]);
+    assert_numbers("energy", EXACT, &[energy.kinetic, energy.elastic], &[0.212, 0.0]);
     let power = OTHER.powers(&Mode::Free, t, &y).unwrap();
     let expected = [-0.802_807_122_811_835_6, 0.225, 0.0];
-    assert_numbers("powers", &[power.drive, power.damping, power.friction], &expected);
+    assert_numbers("powers", EXACT, &[power.drive, power.damping, power.friction], &expected);
     for (mode, force) in [(Mode::Free, 0.0), (Mode::AtStop, load)] {
         let Touch { depth, rate, force: found } = OTHER.touch(&mode, t, &y, 0).unwrap();
-        assert_numbers("touch", &[depth, rate, found], &[-0.04, 0.5, force]);
+        assert_numbers("touch", EXACT, &[depth, rate, found], &[-0.04, 0.5, force]);
     }
 }
 
@@ -375,9 +378,9 @@ fn guards_are_rounded_by_the_height_of_the_bounce() {
         ([-0.04, 3.0], 0.366_134_383_902_765_4),
         ([0.0, 0.0], 1.790_909_090_909_091e-10),
     ] {
-        assert_numbers("bound", &[bound(Mode::Free, y)], &[expected]);
+        assert_numbers("bound", EXACT, &[bound(Mode::Free, y)], &[expected]);
     }
-    assert_numbers("bound", &[bound(Mode::AtStop, [0.0, 0.0])], &[40.16]);
+    assert_numbers("bound", EXACT, &[bound(Mode::AtStop, [0.0, 0.0])], &[40.16]);
 }
 
 #[test]
