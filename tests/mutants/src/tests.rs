@@ -52,7 +52,7 @@ impl Test {
     fn run(&self, variable: (&str, &str), limit: Duration) -> Result<Ended, Failure> {
         // A change may ask for all memory. What is left behind when this program is broken off ends by itself.
         let mut child = Command::new("sh")
-            .args(["-c", "ulimit -v 4000000 -t 600; exec \"$@\"", "sh"])
+            .args(["-c", "ulimit -v 4000000; ulimit -t 600; exec \"$@\"", "sh"])
             .arg(&self.program)
             .args(["--exact", &self.name, "--test-threads=1"])
             .env(variable.0, variable.1)
