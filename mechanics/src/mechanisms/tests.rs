@@ -113,6 +113,11 @@ fn a_mechanism_is_refused_from_the_value_on_at_which_it_cannot_move() {
     let crank = ("slider_crank.crank_length", 0.05);
     assert_limit("slider_crank.rod_length", 0.05 + 0.01, false, &[crank, clearance]);
 
+    assert_limit("impact_oscillator.start_position", 0.0, true, &[]);
+    let (no_force, no_gap) = (("impact_oscillator.amplitude", 0.0), ("impact_oscillator.gap", 0.0));
+    assert!(is_refused(&[no_force, no_gap]));
+    assert!(!is_refused(&[no_force]) && !is_refused(&[no_gap]));
+
     let alpha = libm::atan2(0.2, 0.8);
     let overturned = alpha + std::f64::consts::FRAC_PI_4;
     assert_limit("rocking_block.start_angle", overturned, true, &[]);
@@ -120,4 +125,16 @@ fn a_mechanism_is_refused_from_the_value_on_at_which_it_cannot_move() {
     // 1 − (3/2) sin²α ≥ 0: tan α ≤ √2.
     let height = ("rocking_block.half_height", 1.0);
     assert_limit("rocking_block.half_width", 2f64.sqrt(), true, &[height]);
+}
+
+#[test]
+fn mechanisms_are_equal_if_name_and_values_are() {
+    let chosen = |sets: &[&str]| {
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        Config::load(None, &sets).unwrap().mechanism
+    };
+    let block = chosen(&["mechanism=rocking-block"]);
+    assert_eq!(block, chosen(&["mechanism=rocking-block", "rocking_block.mass=1000"]));
+    assert_ne!(block, chosen(&["mechanism=rocking-block", "rocking_block.mass=999"]));
+    assert_ne!(block, chosen(&["mechanism=impact-oscillator"]));
 }

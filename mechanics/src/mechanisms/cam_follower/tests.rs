@@ -387,3 +387,13 @@ fn its_modes_are_told_by_what_touches() {
     let pulled = [DENTED[0], 3.0, DENTED[2]];
     assert!(matches!(cam.initial_mode(0.0, &pulled), Mode::Relaxing(_)));
 }
+
+#[test]
+fn a_cam_that_presses_harder_than_the_law_can_carry_is_refused_before_it_moves() {
+    let cam = under_law("johnson", false);
+    assert!(cam.check().is_ok());
+    let pressed = CamFollower { preload: 2.0 * cam.normal.elastic.strongest(), ..cam };
+    let run = integrate(&pressed, &setting("rk45", 1e-9), [0.0; 3], 1e-3, &mut ());
+    let error = run.outcome.unwrap_err();
+    assert!(matches!(error, Error::Refused { .. }) && run.stats.work.n_rhs == 0, "{error}");
+}
